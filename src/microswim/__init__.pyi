@@ -1,0 +1,23 @@
+# The public face: every public name, once. `microswim.X` imports its module on first use.
+
+from . import data as data
+from .bodies import Ellipsoid as Ellipsoid
+from .bodies import NoBody as NoBody
+from .bodies import Sphere as Sphere
+from .bodies import Spheroid as Spheroid
+from .coefficients import Constant as Constant
+from .coefficients import Cox as Cox
+from .coefficients import GrayHancock as GrayHancock
+from .coefficients import Lighthill as Lighthill
+from .errors import MicroswimError as MicroswimError
+from .errors import SpecError as SpecError
+from .gait import Gait as Gait
+from .interaction import Interaction as Interaction
+from .swimmer import Fluid as Fluid
+from .swimmer import Motion as Motion
+from .swimmer import Swimmer as Swimmer
+from .tails import CustomTail as CustomTail
+from .tails import HelicalTail as HelicalTail
+from .tails import PlaneWaveTail as PlaneWaveTail
+
+__version__: str

@@ -1,0 +1,57 @@
+# make demo    a swimmer swims: numbers, pictures, a report    (installs what it needs into .venv)
+# make test    everything a change must pass
+# make slow    the long checks as well
+# make bench   timings, written to benchmarks/
+# make docs    the documentation, into site/
+# make clean   away with all that
+PYTHON ?= python3
+VENV   ?= .venv
+PYTEST_ARGS ?=
+
+BIN := $(VENV)/bin
+INSTALL := $(BIN)/python -m pip install --quiet --disable-pip-version-check -c constraints.txt
+
+.PHONY: demo test lint slow bench docs clean
+
+demo: $(VENV)/.core
+	@$(BIN)/microswim demo
+
+test: lint
+	@$(BIN)/pytest $(PYTEST_ARGS)
+
+lint: $(VENV)/.test
+	@$(BIN)/ruff check .
+	@$(BIN)/ruff format --check .
+	@$(BIN)/pyright --pythonpath $(BIN)/python
+	@$(BIN)/lint-imports
+
+slow: $(VENV)/.test
+	@$(BIN)/pytest -m "slow or not slow" $(PYTEST_ARGS)
+
+bench: $(VENV)/.test
+	@set -e; for script in benchmarks/bench_*.py; do $(BIN)/python "$$script"; done
+
+docs: $(VENV)/.docs
+	@$(BIN)/mkdocs build --strict --quiet
+	@echo "documentation: site/index.html"
+
+clean:
+	rm -rf $(VENV) site build dist out .pytest_cache .ruff_cache .hypothesis .import_linter_cache
+	find src tests examples benchmarks -name __pycache__ -prune -exec rm -rf {} + 2>/dev/null || true
+
+# One stamp for each set of extras: a second call installs nothing.
+$(VENV)/.core: pyproject.toml constraints.txt
+	@test -x $(BIN)/python || $(PYTHON) -m venv $(VENV)
+	@echo "installing microswim into $(VENV) ..."
+	@$(INSTALL) -e .
+	@touch $@
+
+$(VENV)/.test: $(VENV)/.core
+	@echo "installing the test tools and extras into $(VENV) ..."
+	@$(INSTALL) -e ".[test]"
+	@touch $@
+
+$(VENV)/.docs: $(VENV)/.core
+	@echo "installing the documentation tools into $(VENV) ..."
+	@$(INSTALL) -e ".[docs]"
+	@touch $@

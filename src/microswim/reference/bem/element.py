@@ -1,0 +1,149 @@
+"""Reference square [-1, 1]^2 of the boundary elements: nodes, interpolation, Duffy rules.
+
+A patch holds its geometry as a polynomial through q x q Chebyshev nodes of the exact map, and its
+density as a polynomial through p x p Gauss nodes, which are the collocation points. Depends on numpy.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import lru_cache
+
+import numpy as np
+from numpy.typing import NDArray
+
+Array = NDArray[np.float64]
+
+GEOMETRY_NODES = 8
+MAX_LEVEL = 5
+
+
+def chebyshev_nodes(q: int = GEOMETRY_NODES) -> Array:
+    """Chebyshev nodes of the first kind, ascending."""
+    return -np.cos((np.arange(q) + 0.5) * np.pi / q)
+
+
+def lagrange(nodes: Array, x: Array) -> tuple[Array, Array]:
+    """Lagrange polynomials through `nodes` and their derivatives at x, each (x.size, nodes.size)."""
+    x = np.atleast_1d(x)
+    n = nodes.size
+    value, slope = np.ones((x.size, n)), np.zeros((x.size, n))
+    for j in range(n):
+        for m in range(n):
+            if m == j:
+                continue
+            scale = 1.0 / (nodes[j] - nodes[m])
+            slope[:, j] = slope[:, j] * (x - nodes[m]) * scale + value[:, j] * scale
+            value[:, j] *= (x - nodes[m]) * scale
+    return value, slope
+
+
+@dataclass(frozen=True)
+class CellTables:
+    """Interpolation from a patch to its dyadic cells, one direction; index 2^level - 1 + place.
+
+    value, slope: (cells, g, q) geometry at the g Gauss points; middle, middle_slope: (cells, q) at
+    the cell's centre; basis: (cells, g, p) density; weight: (cells, g) Gauss weights of the cell;
+    half: (cells,) half width.
+    """
+
+    value: Array
+    slope: Array
+    middle: Array
+    middle_slope: Array
+    basis: Array
+    weight: Array
+    half: Array
+
+
+@lru_cache(maxsize=16)
+def cell_tables(p: int, g: int) -> CellTables:
+    """Tables of all cells down to MAX_LEVEL for order p and g Gauss points a side."""
+    geometry, density = chebyshev_nodes(), np.polynomial.legendre.leggauss(p)[0]
+    x, w = np.polynomial.legendre.leggauss(g)
+    rows: list[list[Array]] = [[] for _ in range(6)]
+    halves = []
+    for level in range(MAX_LEVEL + 1):
+        half = 0.5**level
+        for place in range(2**level):
+            centre = -1.0 + (2 * place + 1) * half
+            value, slope = lagrange(geometry, centre + half * x)
+            middle, middle_slope = lagrange(geometry, np.array([centre]))
+            basis = lagrange(density, centre + half * x)[0]
+            parts = (value, slope, middle[0], middle_slope[0], basis, w * half)
+            for row, part in zip(rows, parts, strict=True):
+                row.append(part)
+            halves.append(half)
+    return CellTables(*(np.ascontiguousarray(row) for row in rows), half=np.array(halves))
+
+
+def _fan(u0: float, v0: float, aspect: float, radial: int, angular: int) -> Array:
+    """Duffy points (u, v, weight) of the four triangles with apex (u0, v0).
+
+    Along each edge the substitution t = h sinh(tau), h the apex's distance in the stretched metric
+    (u lengths times `aspect`), takes out the nearby pole of 1/sqrt(h^2 + t^2).
+    """
+    xr, wr = np.polynomial.legendre.leggauss(radial)
+    rho, wr = 0.5 * (xr + 1), 0.5 * wr
+    xa, wa = np.polynomial.legendre.leggauss(angular)
+    points = []
+    for axis, end in ((0, -1.0), (0, 1.0), (1, -1.0), (1, 1.0)):
+        apex, along = (u0, v0) if axis == 0 else (v0, u0)
+        stretch = aspect if axis == 0 else 1.0 / aspect
+        height = abs(end - apex)
+        h = height * stretch
+        low, high = np.arcsinh((-1.0 - along) / h), np.arcsinh((1.0 - along) / h)
+        tau = 0.5 * (low + high) + 0.5 * (high - low) * xa
+        t = h * np.sinh(tau)
+        weight = 0.5 * (high - low) * wa * h * np.cosh(tau)
+        first = apex + np.outer(rho, np.full(angular, end - apex))
+        second = along + np.outer(rho, t)
+        both = np.outer(wr * rho, weight) * height
+        u, v = (first, second) if axis == 0 else (second, first)
+        points.append(np.stack([u.ravel(), v.ravel(), both.ravel()], axis=-1))
+    return np.concatenate(points)
+
+
+@dataclass(frozen=True)
+class OwnRule:
+    """Singular rule of every collocation node of a patch with a given aspect ratio.
+
+    value, along_u, along_v: (nodes * m, q^2) geometry; basis: (nodes, m, p^2); weight: (nodes, m).
+    """
+
+    value: Array
+    along_u: Array
+    along_v: Array
+    basis: Array
+    weight: Array
+
+
+@lru_cache(maxsize=64)
+def own_rule(p: int, steps: int, radial: int, angular: int) -> OwnRule:
+    """Rule for patches whose length in u over that in v is about 2^(steps/2)."""
+    geometry, nodes = chebyshev_nodes(), np.polynomial.legendre.leggauss(p)[0]
+    aspect = 2.0 ** (0.5 * steps)
+    fans = [_fan(u, v, aspect, radial, angular) for u in nodes for v in nodes]
+    fan = np.stack(fans)
+    m = fan.shape[1]
+    u, v = fan[..., 0].ravel(), fan[..., 1].ravel()
+    (Lu, Du), (Lv, Dv) = lagrange(geometry, u), lagrange(geometry, v)
+    Bu, Bv = lagrange(nodes, u)[0], lagrange(nodes, v)[0]
+
+    def product(a: Array, b: Array) -> Array:
+        return np.einsum("xi,xj->xij", a, b).reshape(a.shape[0], -1)
+
+    return OwnRule(
+        value=product(Lu, Lv),
+        along_u=product(Du, Lv),
+        along_v=product(Lu, Dv),
+        basis=product(Bu, Bv).reshape(p * p, m, p * p),
+        weight=fan[..., 2],
+    )
+
+
+def patch_matrix(p: int) -> tuple[Array, Array, Array]:
+    """Geometry (value, d/du, d/dv) at the p x p Gauss nodes from q x q nodes: (p^2, q^2) each."""
+    nodes = np.polynomial.legendre.leggauss(p)[0]
+    L, D = lagrange(chebyshev_nodes(), nodes)
+    return np.kron(L, L), np.kron(D, L), np.kron(L, D)

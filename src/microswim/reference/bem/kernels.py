@@ -1,0 +1,299 @@
+"""Numba kernels of the single layer: u(x) = 1/(8 pi mu) int G(x, y) f(y) dS(y).
+
+    G_ij = delta_ij / r + r_i r_j / r^3,  r = x - y                         (free space)
+
+Far patches take the plain Gauss rule, nearer ones a finer rule on cells that are halved until each
+lies `near` half lengths from the target. Cells of a patch are evaluated once and kept for all
+targets. The blocks are 1/(8 pi mu) free: the caller scales. Depends on numba.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+from numba import njit, prange
+
+LEVELS = 6
+CELLS = 2**LEVELS - 1
+
+
+@njit(cache=True, fastmath=True)
+def _evaluate_cell(C, V, D, W, a, b, out):
+    """Points and weighted areas (4, g*g) of the cell (a, b) of a patch with geometry C (q, q, 3)."""
+    g, q = V.shape[1], V.shape[2]
+    for m in range(g):
+        for n in range(g):
+            X0 = X1 = X2 = U0 = U1 = U2 = T0 = T1 = T2 = 0.0
+            for i in range(q):
+                p0 = p1 = p2 = s0 = s1 = s2 = 0.0
+                for j in range(q):
+                    v, d = V[b, n, j], D[b, n, j]
+                    p0 += v * C[i, j, 0]
+                    p1 += v * C[i, j, 1]
+                    p2 += v * C[i, j, 2]
+                    s0 += d * C[i, j, 0]
+                    s1 += d * C[i, j, 1]
+                    s2 += d * C[i, j, 2]
+                v, d = V[a, m, i], D[a, m, i]
+                X0 += v * p0
+                X1 += v * p1
+                X2 += v * p2
+                U0 += d * p0
+                U1 += d * p1
+                U2 += d * p2
+                T0 += v * s0
+                T1 += v * s1
+                T2 += v * s2
+            n0, n1, n2 = U1 * T2 - U2 * T1, U2 * T0 - U0 * T2, U0 * T1 - U1 * T0
+            k = m * g + n
+            out[0, k], out[1, k], out[2, k] = X0, X1, X2
+            out[3, k] = W[a, m] * W[b, n] * np.sqrt(n0 * n0 + n1 * n1 + n2 * n2)
+
+
+@njit(cache=True, fastmath=True)
+def _frame_cell(C, M, S, half, a, b, out):
+    """Centre and half lengths (5,) of the cell (a, b)."""
+    q = M.shape[1]
+    out[:] = 0.0
+    u = np.zeros(3)
+    v = np.zeros(3)
+    for i in range(q):
+        for j in range(q):
+            for c in range(3):
+                x = C[i, j, c]
+                out[c] += M[a, i] * M[b, j] * x
+                u[c] += S[a, i] * M[b, j] * x
+                v[c] += M[a, i] * S[b, j] * x
+    out[3] = half[a] * np.sqrt(u[0] ** 2 + u[1] ** 2 + u[2] ** 2)
+    out[4] = half[b] * np.sqrt(v[0] ** 2 + v[1] ** 2 + v[2] ** 2)
+
+
+@njit(cache=True, fastmath=True)
+def _add_free(x, P, Ba, Bb, K, acc):
+    """Add the free-space integral over one cell to acc (p*p, 9): rows i, columns j of G."""
+    n = P.shape[1]
+    for k in range(n):
+        d0, d1, d2 = x[0] - P[0, k], x[1] - P[1, k], x[2] - P[2, k]
+        inverse = 1.0 / np.sqrt(d0 * d0 + d1 * d1 + d2 * d2)
+        w = P[3, k] * inverse
+        t = w * inverse * inverse
+        K[0, k] = w + t * d0 * d0
+        K[1, k] = t * d0 * d1
+        K[2, k] = t * d0 * d2
+        K[3, k] = w + t * d1 * d1
+        K[4, k] = t * d1 * d2
+        K[5, k] = w + t * d2 * d2
+    g, p = Ba.shape
+    for c in range(6):
+        for bu in range(p):
+            for bv in range(p):
+                total = 0.0
+                for m in range(g):
+                    part = 0.0
+                    for k in range(g):
+                        part += Bb[k, bv] * K[c, m * g + k]
+                    total += Ba[m, bu] * part
+                acc[bu * p + bv, c] += total
+
+
+@njit(cache=True, fastmath=True)
+def _add_image(x, wall, P, Ba, Bb, acc):
+    """Add Blake's image integral over one cell; wall = (point, unit normal into the fluid).
+
+    With R = x - y', y' the mirror image of y at height h, n the normal, Delta_jk = delta - 2 n n:
+    G^im_ij = -(delta_ij/R + R_i R_j/R^3)
+              + 2 h Delta_jk d/dR_k [ h R_i/R^3 - (n_i/R + R_i R_n/R^3) ]          [Blake 1971]
+    """
+    g, p = Ba.shape
+    n0, n1, n2 = wall[3], wall[4], wall[5]
+    R = np.empty(3)
+    N = np.array([n0, n1, n2])
+    for m in range(g):
+        for q in range(g):
+            k = m * g + q
+            h = (P[0, k] - wall[0]) * n0 + (P[1, k] - wall[1]) * n1 + (P[2, k] - wall[2]) * n2
+            for c in range(3):
+                R[c] = x[c] - P[c, k] + 2.0 * h * N[c]
+            i2 = 1.0 / (R[0] * R[0] + R[1] * R[1] + R[2] * R[2])
+            i1 = np.sqrt(i2)
+            i3, w = i1 * i2, P[3, k]
+            Rn = R[0] * n0 + R[1] * n1 + R[2] * n2
+            for i in range(3):
+                # M_in = M_ik n_k, M_ik the derivative in R_k of the bracket above
+                Mn = h * i3 * (N[i] - 3.0 * R[i] * Rn * i2)
+                Mn += i3 * (N[i] * Rn - N[i] * Rn - R[i] + 3.0 * R[i] * Rn * Rn * i2)
+                for j in range(3):
+                    same = 1.0 if i == j else 0.0
+                    M = h * i3 * (same - 3.0 * R[i] * R[j] * i2)
+                    M += i3 * (N[i] * R[j] - same * Rn - R[i] * N[j])
+                    M += 3.0 * i3 * i2 * R[i] * Rn * R[j]
+                    value = 2.0 * h * (M - 2.0 * Mn * N[j]) - i1 * (same + R[i] * R[j] * i2)
+                    for bu in range(p):
+                        for bv in range(p):
+                            acc[bu * p + bv, 3 * i + j] += w * value * Ba[m, bu] * Bb[q, bv]
+
+
+@njit(cache=True, fastmath=True)
+def _add_patch(
+    x, y, wall, image, near, C, V, D, M, S, B, W, half, frames, points, known, K, stack, acc
+):
+    """Add one patch's integral for the target x; y = x or, for the image, x mirrored at the wall."""
+    top = 1
+    stack[0, :] = 0
+    while top > 0:
+        top -= 1
+        lu, iu, lv, iv = stack[top, 0], stack[top, 1], stack[top, 2], stack[top, 3]
+        a, b = (1 << lu) - 1 + iu, (1 << lv) - 1 + iv
+        cell = a * CELLS + b
+        if known[cell] == 0:
+            _frame_cell(C, M, S, half, a, b, frames[cell])
+            known[cell] = 1
+        f = frames[cell]
+        d0, d1, d2 = y[0] - f[0], y[1] - f[1], y[2] - f[2]
+        distance = np.sqrt(d0 * d0 + d1 * d1 + d2 * d2)
+        cut_u = distance < near * f[3] and lu < LEVELS - 1
+        cut_v = distance < near * f[4] and lv < LEVELS - 1
+        if not (cut_u or cut_v):
+            if known[cell] == 1:
+                _evaluate_cell(C, V, D, W, a, b, points[cell])
+                known[cell] = 2
+            if image:
+                _add_image(x, wall, points[cell], B[a], B[b], acc)
+            else:
+                _add_free(x, points[cell], B[a], B[b], K, acc)
+            continue
+        for cu in range(2 if cut_u else 1):
+            for cv in range(2 if cut_v else 1):
+                stack[top, 0], stack[top, 1] = (lu + 1, 2 * iu + cu) if cut_u else (lu, iu)
+                stack[top, 2], stack[top, 3] = (lv + 1, 2 * iv + cv) if cut_v else (lv, iv)
+                top += 1
+
+
+@njit(cache=True, fastmath=True)
+def _add_nodal(x, X, A, acc):
+    """Add the plain rule: nodes X (p*p, 3) with areas A (p*p,), in free space."""
+    for b in range(A.size):
+        d0, d1, d2 = x[0] - X[b, 0], x[1] - X[b, 1], x[2] - X[b, 2]
+        inverse = 1.0 / np.sqrt(d0 * d0 + d1 * d1 + d2 * d2)
+        w = A[b] * inverse
+        t = w * inverse * inverse
+        acc[b, 0] += w + t * d0 * d0
+        acc[b, 1] += t * d0 * d1
+        acc[b, 2] += t * d0 * d2
+        acc[b, 3] += w + t * d1 * d1
+        acc[b, 4] += t * d1 * d2
+        acc[b, 5] += w + t * d2 * d2
+
+
+@njit(cache=True, parallel=True)
+def layer_blocks(
+    targets, own, wall, mode, near, far, controls, nodes, areas, V, D, M, S, B, W, half, chunks, out
+):
+    """Fill out[3 i + k, 3 b + j] with the integrals of G_kj phi_b for every target i.
+
+    Parameters
+    ----------
+    targets : (t, 3); own : (t,) patch that holds the target, which is left out, or -1.
+    wall : (6,) point and normal; mode 0: free space alone, 1: with Blake's image added.
+    near, far : half lengths away at which a cell is whole, at which the plain rule serves.
+    controls (e, q, q, 3), nodes (e, p*p, 3), areas (e, p*p): the patches.
+    V, D, M, S, B, W, half : tables of the cells.
+    chunks : number of pieces of work, at least the number of threads.
+    out : (>= 3 t, 3 e p^2), Fortran order.
+    """
+    patches, p2 = areas.shape
+    g = V.shape[1]
+    for chunk in prange(chunks):
+        frames = np.empty((CELLS * CELLS, 5))
+        points = np.empty((CELLS * CELLS, 4, g * g))
+        known = np.empty(CELLS * CELLS, dtype=np.uint8)
+        K = np.empty((6, g * g))
+        stack = np.empty((256, 4), dtype=np.int64)
+        acc = np.empty((p2, 9))
+        y = np.empty(3)
+        for e in range(chunk, patches, chunks):
+            known[:] = 0
+            C = controls[e]
+            _frame_cell(C, M, S, half, 0, 0, frames[0])
+            known[0] = 1
+            f = frames[0].copy()
+            reach = far * max(f[3], f[4])
+            for i in range(targets.shape[0]):
+                x = targets[i]
+                row = 3 * i
+                if own[i] != e:
+                    acc[:] = 0.0
+                    d0, d1, d2 = x[0] - f[0], x[1] - f[1], x[2] - f[2]
+                    if d0 * d0 + d1 * d1 + d2 * d2 > reach * reach:
+                        _add_nodal(x, nodes[e], areas[e], acc)
+                    else:
+                        _add_patch(
+                            x, x, wall, False, near, C, V, D, M, S, B, W, half,
+                            frames, points, known, K, stack, acc,
+                        )  # fmt: skip
+                    for b in range(p2):
+                        col = 3 * (e * p2 + b)
+                        out[row, col] = acc[b, 0]
+                        out[row + 1, col] = acc[b, 1]
+                        out[row + 2, col] = acc[b, 2]
+                        out[row, col + 1] = acc[b, 1]
+                        out[row + 1, col + 1] = acc[b, 3]
+                        out[row + 2, col + 1] = acc[b, 4]
+                        out[row, col + 2] = acc[b, 2]
+                        out[row + 1, col + 2] = acc[b, 4]
+                        out[row + 2, col + 2] = acc[b, 5]
+                if mode == 1:
+                    acc[:] = 0.0
+                    height = 0.0
+                    for c in range(3):
+                        height += (x[c] - wall[c]) * wall[3 + c]
+                    for c in range(3):
+                        y[c] = x[c] - 2.0 * height * wall[3 + c]
+                    _add_patch(
+                        x, y, wall, True, near, C, V, D, M, S, B, W, half,
+                        frames, points, known, K, stack, acc,
+                    )  # fmt: skip
+                    for b in range(p2):
+                        for k in range(3):
+                            for j in range(3):
+                                out[row + k, 3 * (e * p2 + b) + j] += acc[b, 3 * k + j]
+
+
+@njit(cache=True, fastmath=True)
+def own_blocks(patches, nodes, points, areas, basis, p2, out):
+    """Fill the blocks of each node on its own patch by the singular rule.
+
+    Parameters
+    ----------
+    patches : (n,) indices of the patches; nodes : (n, p*p, 3) their collocation points.
+    points : (n, p*p, m, 3), areas : (n, p*p, m) the rule's points and weighted areas.
+    basis : (p*p, m, p*p) densities at the points.
+    """
+    acc = np.empty((p2, 6))
+    for n in range(patches.size):
+        for i in range(p2):
+            x = nodes[n, i]
+            acc[:] = 0.0
+            for k in range(points.shape[2]):
+                d0 = x[0] - points[n, i, k, 0]
+                d1 = x[1] - points[n, i, k, 1]
+                d2 = x[2] - points[n, i, k, 2]
+                inverse = 1.0 / np.sqrt(d0 * d0 + d1 * d1 + d2 * d2)
+                w = areas[n, i, k] * inverse
+                t = w * inverse * inverse
+                k0, k1, k2 = w + t * d0 * d0, t * d0 * d1, t * d0 * d2
+                k3, k4, k5 = w + t * d1 * d1, t * d1 * d2, w + t * d2 * d2
+                for b in range(p2):
+                    phi = basis[i, k, b]
+                    acc[b, 0] += phi * k0
+                    acc[b, 1] += phi * k1
+                    acc[b, 2] += phi * k2
+                    acc[b, 3] += phi * k3
+                    acc[b, 4] += phi * k4
+                    acc[b, 5] += phi * k5
+            row = 3 * (patches[n] * p2 + i)
+            for b in range(p2):
+                col = 3 * (patches[n] * p2 + b)
+                for j in range(3):
+                    for c in range(3):
+                        low, high = min(c, j), max(c, j)
+                        out[row + c, col + j] += acc[b, low * (5 - low) // 2 + high]

@@ -1,0 +1,212 @@
+"""Patches of a swimmer: body with a hole, tube that grows out of it, hemispherical tip.
+
+The body is the image of the unit sphere under its semi-axes. Around the piercing point of the tail the
+sphere carries rings that grow geometrically from the joint curve to the equator; the far hemisphere is
+half a cubed sphere. The tube's panels follow arc length and curvature, its first edges bend into the
+joint curve. Depends on numpy, geometry, surface.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from .. import geometry
+from .surface import Surface, cube_face, grid_boxes, sample
+
+Array = NDArray[np.float64]
+
+
+@dataclass(frozen=True)
+class Resolution:
+    """Sizes of patches.
+
+    Parameters
+    ----------
+    order : int
+        p, density nodes a side of a patch.
+    panel : float
+        Shortest usual length of a tube panel, in filament radii.
+    stretch : float
+        Longest, where the tail is straight, in filament radii.
+    bend : float
+        Panel length times curvature, between those two.
+    around : int
+        Panels around the tube.
+    root : float
+        Length of the first panel and of the first ring at the joint, in filament radii.
+    growth : float
+        Ratio of successive lengths away from the joint.
+    body : int
+        Patches along a quarter of the body's circumference.
+    """
+
+    order: int = 2
+    panel: float = 2.5
+    stretch: float = 5.0
+    bend: float = 0.4
+    around: int = 4
+    root: float = 0.7
+    growth: float = 2.0
+    body: int = 2
+
+
+def _arc_table(tail: Any, phase: float, start: float) -> tuple[Array, Array, Array]:
+    """s, arc length from `start` and curvature on a fine grid."""
+    length = tail.apparent_length
+    s = np.linspace(start, length, 3001)
+    curve = geometry.smooth_centreline(tail, s, phase)
+    speed = np.linalg.norm(curve.P_s, axis=-1)
+    arc = np.concatenate([[0.0], np.cumsum(0.5 * (speed[1:] + speed[:-1]) * np.diff(s))])
+    return s, arc, curve.curvature
+
+
+def tube_edges(tail: Any, phase: float, start: float, r: Resolution, free_start: bool) -> Array:
+    """Edges of the tube's panels in s: equal shares of int ds/h with h the wanted panel length."""
+    s, arc, bend = _arc_table(tail, phase, start)
+    rt = tail.radius
+    h = np.clip(r.bend / np.maximum(bend, 1e-12), r.panel * rt, r.stretch * rt)
+    h = np.minimum(h, 2 * r.bend / np.maximum(bend, 1e-12))
+    tip = rt * (1.6 + 0.6 * (arc[-1] - arc) / rt)
+    root = rt * (r.root + (1 - 1 / r.growth) * arc / rt)
+    h = np.minimum(h, np.minimum(tip, tip[::-1] if free_start else root))
+    share = np.concatenate([[0.0], np.cumsum(0.5 * (1 / h[1:] + 1 / h[:-1]) * np.diff(arc))])
+    count = max(2, int(np.ceil(share[-1] - 0.15)))
+    return np.interp(np.linspace(0, share[-1], count + 1), share, s)
+
+
+def _bent_edges(edges: Array, theta: Array, joint: Array) -> Array:
+    """Edges (..., panel edges) displaced at each theta so that the first is the joint curve."""
+    shift = joint - edges[0]
+    room = max(2.5 * np.abs(shift).max(), 1e-9 * edges[-1])
+    last = max(1, int(np.searchsorted(edges - edges[0], room)))
+    fade = np.clip(1 - (edges - edges[0]) / (edges[last] - edges[0]), 0.0, 1.0)
+    return edges + shift[..., None] * fade
+
+
+def _tube(tail: Any, phase: float, edges: Array, around: int, joint: Any) -> tuple[Array, Array]:
+    """Positions and s of the tube's patches; u runs around, v along."""
+    count = edges.size - 1
+    boxes = grid_boxes(np.linspace(0, 2 * np.pi, around + 1), np.arange(count + 1.0))
+    store: list[Array] = []
+
+    def chart(theta: Array, v: Array) -> Array:
+        if joint is None:
+            s = np.interp(v, np.arange(count + 1.0), edges)
+        else:
+            lines = theta[:, :, 0]
+            bent = _bent_edges(edges, lines, joint(lines))
+            place = np.floor(v.mean(axis=(1, 2))).astype(int)
+            low = np.take_along_axis(bent, place[:, None, None], axis=-1)
+            high = np.take_along_axis(bent, place[:, None, None] + 1, axis=-1)
+            s = low + (high - low) * (v - place[:, None, None])
+        store.append(s)
+        return geometry.tube_point(tail, s, theta, phase)
+
+    return sample(chart, boxes), store[0]
+
+
+def _half_sphere(axis: Array, first: Array, second: Array, side: int) -> Array:
+    """Unit directions of the hemisphere about `axis`: cube top and four half sides."""
+    full = np.linspace(-np.pi / 4, np.pi / 4, side + 1)
+    half = np.linspace(0, np.pi / 4, max(1, (side + 1) // 2) + 1)
+    parts = [cube_face(axis, first, second, grid_boxes(full, full))]
+    for n in (first, second, -first, -second):
+        across = np.cross(axis, n)
+        parts.append(cube_face(n, across, axis, grid_boxes(full, half)))
+    return np.concatenate(parts)
+
+
+def _cap(tail: Any, phase: float, end: float, outward: float) -> tuple[Array, Array]:
+    """Hemisphere centred on P(end), positions and s."""
+    curve = geometry.smooth_centreline(tail, np.array(end), phase)
+    first, second = geometry.section_axes(tail, curve)
+    axis = np.array([1.0, 0, 0]) if tail.sections == "sheared" else curve.tangent
+    if outward < 0:
+        axis, first, second = -axis, second, first
+    directions = _half_sphere(axis, first, second, 1)
+    return curve.P + tail.radius * directions, np.full(directions.shape[:3], end)
+
+
+def _ring_radii(hole: float, step: float, growth: float, quarter: float) -> Array:
+    """Fractions 0..1 of the way from the hole to the equator: steps that grow geometrically."""
+    steps, gap = [step], np.pi / 2 - hole
+    while sum(steps) < gap:
+        steps.append(min(steps[-1] * growth, quarter))
+    edges = np.concatenate([[0.0], np.cumsum(steps)])
+    return edges / edges[-1]
+
+
+def _body(body: Any, tail: Any, phase: float, s_joint: float, joint: Any, r: Resolution) -> Array:
+    """Positions of the body's patches."""
+    axes, centre = np.asarray(body.semi_axes3, float), body.centre
+    point = geometry.smooth_centreline(tail, np.array(s_joint), phase)
+    pole = (point.P - centre) / axes
+    pole /= np.linalg.norm(pole)
+    first = geometry.section_axes(tail, point)[0]
+    first = first - first @ pole * pole
+    first /= np.linalg.norm(first)
+    second = np.cross(pole, first)
+
+    def hole(theta: Array) -> Array:
+        X = (geometry.tube_point(tail, joint(theta), theta, phase) - centre) / axes
+        c = np.clip(X @ pole, -1, 1)
+        return (np.arccos(c) / np.sqrt(1 - c * c))[..., None] * np.stack(
+            [X @ first, X @ second], axis=-1
+        )
+
+    def chart(t: Array, theta: Array) -> Array:
+        start = hole(theta[:, 0, :])[:, None]
+        equator = 0.5 * np.pi * np.stack([np.cos(theta), np.sin(theta)], axis=-1)
+        rho = start * (1 - t)[..., None] + equator * t[..., None]
+        angle = np.linalg.norm(rho, axis=-1, keepdims=True)
+        radial = rho[..., :1] * first + rho[..., 1:] * second
+        return centre + axes * (np.cos(angle) * pole + np.sin(angle) / angle * radial)
+
+    mean = float(np.linalg.norm(hole(np.linspace(0, 2 * np.pi, 16, endpoint=False)), axis=-1).mean())
+    quarter = 0.5 * np.pi / r.body
+    t = _ring_radii(mean, r.root * mean, r.growth, quarter)
+    parts = []
+    for low, high in zip(t[:-1], t[1:], strict=True):
+        width = (high - low) * (np.pi / 2 - mean)
+        outer = mean + high * (np.pi / 2 - mean)
+        sectors = 4 * int(np.clip(np.ceil(outer / (2.2 * width)), 1, max(r.body, r.around // 4)))
+        turn = np.linspace(-np.pi / 4, 2 * np.pi - np.pi / 4, sectors + 1)
+        parts.append(sample(chart, grid_boxes(np.array([low, high]), turn)))
+    parts.append(centre + axes * _half_sphere(-pole, second, first, r.body))
+    return np.concatenate(parts)
+
+
+def _joined(parts: list[tuple[Array, Array]]) -> tuple[Array, Array]:
+    X, s = zip(*parts, strict=True)
+    return np.concatenate(X), np.concatenate(s)
+
+
+def swimmer_surface(body: Any, tail: Any, phase: float, r: Resolution) -> Surface:
+    """Closed surface of a swimmer at one phase, with the tail's velocity per unit phase rate."""
+    alone = not np.any(np.asarray(body.semi_axes3, float) > 0)
+    length = tail.apparent_length
+    joint = None
+    start = 0.0
+    if not alone:
+        start = geometry.piercing(body, tail, phase)
+
+        def joint(theta: Array) -> Array:
+            return geometry.joint_curve(body, tail, theta, phase, start)
+
+    edges = tube_edges(tail, phase, start, r, free_start=alone)
+    parts = [_tube(tail, phase, edges, r.around, joint), _cap(tail, phase, length, 1.0)]
+    if alone:
+        parts.append(_cap(tail, phase, 0.0, -1.0))
+    X, s = _joined(parts)
+    motion = geometry.surface_velocity(tail, X, s, phase)
+    on_tail = np.ones(len(X), bool)
+    if not alone:
+        shell = _body(body, tail, phase, start, joint, r)
+        X = np.concatenate([shell, X])
+        motion = np.concatenate([np.zeros_like(shell), motion])
+        on_tail = np.concatenate([np.zeros(len(shell), bool), on_tail])
+    return Surface(np.ascontiguousarray(X), np.ascontiguousarray(motion), on_tail, r.order)

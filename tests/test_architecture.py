@@ -1,0 +1,134 @@
+"""The house rules that a machine can hold."""
+
+import inspect
+import re
+import subprocess
+import sys
+from importlib.resources import as_file, files
+from pathlib import Path
+
+import pytest
+
+import microswim as ms
+from microswim import presets
+
+ROOT = Path(__file__).parents[1]
+PUBLIC = sorted(ms.__all__)
+
+
+def tracked(*patterns):
+    """Paths of the tracked text files that match the patterns."""
+    command = ["git", "ls-files", "-z", "--", *patterns]
+    listed = subprocess.run(command, cwd=ROOT, capture_output=True, text=True, check=True).stdout
+    return [ROOT / name for name in listed.split("\0") if name and (ROOT / name).is_file()]
+
+
+def in_a_fresh_interpreter(code):
+    """Run code where nothing is imported yet; return what it printed."""
+    run = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=False)
+    assert run.returncode == 0, run.stderr
+    return run.stdout
+
+
+def test_dependencies_point_one_way():
+    linter = Path(sys.executable).with_name("lint-imports")
+    run = subprocess.run([linter], cwd=ROOT, capture_output=True, text=True, check=False)
+    assert run.returncode == 0, run.stdout + run.stderr
+
+
+def test_no_address_of_a_registry_and_no_path_of_a_machine():
+    hosts = ["pypi" + r"\.org", "python" + "hosted", r"registry\." + "npmjs", r"deb\." + "debian"]
+    places = ["/" + "work/", "/" + "root/", "/" + r"home/[a-z]"]
+    wrong = re.compile("|".join(hosts + places))
+    hits = [
+        f"{path.relative_to(ROOT)}:{number}"
+        for path in tracked()
+        if path.suffix not in {".png", ".svg", ".nc", ".npz", ".glb"}
+        for number, line in enumerate(path.read_text(encoding="utf-8").splitlines(), 1)
+        if wrong.search(line)
+    ]
+    assert hits == []
+
+
+def test_rooms_are_small():
+    long = {
+        str(path.relative_to(ROOT)): length
+        for path in tracked("src/*.py")
+        if (length := len(path.read_text(encoding="utf-8").splitlines())) > 350
+    }
+    assert long == {}
+
+
+def test_no_tracked_file_is_large():
+    assert [str(path) for path in tracked() if path.stat().st_size > 1_000_000] == []
+
+
+def test_nothing_is_left_undone_in_the_source():
+    marks = re.compile(
+        "|".join(["TO" + "DO", "FIX" + "ME", "XX" + "X", "NotImplemented" + "Error"])
+    )
+    files_ = tracked("src/*.py", "tests/*.py")
+    assert [p.name for p in files_ if marks.search(p.read_text(encoding="utf-8"))] == []
+
+
+@pytest.mark.parametrize("name", PUBLIC)
+def test_public_names_exist_and_tell_what_they_are(name):
+    thing = getattr(ms, name)
+    assert inspect.getdoc(thing)
+    if not inspect.isclass(thing):
+        return
+    for attribute, value in inspect.getmembers(thing):
+        owner = next(c for c in thing.__mro__ if attribute in vars(c) or c is object)
+        ours = owner.__module__.startswith("microswim") and not attribute.startswith("_")
+        if ours and (callable(value) or isinstance(value, property)):
+            assert inspect.getdoc(value), f"{name}.{attribute} has no docstring"
+
+
+@pytest.mark.parametrize("name", PUBLIC)
+def test_public_names_are_in_the_documentation(name):
+    page = (ROOT / "docs" / "api.md").read_text(encoding="utf-8")
+    assert f"::: microswim.{name}\n" in page
+
+
+def test_the_face_is_lazy():
+    """What costs time to import is imported by what needs it."""
+    code = "import sys, microswim; print(*sorted({m.split('.')[0] for m in sys.modules}))"
+    loaded = set(in_a_fresh_interpreter(code).split())
+    assert "microswim" in loaded
+    heavy = {
+        "numpy",
+        "scipy",
+        "numba",
+        "xarray",
+        "pandas",
+        "matplotlib",
+        "pint",
+        "pydantic",
+        "rich",
+    }
+    assert not heavy & loaded
+
+
+def test_the_core_works_without_the_extras():
+    """Every public name is importable where none of the optional packages is installed."""
+    extras = (
+        "ngsolve netgen dask distributed pyvista vtk starlette uvicorn pymoo SALib gymnasium fmpy"
+    )
+    code = f"""
+import importlib.abc, sys
+class Absent(importlib.abc.MetaPathFinder):
+    def find_spec(self, name, path=None, target=None):
+        if name.split(".")[0] in {extras.split()!r}:
+            raise ModuleNotFoundError(f"No module named {{name!r}}", name=name)
+sys.meta_path.insert(0, Absent())
+import microswim
+for name in microswim.__all__:
+    getattr(microswim, name)
+"""
+    in_a_fresh_interpreter(code)
+
+
+@pytest.mark.parametrize("name", presets.names())
+def test_every_preset_is_a_swimmer(name):
+    with as_file(files("microswim.presets") / f"{name}.toml") as path:
+        assert isinstance(ms.Swimmer.from_toml(path), ms.Swimmer)

@@ -1,0 +1,317 @@
+"""Gait: all that a hydrodynamic model says about a swimmer, as Fourier series in the phase.
+
+``R(phi) V + F_p(phi) rate = W_external``: 6x6 resistance R, propulsive wrench F_p per unit phase
+rate. The force and torque by the fluid on the swimmer is ``-(R V + F_p rate)``. Six-vectors are
+``[linear; angular]`` in the body frame about the body's centre. Holds Eqs. (15) and (24). A gait
+does not know which model made it. Depends on numpy alone.
+
+A *series* is a real Fourier series in the phase, shape ``(1 + 2 H, ...)``:
+``[mean, cos 1, sin 1, cos 2, sin 2, ...]``.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field, replace
+from functools import cached_property
+from typing import Any
+
+import numpy as np
+
+from .errors import MicroswimError
+
+ALL_FREE = (True,) * 6
+
+
+def basis(phase: Any, terms: int) -> np.ndarray:
+    """``[1, cos, sin, cos 2, sin 2, ...]``, shape phase.shape + (terms,)."""
+    phase = np.asarray(phase)
+    h = (np.arange(terms) + 1) // 2
+    arg = phase[..., None] * h
+    out = np.cos(arg)
+    out[..., 2::2] = np.sin(arg[..., 2::2])
+    return out
+
+
+def evaluate(series: np.ndarray, phase: Any) -> np.ndarray:
+    """Value of a series at the phases, shape phase.shape + series.shape[1:]."""
+    return np.tensordot(basis(phase, len(series)), series, axes=1)
+
+
+def series_of(samples: np.ndarray, harmonics: int | None = None) -> np.ndarray:
+    """Series through n uniform samples over the period (the Nyquist term is left out)."""
+    n = len(samples)
+    H = (n - 1) // 2 if harmonics is None else harmonics
+    weights = basis(2.0 * np.pi * np.arange(n) / n, 1 + 2 * H) * (2.0 / n)
+    weights[:, 0] = 1.0 / n
+    return np.tensordot(weights.T, samples, axes=1)
+
+
+def derivative(series: np.ndarray) -> np.ndarray:
+    """Series of the derivative with respect to the phase."""
+    out = np.zeros_like(series)
+    h = np.arange(1, len(series) // 2 + 1).reshape(-1, *[1] * (series.ndim - 1))
+    out[1::2], out[2::2] = h * series[2::2], -h * series[1::2]
+    return out
+
+
+def _rotation_terms() -> tuple[np.ndarray, np.ndarray]:
+    """Linear maps from ``R(0)`` and ``F(0)`` to the series of ``Q R Q'`` and ``Q F``.
+
+    ``Q(phi) = A + B cos phi + C sin phi`` turns both halves of a six-vector about s.
+    """
+    A, B, C = np.zeros((3, 6, 6))
+    for o in (0, 3):
+        A[o, o] = 1.0
+        B[o + 1, o + 1] = B[o + 2, o + 2] = 1.0
+        C[o + 2, o + 1], C[o + 1, o + 2] = 1.0, -1.0
+    pairs = [
+        [(A, A, 1.0), (B, B, 0.5), (C, C, 0.5)],
+        [(A, B, 1.0), (B, A, 1.0)],
+        [(A, C, 1.0), (C, A, 1.0)],
+        [(B, B, 0.5), (C, C, -0.5)],
+        [(B, C, 0.5), (C, B, 0.5)],
+    ]
+    R_map = np.array([sum(w * np.kron(X, Y) for X, Y, w in terms) for terms in pairs])
+    return R_map.reshape(5 * 36, 36), np.array([A, B, C]).reshape(18, 6)
+
+
+_R_MAP, _F_MAP = _rotation_terms()
+
+
+def rotate(value: np.ndarray, sign: float) -> np.ndarray:
+    """Series of a 6x6 matrix or 6-vector that turns rigidly about s with ``sign * phase``."""
+    if value.ndim == 2:
+        series = (_R_MAP @ value.reshape(36)).reshape(5, 6, 6)
+    else:
+        series = (_F_MAP @ value).reshape(3, 6)
+    if sign < 0:
+        series[2::2] = -series[2::2]
+    return series
+
+
+def add(*series: np.ndarray) -> np.ndarray:
+    """Sum of series of different lengths."""
+    longest = max(series, key=len)
+    out = np.zeros(longest.shape, dtype=np.result_type(*series))
+    for s in series:
+        out[: len(s)] += s
+    return out
+
+
+@dataclass(frozen=True, eq=False)
+class Gait:
+    """Resistance and propulsion of a swimmer over one period of its tail.
+
+    Parameters
+    ----------
+    resistance_series
+        R, shape (1 + 2 H, 6, 6).
+    propulsion_series
+        F_p per unit phase rate, shape (1 + 2 H', 6).
+    activity_series
+        G: power given to the fluid per squared unit rate while the body is held, (1 + 2 H'',).
+    rate
+        Phase rate (rad per time), the motor's: tail relative to the body.
+    free
+        Which of us, uq, ur, os, oq, or are free; the others are held at zero.
+    body_resistance_series, body_propulsion_series
+        The part of R and F_p that acts on the body alone; tail = total - body.
+    model, units, info
+        What made it, ``"dimensionless"`` or ``"SI"``, and whatever else the model says.
+
+    Examples
+    --------
+    >>> import microswim as ms
+    >>> gait = ms.Swimmer.preset("tabak/helix-constant").gait()
+    >>> round(float(gait.mean_velocity[0]), 4)
+    -0.037
+    """
+
+    resistance_series: np.ndarray
+    propulsion_series: np.ndarray
+    activity_series: np.ndarray
+    rate: Any
+    free: tuple[bool, ...] = ALL_FREE
+    body_resistance_series: np.ndarray | None = None
+    body_propulsion_series: np.ndarray | None = None
+    model: str = "rft"
+    units: str = "dimensionless"
+    info: dict[str, Any] = field(default_factory=dict)
+
+    @classmethod
+    def from_samples(
+        cls,
+        R: np.ndarray,
+        F: np.ndarray,
+        G: np.ndarray,
+        *,
+        body_R: np.ndarray | None = None,
+        body_F: np.ndarray | None = None,
+        harmonics: int | None = None,
+        **fields: Any,
+    ) -> Gait:
+        """Gait through uniform samples over the full period, phases ``2 pi i / n``.
+
+        R (n, 6, 6), F (n, 6), G (n,); `body_R`, `body_F` likewise. The other fields by name.
+        """
+        keep = {
+            "body_resistance_series": body_R,
+            "body_propulsion_series": body_F,
+        }
+        bodies = {k: series_of(v, harmonics) for k, v in keep.items() if v is not None}
+        return cls(*(series_of(x, harmonics) for x in (R, F, G)), **bodies, **fields)
+
+    @classmethod
+    def from_rotation(
+        cls,
+        R: np.ndarray,
+        F: np.ndarray,
+        G: Any,
+        *,
+        sign: float = 1.0,
+        body_R: np.ndarray | None = None,
+        body_F: np.ndarray | None = None,
+        **fields: Any,
+    ) -> Gait:
+        """Gait of a rigid rotating tail on an axisymmetric body, exact from phase 0 alone.
+
+        ``R(phi) = Q R(0) Q'``, ``F_p(phi) = Q F_p(0)``, Q the rotation by ``sign * phi`` about s.
+        """
+        keep = {"body_resistance_series": body_R, "body_propulsion_series": body_F}
+        bodies = {k: rotate(v, sign) for k, v in keep.items() if v is not None}
+        return cls(rotate(R, sign), rotate(F, sign), np.atleast_1d(G), **bodies, **fields)
+
+    def resistance(self, phase: Any) -> np.ndarray:
+        """R at the phases (rad), shape phase.shape + (6, 6); symmetric positive definite."""
+        return evaluate(self.resistance_series, phase)
+
+    def propulsion(self, phase: Any) -> np.ndarray:
+        """F_p per unit phase rate, shape phase.shape + (6,)."""
+        return evaluate(self.propulsion_series, phase)
+
+    def activity(self, phase: Any) -> np.ndarray:
+        """Power given to the fluid per squared unit rate with the body held, phase.shape."""
+        return evaluate(self.activity_series, phase)
+
+    @property
+    def period(self) -> Any:
+        """Time of one cycle of the tail."""
+        return 2.0 * np.pi / np.sqrt(self.rate**2)
+
+    def velocity(self, phase: Any, rate: Any = None, wrench: Any = None) -> np.ndarray:
+        """Twist ``V = R^-1 (W - F_p rate)`` [Tabak Eq. 15], shape phase.shape + (6,).
+
+        Parameters
+        ----------
+        phase
+            Phases (rad).
+        rate
+            Phase rate; the gait's own by default.
+        wrench
+            External force and torque on the body, body frame, about its centre (6,).
+        """
+        rate = self.rate if rate is None else rate
+        load = -self.propulsion(phase) * rate
+        if wrench is not None:
+            load = load + wrench
+        f = np.flatnonzero(self.free)
+        out = np.zeros_like(load)
+        try:
+            part = self.resistance(phase)[..., f[:, None], f]
+            out[..., f] = np.linalg.solve(part, load[..., f, None])[..., 0]
+        except np.linalg.LinAlgError:
+            raise MicroswimError(
+                "the resistance matrix is singular: a swimmer needs a body or a tail that "
+                "resists every free motion"
+            ) from None
+        return out
+
+    @property
+    def samples(self) -> int:
+        """Phases that resolve the velocity (a ratio of series) to rounding."""
+        return 16 * (len(self.resistance_series) // 2 + 2)
+
+    @cached_property
+    def velocity_series(self) -> np.ndarray:
+        """Series of the velocity at the gait's own rate, shape (1 + 2 H, 6)."""
+        return series_of(self.velocity(2.0 * np.pi * np.arange(self.samples) / self.samples))
+
+    @property
+    def mean_velocity(self) -> np.ndarray:
+        """Twist averaged over the period, body frame, about the body's centre, shape (6,)."""
+        return self.velocity_series[0]
+
+    @cached_property
+    def velocity_amplitude(self) -> np.ndarray:
+        """Half of peak to peak of each component of the velocity over the period, shape (6,)."""
+        tops = [extremes(self.velocity_series[:, i]) for i in range(6)]
+        return np.array([(high - low) / 2.0 for low, high in tops])
+
+    def power(self, phase: Any) -> np.ndarray:
+        """Power of the motor, ``rate (F_p . V + G rate)``: all that the fluid dissipates.
+
+        For a helix this is the motor's torque times its rate, for a plane wave the lateral force
+        times the lateral velocity along the tail, as in Eq. (24).
+        """
+        work = np.sum(self.propulsion(phase) * self.velocity(phase), axis=-1)
+        return self.rate * (work + self.activity(phase) * self.rate)
+
+    @cached_property
+    def mean_power(self) -> Any:
+        """Power of the motor averaged over the period."""
+        return np.mean(self.power(2.0 * np.pi * np.arange(self.samples) / self.samples))
+
+    def body_wrench(self, phase: Any) -> np.ndarray:
+        """Force and torque by the fluid on the body alone, shape phase.shape + (6,)."""
+        if self.body_resistance_series is None:
+            raise MicroswimError(f"the {self.model} gait does not hold the body's own resistance")
+        V = self.velocity(phase)
+        drag = np.einsum("...ij,...j->...i", evaluate(self.body_resistance_series, phase), V)
+        if self.body_propulsion_series is not None:
+            drag = drag + evaluate(self.body_propulsion_series, phase) * self.rate
+        return -drag
+
+    @cached_property
+    def efficiency(self) -> Any:
+        """Hydrodynamic efficiency ``eta = mean(F_s u_s) / mean(motor power)`` [Tabak Eq. 24].
+
+        ``F_s`` is the drag on the body alone. Zero for a swimmer that stands still.
+        """
+        if np.real(self.mean_power) == 0:
+            return 0.0
+        phase = 2.0 * np.pi * np.arange(self.samples) / self.samples
+        work = -self.body_wrench(phase)[..., 0] * self.velocity(phase)[..., 0]
+        return np.mean(work) / self.mean_power
+
+    def at_rate(self, rate: Any) -> Gait:
+        """The same gait driven at another phase rate."""
+        return replace(self, rate=rate)
+
+    def in_lab_frame(self, rate: Any, sign: float) -> Gait:
+        """The same gait with `rate` read as the tail's rate in the lab frame.
+
+        The motor then turns at ``rate / (1 + sign w_s)``, w_s the mean body rate about s per
+        unit motor rate: the paper's reading in Section 3.1 and Fig. 6.
+        """
+        per_rate = self.at_rate(1.0).mean_velocity[3]
+        return self.at_rate(rate / (1.0 + sign * per_rate))
+
+
+def extremes(series: np.ndarray) -> tuple[Any, Any]:
+    """Least and greatest value of a scalar series: dense samples polished by Newton's method."""
+    n = 8 * len(series)
+    phase = 2.0 * np.pi * np.arange(n) / n
+    values = evaluate(series, phase)
+    first, second = derivative(series), derivative(derivative(series))
+    out = []
+    for i in (np.argmin(values.real), np.argmax(values.real)):
+        x, best = phase[i], values[i]
+        for _ in range(4):
+            curvature = evaluate(second, x)
+            if abs(curvature) < 1e-12 * np.abs(series).max():
+                break
+            x = x - evaluate(first, x) / curvature
+        top = evaluate(series, x)
+        better = top.real <= best.real if not out else top.real >= best.real
+        out.append(top if better else best)
+    return out[0], out[1]

@@ -1,0 +1,323 @@
+"""Swimmer: body, tail, fluid, local coefficients and interaction; the one noun of the package.
+
+Depends on bodies, tails, coefficients, interaction.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field, fields, is_dataclass, replace
+from os import PathLike
+from typing import TYPE_CHECKING, Any, Literal
+
+from . import checks
+from .bodies import Body
+from .coefficients import Coefficients, Lighthill
+from .errors import SpecError
+from .interaction import Interaction
+from .tails import Tail
+
+if TYPE_CHECKING:
+    from .gait import Gait
+
+DEGREES_OF_FREEDOM = ("us", "uq", "ur", "os", "oq", "or")
+
+
+@dataclass(frozen=True, kw_only=True)
+class Fluid:
+    """Newtonian fluid, unbounded.
+
+    Parameters
+    ----------
+    viscosity
+        Dynamic viscosity mu, positive.
+    density
+        Density, zero or more; only finite elements with inertia use it. Zero is Stokes flow.
+
+    Raises
+    ------
+    SpecError
+        If a field is out of range.
+
+    Examples
+    --------
+    >>> import microswim as ms
+    >>> ms.Fluid(viscosity=100.0).density
+    0.0
+    """
+
+    viscosity: float
+    density: float = 0.0
+
+    def __post_init__(self) -> None:
+        checks.positive("fluid.viscosity", self.viscosity)
+        checks.number("fluid.density", self.density, "a density of zero or more", least=0.0)
+
+
+@dataclass(frozen=True, kw_only=True)
+class Motion:
+    """How the motion is read: the readings of the paper that differ from the default.
+
+    Parameters
+    ----------
+    free
+        ``"all"``, or the free degrees of freedom out of us, uq, ur, os, oq, or.
+    frequency_frame
+        ``"body"``: the tail's frequency is the motor's, relative to the body. ``"lab"``: in the
+        lab frame, the body's counter-rotation not subtracted (helix only).
+    line_element
+        ``"arc"``, or ``"apparent"``: Eqs. (5), (14) integrated over the apparent length.
+
+    Raises
+    ------
+    SpecError
+        If a field holds something else.
+
+    Examples
+    --------
+    >>> import microswim as ms
+    >>> ms.Motion(free=("us", "uq", "ur", "os")).mask
+    (True, True, True, True, False, False)
+    """
+
+    free: Literal["all"] | tuple[str, ...] = "all"
+    frequency_frame: Literal["body", "lab"] = "body"
+    line_element: Literal["arc", "apparent"] = "arc"
+
+    def __post_init__(self) -> None:
+        if self.free != "all":
+            allowed = '"all" or a list out of ' + ", ".join(DEGREES_OF_FREEDOM)
+            if isinstance(self.free, str) or not isinstance(self.free, (list, tuple)):
+                raise SpecError("motion.free", self.free, allowed)
+            if not self.free or any(name not in DEGREES_OF_FREEDOM for name in self.free):
+                raise SpecError("motion.free", self.free, allowed)
+            object.__setattr__(self, "free", tuple(self.free))
+        checks.choice("motion.frequency_frame", self.frequency_frame, ("body", "lab"))
+        checks.choice("motion.line_element", self.line_element, ("arc", "apparent"))
+
+    @property
+    def mask(self) -> tuple[bool, ...]:
+        """Whether us, uq, ur, os, oq, or are free."""
+        return tuple(self.free == "all" or name in self.free for name in DEGREES_OF_FREEDOM)
+
+
+@dataclass(frozen=True, kw_only=True)
+class Swimmer:
+    """A micro-swimmer: a body with one tail in a fluid.
+
+    Parameters
+    ----------
+    body
+        `Sphere`, `Spheroid`, `Ellipsoid` or `NoBody`.
+    tail
+        `HelicalTail`, `PlaneWaveTail` or `CustomTail`.
+    fluid
+        `Fluid`.
+    coefficients
+        Local resistance of the filament, Lighthill's with spin by default (surrogate only).
+    interaction
+        `Interaction` coefficients, all one by default (surrogate only).
+    motion
+        `Motion`: free degrees of freedom and readings.
+    units
+        ``"dimensionless"`` (any consistent units) or ``"SI"``.
+
+    Raises
+    ------
+    SpecError
+        If parts do not fit together.
+
+    Examples
+    --------
+    >>> import microswim as ms
+    >>> swimmer = ms.Swimmer(
+    ...     body=ms.Sphere(radius=0.5),
+    ...     tail=ms.HelicalTail(length=2.0, amplitude=0.1, waves=3, radius=0.05),
+    ...     fluid=ms.Fluid(viscosity=100.0),
+    ... )
+    >>> swimmer.gait().mean_velocity.shape
+    (6,)
+    """
+
+    body: Body
+    tail: Tail
+    fluid: Fluid
+    coefficients: Coefficients = field(default_factory=Lighthill)
+    interaction: Interaction = field(default_factory=Interaction)
+    motion: Motion = field(default_factory=Motion)
+    units: Literal["dimensionless", "SI"] = "dimensionless"
+
+    def __post_init__(self) -> None:
+        parts = (Body, Tail, Fluid, Coefficients, Interaction, Motion)
+        for f, kind in zip(fields(self), parts):
+            if not isinstance(getattr(self, f.name), kind):
+                value = type(getattr(self, f.name)).__name__
+                raise SpecError(f.name, value, f"a {kind.__name__}")
+        checks.choice("units", self.units, ("dimensionless", "SI"))
+        if self.motion.frequency_frame == "lab" and self.tail.surface_motion != "rigid":
+            raise SpecError(
+                "motion.frequency_frame", "lab", '"body" for a tail that does not rotate rigidly'
+            )
+
+    @classmethod
+    def from_toml(cls, path: str | PathLike[str], overrides: dict[str, Any] | None = None) -> Swimmer:
+        """Read a spec file; `overrides` maps dotted fields to values, as ``--set`` does.
+
+        Raises
+        ------
+        SpecError
+            One sentence: the field, its value, what is allowed, how to mend it.
+        """
+        from .spec import read
+
+        return read(path, overrides)
+
+    @classmethod
+    def preset(cls, name: str, overrides: dict[str, Any] | None = None) -> Swimmer:
+        """A swimmer that comes with the package, such as ``"tabak/helix"`` or ``"goto/C"``."""
+        from .spec import read_preset
+
+        return read_preset(name, overrides)
+
+    def gait(self, model: str = "rft", **options: Any) -> Gait:
+        """Gait by one of the models: ``"rft"`` (surrogate), ``"bem"``, ``"fem"`` (references).
+
+        Parameters
+        ----------
+        model
+            Name of the model.
+        options
+            What the model takes, such as ``level="fine"`` of the boundary elements.
+
+        Raises
+        ------
+        SpecError
+            If the model is unknown or the swimmer is beyond its range.
+        MicroswimError
+            If the model's extra is not installed.
+        """
+        if model == "rft":
+            from .rft import gait
+        elif model == "bem":
+            from .reference.bem import gait
+        elif model == "fem":
+            from .reference.fem import gait
+        else:
+            raise SpecError("model", model, 'one of "rft", "bem", "fem"')
+        return gait(self, **options)
+
+    def with_(self, changes: dict[str, Any]) -> Swimmer:
+        """Copy with dotted fields replaced and checked again: ``{"tail.amplitude": 0.12}``.
+
+        Setting one of `waves` and `wavelength` clears the other.
+
+        Raises
+        ------
+        SpecError
+            If a field does not exist or a value is out of range.
+        """
+        grouped: dict[str, dict[str, Any]] = {}
+        for path, value in changes.items():
+            part, _, name = path.partition(".")
+            owner = getattr(self, part, None)
+            if not is_dataclass(owner) or name not in {f.name for f in fields(owner)}:
+                raise SpecError(path, value, "a field of this swimmer", _near(path, self.numbers))
+            grouped.setdefault(part, {})[name] = value
+        tail = grouped.get("tail", {})
+        for one, other in (("waves", "wavelength"), ("wavelength", "waves")):
+            if one in tail and other not in tail and hasattr(self.tail, "waves"):
+                tail[other] = None
+        parts = {part: replace(getattr(self, part), **new) for part, new in grouped.items()}
+        return replace(self, **parts)
+
+    @property
+    def numbers(self) -> dict[str, float]:
+        """Every number of the spec by its dotted name (entries of lists as ``name[i]``)."""
+        return {
+            f"{part}{path}": value
+            for part in ("fluid", "body", "tail", "coefficients", "interaction")
+            for path, value in _numbers(getattr(self, part))
+        }
+
+    def lifted(self, values: dict[str, Any]) -> Swimmer:
+        """Copy with dotted numbers replaced *unchecked*: complex numbers, or arrays of designs.
+
+        The formulas of the package accept both; see `gradient` and `sweep`.
+        """
+        swimmer = self
+        for path, value in values.items():
+            if path not in self.numbers:
+                raise SpecError(path, value, "a number of this swimmer", _near(path, self.numbers))
+            part, name = path.split(".", 1)
+            name, *index = name.replace("]", "").split("[")
+            owner = getattr(swimmer, part)
+            if index:
+                value = _set_item(getattr(owner, name), [int(i) for i in index], value)
+            swimmer = _replaced(swimmer, part, _replaced(owner, name, value))
+        return swimmer
+
+    def gradient(self, output: str = "mean_velocity", wrt: Any = None) -> dict[str, Any]:
+        """Exact derivatives of an output with respect to numbers of the spec.
+
+        By the complex step ``Im f(x + ih)/h`` through the surrogate's kernels: exact to rounding.
+
+        Parameters
+        ----------
+        output
+            Any number or array that a gait gives: ``mean_velocity``, ``velocity_amplitude``,
+            ``mean_power``, ``efficiency``, ``swimming_speed``, ``resistance_series``, ...
+        wrt
+            Dotted name or names; every number of the spec by default.
+
+        Returns
+        -------
+        dict
+            Name to derivative, of the output's shape.
+
+        Examples
+        --------
+        >>> import microswim as ms
+        >>> swimmer = ms.Swimmer.preset("tabak/helix")
+        >>> d = swimmer.gradient("mean_velocity", "fluid.viscosity")
+        >>> bool(abs(d["fluid.viscosity"][0]) < 1e-12)
+        True
+        """
+        from .metrics import gradient
+
+        return gradient(self, output, wrt)
+
+
+def _numbers(owner: Any, prefix: str = ".") -> list[tuple[str, float]]:
+    found: list[tuple[str, float]] = []
+    for f in fields(owner):
+        found += _entries(f"{prefix}{f.name}", getattr(owner, f.name))
+    return found
+
+
+def _entries(path: str, value: Any) -> list[tuple[str, float]]:
+    if isinstance(value, bool) or value is None or isinstance(value, str):
+        return []
+    if isinstance(value, tuple):
+        return [e for i, v in enumerate(value) for e in _entries(f"{path}[{i}]", v)]
+    return [] if callable(value) else [(path, value)]
+
+
+def _set_item(values: tuple, index: list[int], value: Any) -> tuple:
+    head, *rest = index
+    new = _set_item(values[head], rest, value) if rest else value
+    return (*values[:head], new, *values[head + 1 :])
+
+
+def _replaced(owner: Any, name: str, value: Any) -> Any:
+    """Copy of a frozen dataclass with one field replaced, without its checks."""
+    copy = object.__new__(type(owner))
+    for f in fields(owner):
+        object.__setattr__(copy, f.name, getattr(owner, f.name))
+    object.__setattr__(copy, name, value)
+    return copy
+
+
+def _near(path: str, known: Any) -> str:
+    from difflib import get_close_matches
+
+    match = get_close_matches(path, list(known), n=1)
+    return f'did you mean "{match[0]}"?' if match else "fields: " + ", ".join(known)

@@ -31,23 +31,25 @@ HELIX, PLANE_WAVE = 0, 1
 
 @cache
 def gauss(nodes: int) -> tuple[np.ndarray, np.ndarray]:
-    """Gauss-Legendre nodes and weights on [0, 1]."""
+    """Gauss-Legendre nodes and weights on [0, 1]; none for an empty panel."""
+    if nodes == 0:
+        return np.empty(0), np.empty(0)
     xi, weight = np.polynomial.legendre.leggauss(nodes)
     return (xi + 1.0) / 2.0, weight / 2.0
 
 
 def node_numbers(kind: int, waves: float, bk: float, ramp: float) -> tuple[int, int]:
-    """Nodes on the ramp and on the rest that reach rounding error.
+    """Nodes on the ramp and on the rest that reach rounding error (plane wave: about 1e-12).
 
-    The integrand holds products of two sines (and s squared), so Gauss-Legendre needs a little
-    more than ``2 pi`` nodes a wave and some for the tail of its convergence. The arc length of a
-    plane wave, ``sqrt(1 + (bk cos)^2)``, is analytic only to ``arsinh(1/bk)/k`` off the axis,
-    which takes more.
+    The integrand of a helix holds products of two sines: Gauss-Legendre needs a little more than
+    ``pi`` nodes a wave, and some for the tail of its convergence. The arc length of a plane wave,
+    ``sqrt(1 + (bk cos)^2)``, is analytic only to ``arsinh(1/bk)/k`` off the axis, which takes
+    nodes in inverse proportion.
     """
-    steep = 0.0 if kind == HELIX else min(bk, 12.0)
-    on_ramp = 0 if ramp == 0 else int(14 + (8.0 + 6.0 * steep) * waves * ramp + 4.0 * min(bk, 12.0))
-    rest = 0 if ramp >= 1 else int(14 + (8.0 + 10.0 * steep) * waves * (1.0 - ramp))
-    return on_ramp, rest
+    bk = min(bk, 12.0)
+    per_wave = 8.0 if kind == HELIX or bk == 0 else max(8.0, 40.0 / np.arcsinh(1.0 / bk))
+    on_ramp = int(14 + per_wave * waves * ramp + 4.0 * bk) if ramp > 0 else 0
+    return on_ramp, int(14 + per_wave * waves * (1.0 - ramp)) if ramp < 1 else 0
 
 
 @njit(cache=True)
@@ -301,7 +303,7 @@ def _deforming(swimmer: Swimmer, nodes: int | None, phases: int | None) -> tuple
         R, F, G = _samples(swimmer, nodes, n)
         series = tuple(series_of(x) for x in (R, F, G))
         settled = all(
-            np.abs(x[-4:]).max() <= 1e-13 * max(np.abs(x).max(), 1e-300) for x in series[:2]
+            np.abs(x[-4:]).max() <= 1e-12 * max(np.abs(x).max(), 1e-300) for x in series[:2]
         )
         if phases or settled or n >= 192:
             return series

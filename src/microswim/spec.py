@@ -1,0 +1,383 @@
+"""The spec file: TOML to `Swimmer`. Units live at this door and nowhere else.
+
+pydantic says what a file may hold, pint what a unit means; what makes physical sense is checked by
+the parts themselves. A file holds either quantities with units (converted to SI) or bare numbers
+(dimensionless), never a mix. Depends on swimmer and its parts.
+"""
+
+from __future__ import annotations
+
+import importlib
+import tomllib
+from collections.abc import Iterator
+from difflib import get_close_matches
+from functools import cache, partial
+from os import PathLike
+from pathlib import Path
+from typing import Annotated, Any, Literal
+
+import pint
+from pydantic import BaseModel, BeforeValidator, ConfigDict, Field, ValidationError, ValidationInfo
+
+from . import presets
+from .bodies import SHAPES
+from .coefficients import LAWS
+from .customtail import CustomTail
+from .errors import SpecError
+from .interaction import Interaction
+from .swimmer import Fluid, Motion, Swimmer
+from .tails import HelicalTail, PlaneWaveTail
+
+TAILS = {"helix": HelicalTail, "plane_wave": PlaneWaveTail, "custom": CustomTail}
+
+
+@cache
+def _registry() -> pint.UnitRegistry:
+    return pint.UnitRegistry(autoconvert_to_preferred=False)
+
+
+def to_si(value: Any, unit: str) -> float:
+    """Number in the SI unit of a quantity such as ``"1.37 um"``.
+
+    For frequencies, angles count as cycles: ``"60 rpm"`` is 1 Hz.
+
+    Raises
+    ------
+    ValueError
+        If the text is no quantity or its dimension is not that of `unit`.
+    """
+    try:
+        quantity = _registry().Quantity(value)
+    except (pint.errors.PintError, ValueError, TypeError, AssertionError, SyntaxError) as error:
+        raise ValueError(f'must be a quantity such as "1 {unit}"') from error
+    except Exception as error:  # pint's parser raises its tokenizer's errors for garbage
+        raise ValueError(f'must be a quantity such as "1 {unit}"') from error
+    if quantity.unitless and unit:
+        raise ValueError(f'must have a unit, as in "1 {unit}"')
+    cyclic = unit == "Hz" and any(
+        str(u) in {"radian", "degree", "turn", "revolution", "revolutions_per_minute"}
+        for u in quantity.units._units
+    )
+    try:
+        return float(quantity.to("turn/s" if cyclic else unit).magnitude)
+    except (pint.errors.PintError, TypeError, OverflowError):
+        raise ValueError(f"must have the dimension of {unit}") from None
+
+
+def _read_quantity(value: Any, info: ValidationInfo, *, unit: str) -> Any:
+    """Convert a quantity and note in the context whether it came with a unit."""
+    if isinstance(value, bool) or not isinstance(value, (int, float, str)):
+        raise ValueError("must be a number, or a quantity in quotes")
+    seen = {} if info.context is None else info.context
+    if isinstance(value, str):
+        number = to_si(value, unit)
+        seen.setdefault("units", []).append(info.field_name)
+        return number
+    if value != 0:
+        seen.setdefault("bare", []).append(info.field_name)
+    return value
+
+
+def _read_number(value: Any) -> Any:
+    if isinstance(value, bool) or not isinstance(value, (int, float)):
+        raise ValueError("must be a bare number")
+    return value
+
+
+def _quantity(unit: str) -> Any:
+    return Annotated[
+        float,
+        BeforeValidator(partial(_read_quantity, unit=unit)),
+        Field(json_schema_extra={"unit": unit}),
+    ]
+
+
+Number = Annotated[float, BeforeValidator(_read_number)]
+Length = _quantity("m")
+
+
+class _Table(BaseModel):
+    model_config = ConfigDict(extra="forbid", allow_inf_nan=False)
+
+
+class FluidTable(_Table):
+    """[fluid]"""
+
+    viscosity: _quantity("Pa s")  # type: ignore[valid-type]
+    density: _quantity("kg/m^3") = 0.0  # type: ignore[valid-type]
+
+
+class SphereTable(_Table):
+    """[body] shape = "sphere" """
+
+    shape: Literal["sphere"]
+    radius: Length  # type: ignore[valid-type]
+
+
+class SpheroidTable(_Table):
+    """[body] shape = "spheroid" """
+
+    shape: Literal["spheroid"]
+    semi_axes: list[Length]  # type: ignore[valid-type]
+    drag: str = "exact"
+
+
+class EllipsoidTable(_Table):
+    """[body] shape = "ellipsoid" """
+
+    shape: Literal["ellipsoid"]
+    semi_axes: list[Length]  # type: ignore[valid-type]
+
+
+class NoBodyTable(_Table):
+    """[body] shape = "none" """
+
+    shape: Literal["none"]
+
+
+class _TailTable(_Table):
+    length: Length  # type: ignore[valid-type]
+    radius: Length  # type: ignore[valid-type]
+    frequency: _quantity("Hz") = 1.0  # type: ignore[valid-type]
+    sections: str | None = None
+    surface_motion: str | None = None
+    wavelength: Length | None = None  # type: ignore[valid-type]
+
+
+class _WaveTable(_TailTable):
+    amplitude: Length  # type: ignore[valid-type]
+    waves: Number | None = None
+    ramp: Number = 0.1
+    length_measure: str = "apparent"
+
+
+class HelixTable(_WaveTable):
+    """[tail] kind = "helix" """
+
+    kind: Literal["helix"]
+    handedness: str = "left"
+
+
+class PlaneWaveTable(_WaveTable):
+    """[tail] kind = "plane_wave" """
+
+    kind: Literal["plane_wave"]
+
+
+class CustomTable(_TailTable):
+    """[tail] kind = "custom": `shape` names an importable function, ``"my_module:my_function"``."""
+
+    kind: Literal["custom"]
+    shape: str
+    breaks: list[Number] = []
+    sign: Number = 1.0
+
+
+class CoefficientsTable(_Table):
+    """[coefficients]"""
+
+    law: Literal["lighthill", "gray_hancock", "cox", "constant"] = "lighthill"
+    spin: bool = True
+    normal: _quantity("Pa s") | None = None  # type: ignore[valid-type]
+    tangential: _quantity("Pa s") | None = None  # type: ignore[valid-type]
+
+
+class InteractionTable(_Table):
+    """[interaction]"""
+
+    translation: list[Number] = [1.0, 1.0, 1.0]
+    rotation: list[Number] = [1.0, 1.0, 1.0]
+    coupling: list[list[Number]] = [[0.0] * 3] * 3
+    tail: list[Number] = [1.0, 1.0, 1.0]
+
+
+class MotionTable(_Table):
+    """[motion]"""
+
+    free: str | list[str] = "all"
+    frequency_frame: str = "body"
+    line_element: str = "arc"
+
+
+class SpecTable(_Table):
+    """A whole spec file."""
+
+    fluid: FluidTable
+    body: SphereTable | SpheroidTable | EllipsoidTable | NoBodyTable = Field(discriminator="shape")
+    tail: HelixTable | PlaneWaveTable | CustomTable = Field(discriminator="kind")
+    coefficients: CoefficientsTable = CoefficientsTable()
+    interaction: InteractionTable = InteractionTable()
+    motion: MotionTable = MotionTable()
+
+
+def read(path: str | PathLike[str], overrides: dict[str, Any] | None = None) -> Swimmer:
+    """Swimmer from a spec file; `overrides` maps dotted fields to values.
+
+    Raises
+    ------
+    SpecError
+        One sentence: the field, its value, what is allowed, how to mend it.
+    """
+    return from_dict(load(path), overrides)
+
+
+def load(path: str | PathLike[str]) -> dict[str, Any]:
+    """The tables of a TOML file, unchecked.
+
+    Raises
+    ------
+    SpecError
+        If the file is missing, unreadable or not TOML.
+    """
+    try:
+        return tomllib.loads(Path(path).read_text(encoding="utf-8"))
+    except FileNotFoundError:
+        raise SpecError(
+            f'{path}: no such file; "microswim new {path}" writes one to start from'
+        ) from None
+    except (OSError, UnicodeDecodeError, ValueError) as error:
+        what = "not valid TOML" if isinstance(error, tomllib.TOMLDecodeError) else "cannot be read"
+        raise SpecError(f"{path}: {what}: {' '.join(str(error).split())}") from None
+
+
+def read_preset(name: str, overrides: dict[str, Any] | None = None) -> Swimmer:
+    """Swimmer that comes with the package, such as ``"tabak/helix"``.
+
+    Raises
+    ------
+    SpecError
+        If there is no such preset, or as `read`.
+    """
+    return from_dict(tomllib.loads(presets.read(name)), overrides)
+
+
+def override(tables: dict[str, Any], overrides: dict[str, Any]) -> dict[str, Any]:
+    """Tables with dotted fields replaced; `waves` and `wavelength` replace each other."""
+    new = {k: dict(v) if isinstance(v, dict) else v for k, v in tables.items()}
+    for path, value in overrides.items():
+        *parents, name = path.split(".")
+        if len(parents) != 1 or not name:
+            raise SpecError(path, value, "a field as in tail.amplitude (table.name)")
+        table = new.setdefault(parents[0], {})
+        if not isinstance(table, dict):
+            raise SpecError(parents[0], table, "a table")
+        other = {"waves": "wavelength", "wavelength": "waves"}.get(name)
+        if other and f"tail.{other}" not in overrides:
+            table.pop(other, None)
+        table[name] = value
+    return new
+
+
+def from_dict(tables: dict[str, Any], overrides: dict[str, Any] | None = None) -> Swimmer:
+    """Swimmer from the tables of a spec file.
+
+    Raises
+    ------
+    SpecError
+        One sentence: the field, its value, what is allowed, how to mend it.
+    """
+    tables = override(tables, overrides or {})
+    context: dict[str, list[str]] = {}
+    try:
+        spec = SpecTable.model_validate(tables, context=context)
+    except ValidationError as error:
+        raise _sentence(error, tables) from None
+    if context.get("units") and context.get("bare"):
+        raise SpecError(
+            f"{context['bare'][0]}: must have a unit, since {context['units'][0]} has one; "
+            "give units to all quantities or to none"
+        )
+    return _build(spec, "SI" if context.get("units") else "dimensionless")
+
+
+def _build(spec: SpecTable, units: Literal["SI", "dimensionless"]) -> Swimmer:
+    body, tail, law = (_given(t) for t in (spec.body, spec.tail, spec.coefficients))
+    if spec.tail.kind == "custom":
+        tail["shape"] = _import_shape(tail["shape"])
+    name = law.pop("law", "lighthill")
+    if name == "constant" and not {"normal", "tangential"} <= law.keys():
+        raise SpecError(
+            'coefficients: law = "constant" needs both normal and tangential; add the missing one'
+        )
+    if name != "constant" and law.keys() & {"normal", "tangential"}:
+        raise SpecError(
+            "coefficients.law", name, '"constant" when normal and tangential are given'
+        )
+    return Swimmer(
+        body=SHAPES[body.pop("shape")](**body),
+        tail=TAILS[tail.pop("kind")](**tail),
+        fluid=Fluid(**_given(spec.fluid)),
+        coefficients=LAWS[name](**law),
+        interaction=Interaction(**_given(spec.interaction)),
+        motion=Motion(**_given(spec.motion)),
+        units=units,
+    )
+
+
+def _given(table: BaseModel) -> dict[str, Any]:
+    """What the file says, lists as tuples; what it leaves out is left to the defaults."""
+
+    def frozen(value: Any) -> Any:
+        return tuple(frozen(v) for v in value) if isinstance(value, list) else value
+
+    given = table.model_dump(exclude_unset=True)
+    return {k: frozen(v) for k, v in given.items() if v is not None}
+
+
+def _import_shape(name: str) -> Any:
+    module, _, function = name.partition(":")
+    try:
+        return getattr(importlib.import_module(module), function)
+    except (ImportError, AttributeError, ValueError):
+        raise SpecError(
+            "tail.shape", name, 'an importable function, "module:function"'
+        ) from None
+
+
+def _sentence(error: ValidationError, tables: dict[str, Any]) -> SpecError:
+    """The first complaint as one sentence."""
+    first = error.errors()[0]
+    tags = {"sphere", "spheroid", "ellipsoid", "none", "helix", "plane_wave", "custom"}
+    where = [p for i, p in enumerate(first["loc"]) if not (i == 1 and p in tags)]
+    path = "".join(f"[{p}]" if isinstance(p, int) else f".{p}" for p in where).lstrip(".")
+    value = first["input"]
+    match first["type"]:
+        case "missing":
+            return SpecError(f"{path}: missing; add it")
+        case "extra_forbidden":
+            known = list(_fields(tables))
+            return SpecError(f"{path}: no such field here; {_suggest(path, known)}")
+        case "value_error":
+            return SpecError(f"{path} = {value!r}: {first['ctx']['error']}")
+        case "union_tag_invalid" | "union_tag_not_found":
+            tag = first["ctx"]["discriminator"].strip("'")
+            shown = first["ctx"].get("tag")
+            expected = first["ctx"].get("expected_tags") or ", ".join(
+                f"'{t}'" for t in (SHAPES if tag == "shape" else TAILS)
+            )
+            return SpecError(f"{path}.{tag}", shown, f"one of {expected}")
+    message = first["msg"].removeprefix("Input should be ").removeprefix("Value error, ")
+    return SpecError(path or "spec", value, message)
+
+
+def _fields(tables: dict[str, Any]) -> Iterator[str]:
+    """Dotted names of the fields that a file of this kind may hold."""
+    choose = {"body": "shape", "tail": "kind"}
+    for name, info in SpecTable.model_fields.items():
+        options = getattr(info.annotation, "__args__", (info.annotation,))
+        for table in options:
+            tag = choose.get(name)
+            given = tables.get(name) if isinstance(tables.get(name), dict) else {}
+            if tag and table.model_fields[tag].annotation.__args__[0] != given.get(tag):
+                continue
+            yield from (f"{name}.{f}" for f in table.model_fields)
+        yield name
+
+
+def _suggest(name: str, known: list[str]) -> str:
+    close = get_close_matches(name, known, n=1, cutoff=0.6)
+    if close:
+        return f'did you mean "{close[0]}"?'
+    table = name.partition(".")[0] + "."
+    near = [k for k in known if k.startswith(table)] or known
+    return "known: " + ", ".join(near)

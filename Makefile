@@ -10,7 +10,7 @@ PYTEST_ARGS ?=
 
 BIN := $(VENV)/bin
 INSTALL := $(BIN)/python -m pip install --quiet --disable-pip-version-check --no-compile -c constraints.txt
-# pip compiles on one core, and the tests of every package too; this takes a third of the time.
+# pip compiles on one core, and the tests of every package too; this is quicker.
 COMPILE := $(BIN)/python -m compileall -q -j 0 -x '/tests?/' $(VENV)/lib >/dev/null || true
 
 .PHONY: demo test lint slow bench docs clean
@@ -38,7 +38,7 @@ docs: $(VENV)/.docs
 	@echo "documentation: site/index.html"
 
 clean:
-	rm -rf $(VENV) site build dist out .pytest_cache .ruff_cache .hypothesis .import_linter_cache
+	rm -rf $(VENV) site build dist out .pytest_cache .ruff_cache .hypothesis .import_linter_cache .numba_cache
 	find src tests examples benchmarks -name __pycache__ -prune -exec rm -rf {} + 2>/dev/null || true
 
 # One stamp for each set of extras: a second call installs nothing.

@@ -9,6 +9,7 @@ from .coefficients import Constant as Constant
 from .coefficients import Cox as Cox
 from .coefficients import GrayHancock as GrayHancock
 from .coefficients import Lighthill as Lighthill
+from .customtail import CustomTail as CustomTail
 from .errors import MicroswimError as MicroswimError
 from .errors import SpecError as SpecError
 from .gait import Gait as Gait
@@ -16,7 +17,6 @@ from .interaction import Interaction as Interaction
 from .swimmer import Fluid as Fluid
 from .swimmer import Motion as Motion
 from .swimmer import Swimmer as Swimmer
-from .tails import CustomTail as CustomTail
 from .tails import HelicalTail as HelicalTail
 from .tails import PlaneWaveTail as PlaneWaveTail
 

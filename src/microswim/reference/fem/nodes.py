@@ -1,0 +1,98 @@
+"""Nodal values <-> coefficients of NGSolve's hierarchical H1 space, and positions of the nodes.
+
+NGSolve's basis is hierarchical: its coefficients are not values at points. On every element the
+polynomials of order k are also fixed by their values on the lattice of points i/k, so values at the
+lattice points of the mesh and coefficients are related by one sparse square matrix,
+
+    value(x_n) = sum_j phi_j(x_n) c_j,
+
+factorised once. With it the displacement and the surface's velocities are plain NumPy functions of
+the nodes. Depends on ngsolve, numpy and scipy.
+"""
+
+from __future__ import annotations
+
+from itertools import product
+
+import ngsolve as ngs
+import numpy as np
+from scipy.sparse import csr_matrix
+from scipy.sparse.linalg import splu
+
+
+def _lattice(order: int, corners: int) -> np.ndarray:
+    """Barycentric indices (i_1, .., i_corners) that sum to `order`."""
+    grid = product(range(order + 1), repeat=corners)
+    return np.array([index for index in grid if sum(index) == order])
+
+
+class Nodes:
+    """The lattice nodes of a mesh (undeformed) for a scalar H1 space of order k.
+
+    Parameters
+    ----------
+    space
+        Scalar `ngsolve.H1` space; the vector space of the same order has its coefficients in
+        three blocks of the same layout.
+
+    Attributes
+    ----------
+    points : ndarray of shape (n, 3)
+        Node positions on the curved, undeformed mesh.
+    """
+
+    def __init__(self, space: ngs.H1) -> None:
+        self.space = space
+        mesh = space.mesh
+        lattice = _lattice(space.globalorder, 4)
+        corner = np.array([[1, 0, 0], [0, 1, 0], [0, 0, 1], [0, 0, 0]], dtype=float)
+        reference = lattice @ corner / space.globalorder
+        places = _positions(mesh, reference)
+        self._numbers: dict[tuple, int] = {}
+        rows, columns, values, points = [], [], [], []
+        for element in space.Elements(ngs.VOL):
+            corners = [v.nr for v in element.vertices]
+            finite = space.GetFE(ngs.ElementId(ngs.VOL, element.nr))
+            for index, at, place in zip(lattice, reference, places[element.nr]):
+                key = tuple(sorted((c, int(i)) for c, i in zip(corners, index) if i))
+                if key in self._numbers:
+                    continue
+                row = self._numbers[key] = len(points)
+                points.append(place)
+                shape = np.asarray(finite.CalcShape(*at))
+                rows += [row] * shape.size
+                columns += list(element.dofs)
+                values += list(shape)
+        n = space.ndof
+        if len(points) != n:
+            raise RuntimeError(f"{len(points)} nodes for {n} coefficients")
+        self.points = np.array(points)
+        self.matrix = csr_matrix((values, (rows, columns)), shape=(n, n))
+        self._factor = splu(self.matrix.tocsc())
+
+    def coefficients(self, values: np.ndarray) -> np.ndarray:
+        """Coefficients of the function with these nodal values, (n,) or (n, m)."""
+        return self._factor.solve(np.ascontiguousarray(values))
+
+    def values(self, coefficients: np.ndarray) -> np.ndarray:
+        """Nodal values of the function with these coefficients."""
+        return self.matrix @ coefficients
+
+    def on(self, boundary: str) -> np.ndarray:
+        """Mask of the nodes on the boundaries that match a pattern."""
+        mesh, order = self.space.mesh, self.space.globalorder
+        lattice = _lattice(order, 3)
+        mask = np.zeros(len(self.points), dtype=bool)
+        for element in mesh.Boundaries(boundary).Elements():
+            corners = [v.nr for v in element.vertices]
+            for index in lattice:
+                key = tuple(sorted((c, int(i)) for c, i in zip(corners, index) if i))
+                mask[self._numbers[key]] = True
+        return mask
+
+
+def _positions(mesh: ngs.Mesh, reference: np.ndarray) -> np.ndarray:
+    """Physical positions of reference points in all elements, (elements, points, 3)."""
+    rule = ngs.IntegrationRule([tuple(map(float, at)) for at in reference], [0.0] * len(reference))
+    here = ngs.CF((ngs.x, ngs.y, ngs.z))(mesh.MapToAllElements(rule, ngs.VOL))
+    return np.asarray(here).reshape(mesh.ne, len(reference), 3)

@@ -1,0 +1,155 @@
+"""Quasi-steady Stokes gait in a channel: all motions of the swimmer from one factorisation a phase.
+
+With u_j the flow of the rigid mode w_j (j = 1..6) and u_t that of the tail's own motion per unit rate,
+
+    R_ij = w_i' K u_j,   F_i = w_i' K u_t,   G = u_t' K u_t      [Tabak Eq. 17, by linearity]
+
+Inside, lengths are in units of the body's diameter and viscosity is one; the gait is returned in the
+swimmer's units. Depends on channel, displacement, mesh, stokes, gait.
+"""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from microswim.gait import Gait
+from microswim.reference.channel import Channel
+
+from .displacement import Wave
+from .mesh import Level, Outline, check_in_channel, level_named, straight_mesh
+from .stokes import Stokes
+
+
+@dataclass(frozen=True)
+class Snapshot:
+    """Resistance and propulsion at one phase, in the swimmer's units; `body_*`: on the body alone."""
+
+    resistance: np.ndarray
+    propulsion: np.ndarray
+    activity: float
+    body_resistance: np.ndarray
+    body_propulsion: np.ndarray
+
+
+def room_around(outline: Outline, channel: Channel) -> float:
+    """Distance from the tail's straight axis to the nearest wall, in the outline's unit."""
+    s = np.linspace(0.0, outline.length, 41)
+    axis = np.stack([s, 0 * s, 0 * s], axis=-1) - outline.middle_of(channel)
+    return float(np.min(channel.clearance(outline.unit * axis @ channel.axes))) / outline.unit
+
+
+def problem(swimmer: Any, channel: Channel, level: Level) -> tuple[Wave, Stokes]:
+    """Mesh and spaces for a swimmer in a channel, refused where they make no sense."""
+    outline = Outline.of(swimmer)
+    wave = Wave(swimmer, outline, max(room_around(outline, channel), 0.0))
+    check_in_channel(outline, channel, wave.reach + outline.radius)
+    wave.check()
+    return wave, Stokes(straight_mesh(outline, channel, level), level.order)
+
+
+def tail_data(wave: Wave, flow: Stokes, phase: float) -> np.ndarray:
+    """Boundary data of the tail's motion per unit phase rate, without net flux."""
+    X, x, on = flow.nodes.points, flow.places, flow.on["tail"]
+    velocity, normal = np.zeros_like(x), np.zeros_like(x)
+    velocity[on] = wave.surface_velocity(X[on], x[on], phase)
+    normal[on] = wave.outward(X[on], x[on], phase)
+    return flow.without_flux(flow.given(velocity, on), flow.given(normal, on))
+
+
+def snapshot(wave: Wave, flow: Stokes, phase: float, viscosity: float) -> Snapshot:
+    """Solve the seven flows at one phase."""
+    X = flow.nodes.points
+    flow.move(X + wave.displacement(X, phase))
+    flow.factorise(1.0)
+    modes = flow.rigid_modes(wave.outline.centre)
+    data = [*modes, tail_data(wave, flow, phase)]
+    total, body = np.zeros((6, 7)), np.zeros((6, 7))
+    for j, motion in enumerate(data):
+        reaction = flow.apply(flow.solve(motion))
+        body[:, j] = flow.forces(reaction, modes, "body")
+        total[:, j] = body[:, j] + flow.forces(reaction, modes, "tail")
+    activity = data[6] @ reaction
+    return _in_units(total, body, float(activity), wave.outline.unit, viscosity)
+
+
+def _in_units(
+    total: np.ndarray, body: np.ndarray, activity: float, unit: float, viscosity: float
+) -> Snapshot:
+    """Back to the swimmer's units: F ~ mu l U, T ~ mu l^2 U, U ~ l rate."""
+    row = np.repeat([1.0, unit], 3)
+    scale = viscosity * unit * np.outer(row, np.append(row, unit))
+    total, body = total * scale, body * scale
+    symmetric = 0.5 * (total[:, :6] + total[:, :6].T)
+    power = activity * viscosity * unit**3
+    return Snapshot(symmetric, total[:, 6], power, body[:, :6], body[:, 6])
+
+
+def gait(
+    swimmer: Any,
+    *,
+    channel: Channel | None = None,
+    level: str | Level = "standard",
+    phases: int = 8,
+    progress: Callable[[int, int], None] | None = None,
+) -> Gait:
+    """Gait of a swimmer at rest in the middle of a channel (or elsewhere in it), Stokes flow.
+
+    Parameters
+    ----------
+    swimmer
+        The swimmer.
+    channel
+        The vessel; by default `Channel.around` (ten body diameters).
+    level
+        ``"coarse"``, ``"standard"``, ``"fine"`` or a `Level`.
+    phases
+        Phases solved over the period. A rigid helix on the axis of a cylinder needs one only.
+    progress
+        Called as ``progress(done, of)`` after each phase.
+    """
+    start = time.perf_counter()
+    channel = channel or Channel.around(swimmer)
+    wave, flow = problem(swimmer, channel, level_named(level))
+    turning = turns_rigidly(swimmer, channel)
+    angles = np.arange(1 if turning else phases) * 2.0 * np.pi / phases
+    shots = []
+    for angle in angles:
+        shots.append(snapshot(wave, flow, float(angle), float(swimmer.fluid.viscosity)))
+        if progress:
+            progress(len(shots), len(angles))
+    info = {
+        "level": str(level),
+        "unknowns": int(flow.unknowns),
+        "elements": int(flow.mesh.ne),
+        "channel": channel,
+        "wall_seconds": time.perf_counter() - start,
+    }
+    return _assembled(swimmer, shots, turning, info)
+
+
+def turns_rigidly(swimmer: Any, channel: Channel) -> bool:
+    """Whether one phase tells all: a helix on an axisymmetric body on the axis of a cylinder."""
+    helix = getattr(swimmer.tail, "kind", "") == "helix"
+    return helix and channel.centred and bool(swimmer.body.is_axisymmetric)
+
+
+def _assembled(swimmer: Any, shots: list[Snapshot], turning: bool, info: dict) -> Gait:
+    names = ("resistance", "propulsion", "activity", "body_resistance", "body_propulsion")
+    R, F, G, body_R, body_F = (np.array([getattr(shot, n) for shot in shots]) for n in names)
+    common = {
+        "rate": float(swimmer.tail.rate),
+        "free": swimmer.motion.mask,
+        "units": swimmer.units,
+        "model": "fem",
+        "info": info,
+    }
+    if not turning:
+        return Gait.from_samples(R, F, G, body_R=body_R, body_F=body_F, **common)
+    sign = float(swimmer.tail.sign)
+    parts = {"body_R": body_R[0], "body_F": body_F[0]}
+    return Gait.from_rotation(R[0], F[0], G[0], sign=sign, **parts, **common)

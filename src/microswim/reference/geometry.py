@@ -28,8 +28,8 @@ Array = NDArray[np.float64]
 def rounded_ramp(s: Array, start: float, half_width: float) -> tuple[Array, Array, Array]:
     """Amplitude fraction f(s), f'(s), f''(s) of the ramp min(1, s/s0), its kink rounded.
 
-    With x = (s - s0)/w inside |x| < 1:  s0 f' = 1/2 - 3x/4 + x^3/4,  so f is twice continuously
-    differentiable and f(s0 - w), f(s0 + w) are the values of the sharp ramp.
+    A parabola over s0 - w < s < s0 + w joins the two lines with their slopes,
+    f = 1 - (s0 + w - s)^2 / (4 w s0).
 
     Parameters
     ----------
@@ -45,11 +45,20 @@ def rounded_ramp(s: Array, start: float, half_width: float) -> tuple[Array, Arra
         return np.ones_like(s), np.zeros_like(s), np.zeros_like(s)
     w = min(half_width, start)
     x = np.clip((s - start) / w, -1.0, 1.0)
-    inner = 1 - w / start + (w / start) * (x / 2 - 3 * x**2 / 8 + x**4 / 16 + 13 / 16)
-    f = np.where(s < start - w, s / start, inner)
-    df = (0.5 - 0.75 * x + 0.25 * x**3) / start
-    ddf = -0.75 * (1 - x**2) / (w * start)
+    f = np.where(s < start - w, s / start, 1 - w / (4 * start) * (1 - x) ** 2)
+    df = (1 - x) / (2 * start)
+    ddf = np.where(np.abs(x) < 1, -0.5 / (w * start), 0.0)
     return f, df, ddf
+
+
+def kinks(tail: Any) -> list[float]:
+    """Values of s at which the smooth centreline's curvature jumps: the ends of the rounding."""
+    length = tail.apparent_length
+    if tail.kind == "custom":
+        return [f * length for f in tail.breaks if 0 < f < 1]
+    start = tail.ramp * length
+    half = min(tail.radius, start)
+    return [s for s in (start - half, start + half) if 0 < s < length]
 
 
 @dataclass(frozen=True)
@@ -118,9 +127,9 @@ def _general(tail: Any, s: Array, phase: float) -> Curve:
 def smooth_centreline(tail: Any, s: Array, phase: float = 0.0) -> Curve:
     """Centreline of a tail with the ramp's kink rounded, continued to s < 0 (the reference's P)."""
     s = np.asarray(s, dtype=float)
-    if hasattr(tail, "handedness"):
+    if tail.kind == "helix":
         return _wave(tail, s, phase, -float(tail.sign))
-    if hasattr(tail, "amplitude"):
+    if tail.kind == "plane_wave":
         return _wave(tail, s, phase, 0.0)
     return _general(tail, s, phase)
 
@@ -160,10 +169,9 @@ def surface_velocity(tail: Any, X: Array, s: Array, phase: float = 0.0) -> Array
     bending      P_phi + (T x T_phi) x (X - P)   (sections turn with the tangent, no spin)
     """
     if tail.surface_motion == "rigid":
-        if not hasattr(tail, "sign"):
+        if tail.kind == "plane_wave":
             raise SpecError(
-                "tail.surface_motion = 'rigid': only a helix turns as a rigid body; "
-                "choose 'translating' or 'bending'"
+                "tail.surface_motion", "rigid", "translating or bending", "a plane wave cannot turn"
             )
         zero = np.zeros_like(X[..., 0])
         return tail.sign * np.stack([zero, -X[..., 2], X[..., 1]], axis=-1)
@@ -201,12 +209,14 @@ def piercing(body: Any, tail: Any, phase: float = 0.0) -> float:
     last = _last_crossing(value)
     if last < 0:
         raise SpecError(
-            f"tail.amplitude = {getattr(tail, 'amplitude', float('nan')):g}: without a ramp the tail must start "
-            "on the body; use an amplitude below the body's radius or a ramp"
+            "tail.amplitude",
+            getattr(tail, "amplitude", None),
+            "less than the body's half width where no ramp leads the tail to the body",
+            "use a smaller amplitude or a ramp",
         )
     if last == s.size - 1:
         raise SpecError(
-            f"tail.length = {tail.apparent_length:g}: the tail ends inside the body; make it longer"
+            "tail.length", tail.apparent_length, "long enough to leave the body", "make it longer"
         )
     low, high = s[last], s[last + 1]
     for _ in range(60):
@@ -216,30 +226,174 @@ def piercing(body: Any, tail: Any, phase: float = 0.0) -> float:
     return float(0.5 * (low + high))
 
 
-def joint_curve(body: Any, tail: Any, theta: Array, phase: float, s_joint: float) -> Array:
-    """s(theta) at which each generator of the tube meets the body's surface (bisection).
+def _section_coordinates(tail: Any, X: Array, s: Array, phase: float) -> tuple[Array, Array]:
+    """Distance from the centreline, in the section through X, and that section's s.
+
+    Perpendicular: the closest point, (X - P) . P' = 0, by Newton's method from `s`.
+    Sheared: the section of X is s = X_s.
+    """
+    if tail.sections == "sheared":
+        s = X[..., 0]
+    else:
+        for _ in range(4):
+            c = smooth_centreline(tail, s, phase)
+            d = X - c.P
+            slope = np.sum(d * c.P_ss, axis=-1) - np.sum(c.P_s**2, axis=-1)
+            step = np.sum(d * c.P_s, axis=-1) / np.minimum(slope, -0.05)
+            s = s - np.clip(step, -tail.radius, tail.radius)
+    return np.linalg.norm(X - smooth_centreline(tail, s, phase).P, axis=-1), s
+
+
+@dataclass(frozen=True)
+class Joint:
+    """Closed curve in which the tube meets the body, by the azimuth psi about the piercing point.
+
+    The body is the image of the unit sphere under its semi-axes; `pole`, `first`, `second` are an
+    orthonormal frame of that sphere with the piercing point as its pole.
 
     Parameters
     ----------
-    theta : array
-        Angles around the tube.
-    s_joint : float
-        The centreline's own crossing, from `piercing`.
+    s : float
+        Where the centreline leaves the body.
+    pole, first, second : (3,)
+        Frame on the unit sphere.
+    series : (3, n)
+        Fourier coefficients (rfft, divided by n) of the polar angle, of s - s(pole) and of theta - psi.
     """
-    theta = np.asarray(theta, dtype=float)
-    for reach in tail.radius * np.arange(0.5, 8.1, 0.5):
-        low, high = np.full_like(theta, s_joint - reach), np.full_like(theta, s_joint + reach)
-        inside = level_set(body, tube_point(tail, low, theta, phase)) < 0
-        outside = level_set(body, tube_point(tail, high, theta, phase)) > 0
-        if inside.all() and outside.all():
-            break
-    else:
+
+    s: float
+    pole: Array
+    first: Array
+    second: Array
+    series: NDArray[np.complex128]
+
+    def _evaluate(self, row: int, psi: Array) -> Array:
+        c = self.series[row]
+        result = np.full(np.shape(psi), c[0].real)
+        turn = np.exp(1j * np.asarray(psi))
+        power = np.ones_like(turn)
+        for coefficient in c[1:]:
+            power = power * turn
+            result = result + 2 * (coefficient * power).real
+        return result
+
+    def angle(self, psi: Array) -> Array:
+        """Polar angle of the curve on the unit sphere."""
+        return self._evaluate(0, psi)
+
+    def section(self, psi: Array) -> tuple[Array, Array]:
+        """(s, theta) of the tube's section and generator through the curve."""
+        return self.s + self._evaluate(1, psi), psi + self._evaluate(2, psi)
+
+    def sphere_point(self, angle: Array, psi: Array) -> Array:
+        """Unit-sphere point at polar angle and azimuth about the pole."""
+        radial = np.cos(psi)[..., None] * self.first + np.sin(psi)[..., None] * self.second
+        return np.cos(angle)[..., None] * self.pole + np.sin(angle)[..., None] * radial
+
+
+def _first_outside(distance: Any, radius: float, step: float, psi: Array) -> tuple[Array, Array]:
+    """Brackets (low, high) of the polar angle at which the distance first exceeds the radius."""
+    low, high = np.zeros_like(psi), np.full_like(psi, np.nan)
+    for angle in np.arange(step, 0.45 * np.pi, step):
+        out = distance(np.full_like(psi, angle)) > radius
+        high = np.where(np.isnan(high) & out, angle, high)
+        low = np.where(np.isnan(high), angle, low)
+        if not np.isnan(high).any():
+            return low, high
+    raise SpecError(
+        "tail.radius",
+        radius,
+        "well below the body's radius, and the tail must lead away from the body",
+        "use a thinner filament, a smaller amplitude or a longer ramp: the tube lies on the body",
+    )
+
+
+def trace_joint(body: Any, tail: Any, phase: float = 0.0, points: int = 96) -> Joint:
+    """Intersection of the tube with the body: where the distance to the centreline is r_t.
+
+    Seen from the piercing point the curve is smooth even where the tube leans on the body, which its
+    generators are not.
+    """
+    axes, centre = np.asarray(body.semi_axes3, float), np.asarray(body.centre, float)
+    start = piercing(body, tail, phase)
+    curve = smooth_centreline(tail, np.array(start), phase)
+    pole = (curve.P - centre) / axes
+    pole = pole / np.linalg.norm(pole)
+    first = section_axes(tail, curve)[0]
+    first = first - first @ pole * pole
+    first = first / np.linalg.norm(first)
+    psi = 2 * np.pi * np.arange(points) / points
+    bare = Joint(start, pole, first, np.cross(pole, first), np.zeros((3, 1), complex))
+    s = np.full(points, start)
+
+    def distance(angle: Array) -> Array:
+        nonlocal s
+        X = centre + axes * bare.sphere_point(angle, psi)
+        found, s = _section_coordinates(tail, X, s, phase)
+        return found
+
+    step = 0.2 * tail.radius / axes.max()
+    low, high = _first_outside(distance, tail.radius, step, psi)
+    for _ in range(40):
+        middle = 0.5 * (low + high)
+        out = distance(middle) > tail.radius
+        low, high = np.where(out, low, middle), np.where(out, middle, high)
+    angle = 0.5 * (low + high)
+    distance(angle)
+    at = smooth_centreline(tail, s, phase)
+    n1, n2 = section_axes(tail, at)
+    arm = centre + axes * bare.sphere_point(angle, psi) - at.P
+    theta = np.arctan2(np.sum(arm * n2, axis=-1), np.sum(arm * n1, axis=-1))
+    ahead = np.angle(np.exp(1j * (theta - psi)))
+    series = np.fft.rfft(np.stack([angle, s - start, ahead]), axis=-1)[:, : points // 2] / points
+    return Joint(start, pole, first, bare.second, series)
+
+
+def check(body: Any, tail: Any, phase: float = 0.0) -> list[str]:
+    """Refuse geometry that cannot be built; return remarks on geometry that is merely extreme.
+
+    Raises
+    ------
+    SpecError
+        If the tube folds into itself (curvature x radius above one on its outside), touches itself
+        (pitch below two filament radii), or does not leave the body.
+    """
+    length, radius = tail.apparent_length, tail.radius
+    s = np.linspace(0.0, length, 2001)
+    curve = smooth_centreline(tail, s, phase)
+    remarks = []
+    fold = float(curve.curvature.max()) * radius
+    if tail.sections == "perpendicular":
+        if fold >= 1:
+            at = float(s[curve.curvature.argmax()])
+            raise SpecError(
+                "tail.radius",
+                radius,
+                f"less than {radius / fold:.4g}, the centreline's radius of curvature at s = {at:.3g}",
+                "the tube would fold into itself: use a thinner filament, a smaller amplitude, fewer "
+                "waves or a longer ramp",
+            )
+        if fold > 0.7:
+            remarks.append(f"curvature x radius reaches {fold:.2f}")
+        _check_clearance(tail, curve)
+    if not np.any(np.asarray(body.semi_axes3, float) > 0):
+        return remarks
+    slope = float(np.linalg.norm(curve.P_s[0, 1:]) / max(abs(curve.P_s[0, 0]), 1e-12))
+    if slope > 0.9:
+        remarks.append(f"the tail leaves the body at a slope of {slope:.2f}")
+    return remarks
+
+
+def _check_clearance(tail: Any, curve: Curve) -> None:
+    """Refuse a tube that touches another part of itself."""
+    P = curve.P[::5]
+    arc = np.concatenate([[0.0], np.cumsum(np.linalg.norm(np.diff(P, axis=0), axis=-1))])
+    apart = np.linalg.norm(P[:, None] - P[None, :], axis=-1)
+    gap = np.where(np.abs(arc[:, None] - arc[None, :]) > np.pi * tail.radius, apart, np.inf)
+    if gap.min() <= 2 * tail.radius:
         raise SpecError(
-            f"tail.radius = {tail.radius:g}: the tube does not leave the body in one closed curve; "
-            "use a thinner filament, a smaller amplitude or a longer ramp"
+            "tail.radius",
+            tail.radius,
+            f"less than {gap.min() / 2:.4g}, half the distance of neighbouring turns",
+            "the tube would touch itself: use a thinner filament or fewer waves",
         )
-    for _ in range(46):
-        mid = 0.5 * (low + high)
-        inside = level_set(body, tube_point(tail, mid, theta, phase)) < 0
-        low, high = np.where(inside, mid, low), np.where(inside, high, mid)
-    return 0.5 * (low + high)

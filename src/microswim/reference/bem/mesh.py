@@ -15,7 +15,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from .. import geometry
-from .surface import Surface, cube_face, grid_boxes, sample
+from .surface import Surface, cube_face, grid_boxes, sample, sample_parameters
 
 Array = NDArray[np.float64]
 
@@ -74,39 +74,41 @@ def tube_edges(tail: Any, phase: float, start: float, r: Resolution, free_start:
     root = rt * (r.root + (1 - 1 / r.growth) * arc / rt)
     h = np.minimum(h, np.minimum(tip, tip[::-1] if free_start else root))
     share = np.concatenate([[0.0], np.cumsum(0.5 * (1 / h[1:] + 1 / h[:-1]) * np.diff(arc))])
-    count = max(2, int(np.ceil(share[-1] - 0.15)))
-    return np.interp(np.linspace(0, share[-1], count + 1), share, s)
+    breaks = np.interp(geometry.kinks(tail), s, share)
+    pieces = [0.0, *breaks, share[-1]]
+    edges = [np.zeros(1)]
+    for low, high in zip(pieces[:-1], pieces[1:], strict=True):
+        count = max(1, int(np.ceil(high - low - 0.25)))
+        edges.append(np.linspace(low, high, count + 1)[1:])
+    return np.interp(np.concatenate(edges), share, s)
 
 
-def _bent_edges(edges: Array, theta: Array, joint: Array) -> Array:
-    """Edges (..., panel edges) displaced at each theta so that the first is the joint curve."""
-    shift = joint - edges[0]
-    room = max(2.5 * np.abs(shift).max(), 1e-9 * edges[-1])
+def _bent(edges: Array, joint: geometry.Joint, v: Array, psi: Array) -> tuple[Array, Array]:
+    """(s, theta) at panel coordinate v, bent at the root so that v = 0 is the joint curve.
+
+    The displacement fades linearly to zero over a few panels, longer than 2.5 times its size.
+    """
+    s_joint, theta_joint = joint.section(psi)
+    shift = s_joint - edges[0]
+    room = max(2.5 * np.abs(shift).max(), 1e-9)
     last = max(1, int(np.searchsorted(edges - edges[0], room)))
     fade = np.clip(1 - (edges - edges[0]) / (edges[last] - edges[0]), 0.0, 1.0)
-    return edges + shift[..., None] * fade
+    panels = np.arange(float(edges.size))
+    s = np.interp(v, panels, edges)
+    left = np.interp(v, panels, fade)
+    return s + shift * left, psi + (theta_joint - psi) * left
 
 
 def _tube(tail: Any, phase: float, edges: Array, around: int, joint: Any) -> tuple[Array, Array]:
     """Positions and s of the tube's patches; u runs around, v along."""
     count = edges.size - 1
     boxes = grid_boxes(np.linspace(0, 2 * np.pi, around + 1), np.arange(count + 1.0))
-    store: list[Array] = []
-
-    def chart(theta: Array, v: Array) -> Array:
-        if joint is None:
-            s = np.interp(v, np.arange(count + 1.0), edges)
-        else:
-            lines = theta[:, :, 0]
-            bent = _bent_edges(edges, lines, joint(lines))
-            place = np.floor(v.mean(axis=(1, 2))).astype(int)
-            low = np.take_along_axis(bent, place[:, None, None], axis=-1)
-            high = np.take_along_axis(bent, place[:, None, None] + 1, axis=-1)
-            s = low + (high - low) * (v - place[:, None, None])
-        store.append(s)
-        return geometry.tube_point(tail, s, theta, phase)
-
-    return sample(chart, boxes), store[0]
+    psi, v = sample_parameters(boxes)
+    if joint is None:
+        s, theta = np.interp(v, np.arange(count + 1.0), edges), psi
+    else:
+        s, theta = _bent(edges, joint, v, psi)
+    return geometry.tube_point(tail, s, theta, phase), s
 
 
 def _half_sphere(axis: Array, first: Array, second: Array, side: int) -> Array:
@@ -140,33 +142,15 @@ def _ring_radii(hole: float, step: float, growth: float, quarter: float) -> Arra
     return edges / edges[-1]
 
 
-def _body(body: Any, tail: Any, phase: float, s_joint: float, joint: Any, r: Resolution) -> Array:
+def _body(body: Any, joint: geometry.Joint, r: Resolution) -> Array:
     """Positions of the body's patches."""
     axes, centre = np.asarray(body.semi_axes3, float), body.centre
-    point = geometry.smooth_centreline(tail, np.array(s_joint), phase)
-    pole = (point.P - centre) / axes
-    pole /= np.linalg.norm(pole)
-    first = geometry.section_axes(tail, point)[0]
-    first = first - first @ pole * pole
-    first /= np.linalg.norm(first)
-    second = np.cross(pole, first)
 
-    def hole(theta: Array) -> Array:
-        X = (geometry.tube_point(tail, joint(theta), theta, phase) - centre) / axes
-        c = np.clip(X @ pole, -1, 1)
-        return (np.arccos(c) / np.sqrt(1 - c * c))[..., None] * np.stack(
-            [X @ first, X @ second], axis=-1
-        )
+    def chart(t: Array, psi: Array) -> Array:
+        angle = joint.angle(psi) * (1 - t) + 0.5 * np.pi * t
+        return centre + axes * joint.sphere_point(angle, psi)
 
-    def chart(t: Array, theta: Array) -> Array:
-        start = hole(theta[:, 0, :])[:, None]
-        equator = 0.5 * np.pi * np.stack([np.cos(theta), np.sin(theta)], axis=-1)
-        rho = start * (1 - t)[..., None] + equator * t[..., None]
-        angle = np.linalg.norm(rho, axis=-1, keepdims=True)
-        radial = rho[..., :1] * first + rho[..., 1:] * second
-        return centre + axes * (np.cos(angle) * pole + np.sin(angle) / angle * radial)
-
-    mean = float(np.linalg.norm(hole(np.linspace(0, 2 * np.pi, 16, endpoint=False)), axis=-1).mean())
+    mean = float(joint.series[0, 0].real)
     quarter = 0.5 * np.pi / r.body
     t = _ring_radii(mean, r.root * mean, r.growth, quarter)
     parts = []
@@ -176,7 +160,7 @@ def _body(body: Any, tail: Any, phase: float, s_joint: float, joint: Any, r: Res
         sectors = 4 * int(np.clip(np.ceil(outer / (2.2 * width)), 1, max(r.body, r.around // 4)))
         turn = np.linspace(-np.pi / 4, 2 * np.pi - np.pi / 4, sectors + 1)
         parts.append(sample(chart, grid_boxes(np.array([low, high]), turn)))
-    parts.append(centre + axes * _half_sphere(-pole, second, first, r.body))
+    parts.append(centre + axes * _half_sphere(-joint.pole, joint.second, joint.first, r.body))
     return np.concatenate(parts)
 
 
@@ -189,14 +173,8 @@ def swimmer_surface(body: Any, tail: Any, phase: float, r: Resolution) -> Surfac
     """Closed surface of a swimmer at one phase, with the tail's velocity per unit phase rate."""
     alone = not np.any(np.asarray(body.semi_axes3, float) > 0)
     length = tail.apparent_length
-    joint = None
-    start = 0.0
-    if not alone:
-        start = geometry.piercing(body, tail, phase)
-
-        def joint(theta: Array) -> Array:
-            return geometry.joint_curve(body, tail, theta, phase, start)
-
+    joint = None if alone else geometry.trace_joint(body, tail, phase)
+    start = 0.0 if joint is None else joint.s
     edges = tube_edges(tail, phase, start, r, free_start=alone)
     parts = [_tube(tail, phase, edges, r.around, joint), _cap(tail, phase, length, 1.0)]
     if alone:
@@ -204,8 +182,8 @@ def swimmer_surface(body: Any, tail: Any, phase: float, r: Resolution) -> Surfac
     X, s = _joined(parts)
     motion = geometry.surface_velocity(tail, X, s, phase)
     on_tail = np.ones(len(X), bool)
-    if not alone:
-        shell = _body(body, tail, phase, start, joint, r)
+    if joint is not None:
+        shell = _body(body, joint, r)
         X = np.concatenate([shell, X])
         motion = np.concatenate([np.zeros_like(shell), motion])
         on_tail = np.concatenate([np.zeros(len(shell), bool), on_tail])

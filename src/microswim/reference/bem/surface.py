@@ -102,13 +102,18 @@ class Surface:
         )
 
 
-def sample(chart: Callable[[Array, Array], Array], boxes: Array) -> Array:
-    """Positions (e, q, q, 3) of a chart X(u, v) on rectangles boxes (e, 4): u0, u1, v0, v1."""
+def sample_parameters(boxes: Array) -> tuple[Array, Array]:
+    """Chart coordinates u, v (e, q, q) of the geometry nodes of rectangles (e, 4): u0, u1, v0, v1."""
     x = 0.5 * (chebyshev_nodes() + 1.0)
     u = boxes[:, 0, None] + (boxes[:, 1] - boxes[:, 0])[:, None] * x
     v = boxes[:, 2, None] + (boxes[:, 3] - boxes[:, 2])[:, None] * x
     u, v = np.broadcast_arrays(u[:, :, None], v[:, None, :])
-    return chart(u, v)
+    return u, v
+
+
+def sample(chart: Callable[[Array, Array], Array], boxes: Array) -> Array:
+    """Positions (e, q, q, 3) of a chart X(u, v) on rectangles."""
+    return chart(*sample_parameters(boxes))
 
 
 def grid_boxes(u: Array, v: Array) -> Array:

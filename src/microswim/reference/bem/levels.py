@@ -1,0 +1,68 @@
+"""Levels of resolution: coarse, standard, fine. Depends on mesh, system."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+
+from microswim.errors import SpecError
+
+from .mesh import Resolution
+from .system import Quadrature
+
+LEVELS = ("coarse", "standard", "fine")
+
+
+@dataclass(frozen=True)
+class Level:
+    """Patches, quadrature and number of phases over a full period (where phases are sampled)."""
+
+    name: str
+    resolution: Resolution
+    rule: Quadrature
+    phases: int
+
+
+_BY_NAME = {
+    "coarse": Level(
+        "coarse",
+        Resolution(order=2, panel=4.0, stretch=8.0, bend=0.8, root=1.0, growth=2.5),
+        Quadrature(points=4, near=2.0, far=8.0),
+        12,
+    ),
+    "standard": Level(
+        "standard",
+        Resolution(order=3, panel=5.0, stretch=6.0, bend=1.0, around=3, root=1.0),
+        Quadrature(),
+        12,
+    ),
+    "fine": Level(
+        "fine",
+        Resolution(order=3, panel=2.5, stretch=5.0, bend=0.5, root=0.5, body=3),
+        Quadrature(points=5, near=2.5, far=12.0, radial=8, angular=10),
+        16,
+    ),
+}
+
+
+def get_level(name: str, order: int | None = None) -> Level:
+    """Level by name; `order` replaces p on the same patches.
+
+    Raises
+    ------
+    SpecError
+        If the name or the order is not known.
+    """
+    if name not in _BY_NAME:
+        raise SpecError("level", name, "coarse, standard or fine")
+    level = _BY_NAME[name]
+    if order is None:
+        return level
+    if not 1 <= order <= 6:
+        raise SpecError("order", order, "from 1 to 6", "p = 2 or 3 serves nearly always")
+    return replace(level, resolution=replace(level.resolution, order=order))
+
+
+def coarser(name: str) -> str | None:
+    """Name of the next coarser level, None below coarse."""
+    place = LEVELS.index(name)
+    return LEVELS[place - 1] if place > 0 else None

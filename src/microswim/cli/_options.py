@@ -1,0 +1,152 @@
+"""Options that the commands share: where the swimmer comes from, the model, how to print.
+
+Depends on click; on spec when a command runs.
+"""
+
+from __future__ import annotations
+
+import functools
+import json
+import math
+import tomllib
+from collections.abc import Callable
+from dataclasses import dataclass
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import click
+
+from ..errors import SpecError
+
+if TYPE_CHECKING:
+    from ..swimmer import Swimmer
+
+MODELS = ("rft", "bem", "fem")
+
+
+@dataclass(frozen=True)
+class Given:
+    """The swimmer that the user gave: its name, its tables (``--set`` applied), its spec text."""
+
+    name: str
+    tables: dict[str, Any]
+    text: str
+    swimmer: Swimmer
+
+
+def swimmer_options(command: Callable[..., Any]) -> Callable[..., Any]:
+    """Add SPEC, --preset and --set; the command gets them as ``given``, a `Given`."""
+
+    @click.argument("spec", required=False, type=click.Path(path_type=Path))
+    @click.option("--preset", metavar="NAME", help="A swimmer that comes along: microswim presets.")
+    @click.option(
+        "--set",
+        "changes",
+        metavar="FIELD=VALUE",
+        multiple=True,
+        help="Override a field of the spec: tail.amplitude=0.12 (repeatable).",
+    )
+    @functools.wraps(command)
+    def wrapped(*, spec: Path | None, preset: str | None, changes: tuple[str, ...], **rest: Any):
+        return command(given=read(spec, preset, changes), **rest)
+
+    return wrapped
+
+
+model_option = click.option(
+    "--model",
+    type=click.Choice(MODELS),
+    default="rft",
+    show_default=True,
+    help="rft: the surrogate. bem, fem: the reference solvers.",
+)
+json_option = click.option("--json", "as_json", is_flag=True, help="Print one JSON object.")
+out_option = click.option(
+    "--out", metavar="DIR", type=click.Path(path_type=Path), help="Folder for files and pictures."
+)
+force_option = click.option("--force", is_flag=True, help="Replace what is in the way.")
+
+
+def example(*lines: str) -> str:
+    """Epilog of a command's help: examples, one per line."""
+    return "\b\nExamples:\n" + "\n".join(f"  {line}" for line in lines)
+
+
+def read(spec: Path | None, preset: str | None, changes: tuple[str, ...] = ()) -> Given:
+    """The swimmer of a spec file or a preset, with ``FIELD=VALUE`` overrides.
+
+    Raises
+    ------
+    SpecError
+        One sentence.
+    """
+    from .. import presets
+    from ..spec import from_dict, load, override
+
+    if (spec is None) == (preset is None):
+        raise SpecError(
+            "give a spec file or --preset NAME, one of the two; "
+            '"microswim new" writes a spec, "microswim presets" lists the presets'
+        )
+    overrides = dict(change(text) for text in changes)
+    if spec is not None:
+        tables, name, source = load(spec), spec.stem, spec
+    else:
+        text = presets.read(str(preset))
+        tables, name, source = tomllib.loads(text), str(preset), None
+    swimmer = from_dict(tables, overrides)
+    tables = override(tables, overrides)
+    if overrides:
+        text = to_toml(tables, f"{name}, with --set {' '.join(changes)}")
+    elif source is not None:
+        text = source.read_text(encoding="utf-8")
+    return Given(name, tables, text, swimmer)
+
+
+def change(text: str) -> tuple[str, Any]:
+    """Field and value of ``FIELD=VALUE``; the value is TOML, or a bare word or quantity.
+
+    Raises
+    ------
+    SpecError
+        If there is no equals sign.
+    """
+    field, equals, value = text.partition("=")
+    if not equals or not field.strip():
+        raise SpecError("--set", text, "FIELD=VALUE", "for example --set tail.amplitude=0.12")
+    try:
+        (parsed,) = tomllib.loads(f"value = {value}").values()
+    except ValueError:
+        parsed = value.strip()
+    return field.strip(), parsed
+
+
+def to_toml(tables: dict[str, Any], comment: str) -> str:
+    """Spec tables as TOML text, a comment line first."""
+    lines = [f"# {' '.join(comment.split())}"]
+    for name, table in tables.items():
+        lines += ["", f"[{name}]", *(f"{key} = {_literal(v)}" for key, v in table.items())]
+    return "\n".join(lines) + "\n"
+
+
+def _literal(value: Any) -> str:
+    if isinstance(value, (list, tuple)):
+        return "[" + ", ".join(_literal(v) for v in value) + "]"
+    return repr(value) if isinstance(value, float) else json.dumps(value, ensure_ascii=False)
+
+
+def print_json(result: dict[str, Any]) -> None:
+    """Print one JSON object; NaN and infinities as null, arrays as lists."""
+    click.echo(json.dumps(_plain(result), allow_nan=False, ensure_ascii=False))
+
+
+def _plain(value: Any) -> Any:
+    if isinstance(value, dict):
+        return {str(k): _plain(v) for k, v in value.items()}
+    if hasattr(value, "tolist"):
+        value = value.tolist()
+    if isinstance(value, (list, tuple)):
+        return [_plain(v) for v in value]
+    if isinstance(value, float) and not math.isfinite(value):
+        return None
+    return value

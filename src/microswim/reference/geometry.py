@@ -106,7 +106,7 @@ def _wave(tail: Any, s: Array, phase: float, second: float) -> Curve:
 
 
 def _general(tail: Any, s: Array, phase: float) -> Curve:
-    """Any other tail, from its own centreline; derivatives by differences, straight for s < 0."""
+    """Any other tail, from its own centreline; derivatives by differences, straight beyond the ends."""
     length = tail.apparent_length
     step = 1e-4 * length
     inside = np.clip(s, step, length - step)
@@ -114,11 +114,11 @@ def _general(tail: Any, s: Array, phase: float) -> Curve:
     _, up_s, up_phi = tail.centreline(inside + step, phase)
     _, down_s, down_phi = tail.centreline(inside - step, phase)
     P_ss, P_sphi = (up_s - down_s) / (2 * step), (up_phi - down_phi) / (2 * step)
-    beyond = np.minimum(s, 0.0)[..., None]
+    beyond = (s - np.clip(s, 0.0, length))[..., None]
     return Curve(
         P=P + beyond * P_s,
         P_s=P_s,
-        P_ss=np.where(beyond < 0, 0.0, P_ss),
+        P_ss=np.where(beyond != 0, 0.0, P_ss),
         P_phi=P_phi + beyond * P_sphi,
         P_sphi=P_sphi,
     )
@@ -230,10 +230,12 @@ def _section_coordinates(tail: Any, X: Array, s: Array, phase: float) -> tuple[A
     """Distance from the centreline, in the section through X, and that section's s.
 
     Perpendicular: the closest point, (X - P) . P' = 0, by Newton's method from `s`.
-    Sheared: the section of X is s = X_s.
+    Sheared: the section of X is the one with P_s(s) = X_s.
     """
     if tail.sections == "sheared":
-        s = X[..., 0]
+        for _ in range(1 if tail.kind != "custom" else 4):
+            c = smooth_centreline(tail, s, phase)
+            s = s + (X[..., 0] - c.P[..., 0]) / c.P_s[..., 0]
     else:
         for _ in range(4):
             c = smooth_centreline(tail, s, phase)

@@ -123,10 +123,18 @@ def _half_sphere(axis: Array, first: Array, second: Array, side: int) -> Array:
 
 
 def _cap(tail: Any, phase: float, end: float, outward: float) -> tuple[Array, Array]:
-    """Hemisphere centred on P(end), positions and s."""
+    """Hemisphere centred on P(end), positions and s.
+
+    Sheared sections: the straight tube's hemisphere, each of its sections displaced to P(s) too.
+    """
+    if tail.sections == "sheared":
+        axes = np.eye(3) if outward > 0 else np.array([[-1.0, 0, 0], [0, 0, 1.0], [0, 1.0, 0]])
+        offset = tail.radius * _half_sphere(*axes, 1)
+        s = end + offset[..., 0]
+        offset[..., 0] = 0.0
+        return geometry.smooth_centreline(tail, s, phase).P + offset, s
     curve = geometry.smooth_centreline(tail, np.array(end), phase)
-    first, second = geometry.section_axes(tail, curve)
-    axis = np.array([1.0, 0, 0]) if tail.sections == "sheared" else curve.tangent
+    axis, (first, second) = curve.tangent, geometry.section_axes(tail, curve)
     if outward < 0:
         axis, first, second = -axis, second, first
     directions = _half_sphere(axis, first, second, 1)

@@ -9,15 +9,21 @@ from .coefficients import Constant as Constant
 from .coefficients import Cox as Cox
 from .coefficients import GrayHancock as GrayHancock
 from .coefficients import Lighthill as Lighthill
+from .coefficients import ValidityWarning as ValidityWarning
+from .coefficients import closed_form as closed_form
 from .customtail import CustomTail as CustomTail
 from .errors import MicroswimError as MicroswimError
 from .errors import SpecError as SpecError
 from .gait import Gait as Gait
 from .interaction import Interaction as Interaction
+from .kinematics import ScrewMotion as ScrewMotion
+from .metrics import summary as summary
 from .swimmer import Fluid as Fluid
 from .swimmer import Motion as Motion
 from .swimmer import Swimmer as Swimmer
 from .tails import HelicalTail as HelicalTail
 from .tails import PlaneWaveTail as PlaneWaveTail
+from .trajectory import screw as screw
+from .trajectory import trajectory as trajectory
 
 __version__: str

@@ -215,9 +215,10 @@ class Gait:
         if wrench is not None:
             load = load + wrench
         f = np.flatnonzero(self.free)
-        out = np.zeros_like(load)
+        R = self.resistance(phase)
+        out = np.zeros(load.shape, dtype=np.result_type(R, load))
         try:
-            part = self.resistance(phase)[..., f[:, None], f]
+            part = R[..., f[:, None], f]
             out[..., f] = np.linalg.solve(part, load[..., f, None])[..., 0]
         except np.linalg.LinAlgError:
             raise MicroswimError(
@@ -260,6 +261,11 @@ class Gait:
     def mean_power(self) -> Any:
         """Power of the motor averaged over the period."""
         return np.mean(self.power(2.0 * np.pi * np.arange(self.samples) / self.samples))
+
+    @property
+    def mean_torque(self) -> Any:
+        """Torque of the motor averaged over the period (for a helix; else power over rate)."""
+        return self.mean_power / self.rate if np.real(self.rate) != 0 else 0.0 * self.mean_power
 
     def body_wrench(self, phase: Any) -> np.ndarray:
         """Force and torque by the fluid on the body alone, shape phase.shape + (6,)."""
@@ -308,7 +314,7 @@ def extremes(series: np.ndarray) -> tuple[Any, Any]:
         x, best = phase[i], values[i]
         for _ in range(4):
             curvature = evaluate(second, x)
-            if abs(curvature) < 1e-12 * np.abs(series).max():
+            if abs(curvature) <= 1e-12 * np.abs(series).max():
                 break
             x = x - evaluate(first, x) / curvature
         top = evaluate(series, x)

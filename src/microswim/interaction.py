@@ -83,9 +83,11 @@ class Interaction:
         gamma = (*self.translation, *self.rotation)
         diagonal = np.stack(np.broadcast_arrays(*[g * d for g, d in zip(gamma, isolated)]), -1)
         B = diagonal[..., None] * np.eye(6)
-        if self.coupling != _ZERO:
-            for i in range(3):
-                for j in range(3):
-                    E = self.coupling[i][j] * np.sqrt(isolated[i] * isolated[3 + j])
-                    B[..., i, 3 + j] = B[..., 3 + j, i] = E
+        if self.coupling == _ZERO:
+            return B
+        E = np.array([[self.coupling[i][j] for j in range(3)] for i in range(3)])
+        root = np.sqrt(np.stack(np.broadcast_arrays(*isolated), axis=-1))
+        B = B + np.zeros((), dtype=E.dtype)
+        B[..., :3, 3:] = E * root[..., :3, None] * root[..., None, 3:]
+        B[..., 3:, :3] = np.swapaxes(B[..., :3, 3:], -1, -2)
         return B

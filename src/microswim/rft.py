@@ -177,32 +177,31 @@ def centreline_tail(X: Any, P_s: Any, U: Any, ds: Any, arc: bool, c: Any, spin: 
 
 
 @njit(cache=True)
-def solve(R: Any, F: Any, free: Any) -> Any:
-    """Velocity ``V = -R^-1 F`` over the free degrees of freedom, zero on the others [Tabak Eq. 15].
+def solve(A: Any, V: Any, free: Any) -> None:
+    """Overwrite V with ``A^-1 V`` over the free degrees of freedom, zero on the others; A is lost.
 
-    LDL' without pivoting (R is positive definite for any physical swimmer), no conjugates.
+    LDL' without pivoting (A is positive definite for any physical swimmer), no conjugates; reads
+    the lower triangle of A.
     """
-    A = R.copy()
-    V = -F
     for i in range(6):
         if not free[i]:
-            A[i, :] = 0.0
-            A[:, i] = 0.0
+            for j in range(6):
+                A[i, j] = 0.0
+                A[j, i] = 0.0
             A[i, i] = 1.0
             V[i] = 0.0
     for j in range(6):
+        inverse = 1.0 / A[j, j]
         for i in range(j + 1, 6):
-            ratio = A[i, j] / A[j, j]
+            ratio = A[i, j] * inverse
             for m in range(j + 1, i + 1):
                 A[i, m] -= ratio * A[m, j]
             V[i] -= ratio * V[j]
-        for i in range(j + 1, 6):
-            A[j, i] = A[i, j] / A[j, j]
-    for j in range(5, -1, -1):
-        V[j] /= A[j, j]
+            A[j, i] = ratio
+        V[j] *= inverse
+    for j in range(4, -1, -1):
         for i in range(j + 1, 6):
             V[j] -= A[j, i] * V[i]
-    return V
 
 
 @njit(cache=True, parallel=True)
@@ -220,11 +219,11 @@ def solve_designs(
     for d in prange(n):
         for j in range(m):
             R, F, G = wave_tail(kind, arc, p[d], phases[j], ramp_rule, rule)
-            v = solve(R + body[d], F, free)
-            V[d, j] = v
+            V[d, j] = -F
+            solve(R + body[d], V[d, j], free)
             power[d, j] = G
             for i in range(6):
-                power[d, j] += F[i] * v[i]
+                power[d, j] += F[i] * V[d, j, i]
     return V, power
 
 

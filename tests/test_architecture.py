@@ -109,6 +109,19 @@ def test_the_face_is_lazy():
     assert not heavy & loaded
 
 
+def test_modules_do_not_hide_the_functions_of_their_name():
+    """`ms.trajectory` is the function, also after somebody imported the module `trajectory`."""
+    code = """
+import importlib, pkgutil, types
+import microswim
+for module in pkgutil.iter_modules(microswim.__path__):
+    importlib.import_module(f"microswim.{module.name}")
+modules = {n for n in microswim.__all__ if isinstance(getattr(microswim, n), types.ModuleType)}
+print(*sorted(modules))
+"""
+    assert in_a_fresh_interpreter(code).split() == ["data"]
+
+
 def test_the_core_works_without_the_extras():
     """Every public name is importable where none of the optional packages is installed."""
     extras = (

@@ -94,14 +94,15 @@ def _warn_in_sentences() -> None:
     warnings.showwarning = show
 
 
-@click.group(cls=Commands, context_settings={"help_option_names": ["-h", "--help"]})
+START = """\b
+Start here:
+  microswim demo                          the base-case swimmer swims
+  microswim new robot.toml                a commented spec to start from
+  microswim run robot.toml --out results  numbers, files, pictures, a report
+"""
+
+
+@click.group(cls=Commands, epilog=START, context_settings={"help_option_names": ["-h", "--help"]})
 @click.version_option(__version__, "--version", message="microswim %(version)s")
 def main() -> None:
-    """How bio-inspired micro-robots and flagellated cells swim in viscous fluid.
-
-    \b
-    Start here:
-      microswim demo                          the base-case swimmer swims
-      microswim new robot.toml                a commented spec to start from
-      microswim run robot.toml --out results  numbers, files, pictures, a report
-    """
+    """How bio-inspired micro-robots and flagellated cells swim in viscous fluid."""

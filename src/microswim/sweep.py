@@ -1,0 +1,228 @@
+"""Many solves: a grid or a list of designs into one Dataset, on disk if wanted.
+
+Depends on sweepspace, sweepstore, sweepsolve, sweepengines; xarray.
+"""
+
+from __future__ import annotations
+
+import json
+import os
+import platform
+import time
+from collections.abc import Callable, Iterable, Iterator
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from . import __version__
+from .errors import SpecError
+from .sweepengines import Rows, Task, connected, dask, here, processes
+from .sweepsolve import Job
+from .sweepspace import Space
+from .sweepstore import COMPONENTS, LONG_NAMES, VECTORS, WAITING, SweepStore, blank, locked
+from .swimmer import Swimmer
+from .variants import check_names, spec_json
+
+if TYPE_CHECKING:
+    import xarray as xr
+
+BLOCK = {"rft": 65536, "bem": 64, "fem": 16}
+Progress = Callable[[int, int], None]
+Engine = Callable[[Iterable[Task]], Iterator[tuple[Task, Rows]]]
+
+
+def sweep(
+    swimmer: Swimmer,
+    over: Any,
+    model: str = "rft",
+    *,
+    out: str | os.PathLike[str] | None = None,
+    resume: bool = False,
+    workers: int | None = None,
+    scheduler: str | None = None,
+    cluster: str | None = None,
+    progress: Progress | None = None,
+    **options: Any,
+) -> xr.Dataset:
+    """Solve many designs.
+
+    Parameters
+    ----------
+    swimmer
+        What does not vary.
+    over
+        Dotted name to values: the grid of all combinations. Or a list of designs: a list of
+        mappings of dotted names to values, or a table with such columns. Values are numbers or,
+        for choices such as ``tail.handedness`` and ``tail.kind``, words.
+    model
+        ``"rft"`` (batched kernel), ``"bem"`` or ``"fem"``.
+    out
+        Zarr store to write as results come; killed at any moment it loses at most the solves in
+        flight.
+    resume
+        Go on with the store at `out` if it is there.
+    workers
+        Local processes for the reference solvers; all cores by default. Jobs with `cluster`.
+    scheduler, cluster
+        Address of a Dask scheduler, or ``"slurm"``.
+    progress
+        Called with the number of solved designs and of all.
+    options
+        What the model takes, such as ``level="fine"``.
+
+    Returns
+    -------
+    xarray.Dataset
+        ``mean_velocity``, ``velocity_amplitude`` (with dimension ``component``),
+        ``swimming_speed``, ``mean_power``, ``mean_torque``, ``efficiency``, ``expected_error``,
+        ``status`` and ``reason`` over the dotted names (or ``design`` for a list). A failed
+        design is NaN with its reason. Provenance in the attributes.
+
+    Raises
+    ------
+    SpecError
+        If a name is no field of the swimmer, or `out` is there and is not to be resumed, or holds
+        another sweep.
+    MicroswimError
+        If another sweep is writing `out`, or no cluster answers.
+
+    Examples
+    --------
+    >>> import microswim as ms
+    >>> swimmer = ms.Swimmer.preset("tabak/helix")
+    >>> result = ms.sweep(swimmer, {"tail.amplitude": [0.05, 0.1], "tail.waves": [1, 2, 3]})
+    >>> dict(result.swimming_speed.sizes)
+    {'tail.amplitude': 2, 'tail.waves': 3}
+    """
+    if model not in BLOCK:
+        raise SpecError("model", model, 'one of "rft", "bem", "fem"')
+    space = Space.of(over, BLOCK[model])
+    check_names(swimmer, space.names)
+    job = Job(swimmer, model, options)
+    attributes = _provenance(job, space)
+
+    def engine(tasks: Iterable[Task]) -> Iterator[tuple[Task, Rows]]:
+        count = workers or _cores()
+        if scheduler is not None or cluster is not None:
+            with connected(scheduler, cluster, count) as client:
+                yield from dask(job, list(tasks), client)
+        elif model == "rft":
+            yield from here(job, tasks)
+        else:
+            yield from processes(job, list(tasks), count)
+
+    if out is None:
+        return _in_memory(space, model, engine, attributes, progress)
+    path = Path(out).resolve()
+    with locked(path):
+        store = _open(path, space, attributes, resume)
+        _fill(space, model, engine, store, progress)
+    import xarray as xr
+
+    return xr.open_zarr(path, chunks=None)
+
+
+def _cores() -> int:
+    if hasattr(os, "sched_getaffinity"):
+        return len(os.sched_getaffinity(0))
+    return os.cpu_count() or 1
+
+
+def _open(path: Path, space: Space, attributes: dict[str, Any], resume: bool) -> SweepStore:
+    if not path.exists():
+        return SweepStore.create(path, space, attributes)
+    if not resume:
+        raise SpecError(f"{path}: it is there already; --resume goes on with it, or remove it")
+    return SweepStore.resume(path, space, attributes)
+
+
+def _provenance(job: Job, space: Space) -> dict[str, Any]:
+    """Where the results come from: version, spec, model, resolution, designs, machine."""
+    import zarr
+
+    over = {name: v.tolist() for name, v in zip(space.names, space.values) if v.size <= 10_000}
+    return {
+        "title": f"sweep of {space.size} designs over {', '.join(space.names)}",
+        "microswim_version": __version__,
+        "model": job.model,
+        "options": json.dumps(job.options, sort_keys=True, default=str),
+        "units": job.swimmer.units,
+        "spec": spec_json(job.swimmer),
+        "over": json.dumps(over | {"digest": _digest(space)}, sort_keys=True),
+        "created": time.strftime("%Y-%m-%dT%H:%M:%SZ", time.gmtime()),
+        "machine": f"{platform.machine()}, {platform.system()}, Python {platform.python_version()}",
+        "libraries": f"numpy {np.__version__}, zarr {zarr.__version__}",
+    }
+
+
+def _digest(space: Space) -> str:
+    import hashlib
+
+    whole = hashlib.sha256(repr((space.names, space.grid, space.chunks)).encode())
+    for values in space.values:
+        whole.update(np.ascontiguousarray(values).tobytes() + str(values.dtype).encode())
+    return whole.hexdigest()
+
+
+def _tasks(model: str, space: Space, rows: np.ndarray) -> Iterator[Task]:
+    """Rows of a block as tasks: together for the surrogate, one by one for a reference."""
+    if model == "rft" and len(rows):
+        yield Task(space, int(rows[0]), int(rows[-1]) + 1)
+    elif model != "rft":
+        yield from (Task(space, int(i), int(i) + 1) for i in rows)
+
+
+def _fill(space: Space, model: str, engine: Engine, store: SweepStore, progress: Any) -> None:
+    """Solve what the store does not hold yet, and write it as it comes.
+
+    The surrogate's blocks are solved and written whole, so that rounding cannot depend on when a
+    sweep was interrupted; for a reference every design stands for itself.
+    """
+    places = list(space.blocks())
+    starts = np.array([start for _, start, _ in places])
+    waiting = [np.flatnonzero(store.status(p) == WAITING) + a for p, a, _ in places]
+    solved = space.size - sum(map(len, waiting))
+    filling: dict[int, Rows] = {}
+    if progress:
+        progress(solved, space.size)
+    for task, results in engine(t for rows in waiting for t in _tasks(model, space, rows)):
+        i = int(np.searchsorted(starts, task.start, side="right")) - 1
+        place, start, _ = places[i]
+        if i not in filling:
+            filling[i] = store.read(place)
+        for name, values in results.items():
+            filling[i][name][task.start - start : task.stop - start] = values
+        store.write(place, filling[i])
+        if np.all(filling[i]["status"] != WAITING):
+            del filling[i]
+        solved += task.stop - task.start
+        if progress:
+            progress(solved, space.size)
+
+
+def _in_memory(space: Space, model: str, engine: Engine, attributes: Any, progress: Any) -> Any:
+    import xarray as xr
+
+    whole = blank(space.size)
+    blocks = (np.arange(start, stop) for _, start, stop in space.blocks())
+    solved = 0
+    for task, results in engine(t for rows in blocks for t in _tasks(model, space, rows)):
+        for name, values in results.items():
+            whole[name][task.start : task.stop] = values
+        solved += task.stop - task.start
+        if progress:
+            progress(solved, space.size)
+    data = {
+        name: (
+            (*space.dims, "component") if name in VECTORS else space.dims,
+            whole[name].reshape(*space.shape, *whole[name].shape[1:]),
+            {"long_name": note},
+        )
+        for name, note in LONG_NAMES.items()
+    }
+    data["reason"] = (data["reason"][0], data["reason"][1].astype(str), data["reason"][2])
+    coords: dict[str, Any] = {"component": list(COMPONENTS)}
+    for name, values in zip(space.names, space.values):
+        coords[name] = values if space.grid else ("design", values)
+    return xr.Dataset(data, coords, attributes)

@@ -1,0 +1,166 @@
+"""One swimmer into many: any field of the spec by its dotted name, kinds of parts included.
+
+`Swimmer.with_` sets a part's own fields; here also one entry of a list
+(``interaction.translation[0]``) and the kind of a part (``tail.kind``, ``body.shape``,
+``coefficients.law``), which keeps the fields that both kinds have. Depends on swimmer, its parts.
+"""
+
+from __future__ import annotations
+
+import json
+import math
+from collections.abc import Mapping
+from dataclasses import fields, replace
+from typing import Any
+
+import numpy as np
+
+from .bodies import SHAPES
+from .coefficients import LAWS
+from .errors import SpecError
+from .swimmer import Swimmer
+from .tails import HelicalTail, PlaneWaveTail
+
+KINDS = {
+    "tail.kind": {"helix": HelicalTail, "plane_wave": PlaneWaveTail},
+    "body.shape": SHAPES,
+    "coefficients.law": LAWS,
+}
+ALTERNATIVES = {"tail.wavelength": "tail.waves", "tail.waves": "tail.wavelength"}
+
+
+def vary(swimmer: Swimmer, values: Mapping[str, Any]) -> Swimmer:
+    """Checked copy of a swimmer with fields replaced by dotted name.
+
+    Parameters
+    ----------
+    swimmer
+        Where to start from.
+    values
+        Dotted name to value: what `Swimmer.with_` takes, entries of lists, and kinds of parts.
+
+    Raises
+    ------
+    SpecError
+        If a field does not exist or a value is out of range.
+
+    Examples
+    --------
+    >>> import microswim as ms
+    >>> swimmer = ms.Swimmer.preset("tabak/helix")
+    >>> vary(swimmer, {"tail.kind": "plane_wave", "tail.amplitude": 0.2}).tail.kind
+    'plane_wave'
+    """
+    rest: dict[str, Any] = {}
+    lists: dict[str, dict[int, Any]] = {}
+    for path in KINDS:
+        if path in values:
+            swimmer = _of_kind(swimmer, path, values[path])
+    for path, value in values.items():
+        if path in KINDS:
+            continue
+        if path == "tail.handedness" and "tail.kind" in values and swimmer.tail.kind != "helix":
+            continue  # a plane wave has no hand
+        if path.endswith("]"):
+            name, index = path[:-1].split("[", 1)
+            lists.setdefault(name, {})[int(index) if index.isdigit() else -1] = _plain(value)
+        else:
+            rest[path] = _plain(value)
+    for name, entries in lists.items():
+        rest[name] = _with_entries(swimmer, name, entries)
+    return swimmer.with_(rest) if rest else swimmer
+
+
+def _plain(value: Any) -> Any:
+    """A NumPy scalar as Python's own."""
+    return value.item() if isinstance(value, np.generic) else value
+
+
+def _with_entries(swimmer: Swimmer, name: str, entries: dict[int, Any]) -> tuple:
+    part, _, field = name.partition(".")
+    old = getattr(getattr(swimmer, part, None), field, None)
+    if not isinstance(old, tuple) or not all(0 <= i < len(old) for i in entries):
+        raise SpecError(f"{name}{list(entries)}", None, "an entry of a list of this swimmer")
+    return tuple(entries.get(i, v) for i, v in enumerate(old))
+
+
+def _of_kind(swimmer: Swimmer, path: str, kind: Any) -> Swimmer:
+    part, name = path.split(".")
+    owner = getattr(swimmer, part)
+    if kind not in KINDS[path]:
+        raise SpecError(path, kind, "one of " + ", ".join(KINDS[path]))
+    if getattr(owner, name) == kind:
+        return swimmer
+    known = {f.name for f in fields(KINDS[path][kind])} - {"sections", "surface_motion"}
+    kept = {f.name: getattr(owner, f.name) for f in fields(owner) if f.name in known}
+    try:
+        return replace(swimmer, **{part: KINDS[path][kind](**kept)})
+    except TypeError:
+        missing = sorted(known - kept.keys())
+        raise SpecError(
+            path, kind, f"a kind whose fields the spec holds ({', '.join(missing)} missing)"
+        ) from None
+
+
+def check_names(swimmer: Swimmer, names: Any) -> None:
+    """Refuse a name that is no field of this swimmer, whatever its value.
+
+    Raises
+    ------
+    SpecError
+        With the nearest name that exists.
+    """
+    known = known_names(swimmer)
+    for name in names:
+        if name not in known:
+            from difflib import get_close_matches
+
+            near = get_close_matches(str(name), sorted(known), n=1)
+            mend = f'did you mean "{near[0]}"?' if near else "known: " + ", ".join(sorted(known))
+            raise SpecError(str(name), None, "a field of this swimmer that can vary", mend)
+
+
+def known_names(swimmer: Swimmer) -> set[str]:
+    """Every dotted name that `vary` can set, those of both kinds of wave included."""
+    own = {
+        f"{part}.{f.name}"
+        for part in ("fluid", "body", "tail", "coefficients", "interaction", "motion")
+        for f in fields(getattr(swimmer, part))
+    }
+    waves = {"tail.handedness"} if isinstance(swimmer.tail, PlaneWaveTail) else set()
+    return own | set(swimmer.numbers) | set(KINDS) | waves
+
+
+def describe(swimmer: Swimmer) -> dict[str, Any]:
+    """The swimmer as the tables of a spec file, plain numbers and strings only."""
+    tags = {"body": "shape", "tail": "kind", "coefficients": "law"}
+    tables: dict[str, Any] = {}
+    for part in ("fluid", "body", "tail", "coefficients", "interaction", "motion"):
+        owner = getattr(swimmer, part)
+        table = {tags[part]: getattr(owner, tags[part])} if part in tags else {}
+        for f in fields(owner):
+            value = getattr(owner, f.name)
+            if value is not None:
+                table[f.name] = _name_of(value) if callable(value) else _plain(value)
+        tables[part] = table
+    return tables | {"units": swimmer.units}
+
+
+def _name_of(function: Any) -> str:
+    return f"{function.__module__}:{getattr(function, '__qualname__', type(function).__name__)}"
+
+
+def spec_json(swimmer: Swimmer) -> str:
+    """`describe` as canonical JSON, for provenance and comparison."""
+    return json.dumps(describe(swimmer), sort_keys=True, default=_jsonable)
+
+
+def _jsonable(value: Any) -> Any:
+    if isinstance(value, np.ndarray):
+        return value.tolist()
+    return value.item() if isinstance(value, np.generic) else str(value)
+
+
+def finite(value: Any) -> float | None:
+    """A number as JSON can hold it: None instead of NaN and infinity."""
+    return float(value) if math.isfinite(value) else None

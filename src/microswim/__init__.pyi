@@ -1,6 +1,9 @@
 # The public face: every public name, once. `microswim.X` imports its module on first use.
 
 from . import data as data
+from . import io as io
+from . import plots as plots
+from . import report as report
 from .bodies import Ellipsoid as Ellipsoid
 from .bodies import NoBody as NoBody
 from .bodies import Sphere as Sphere

@@ -81,14 +81,17 @@ class Lighthill(Coefficients):
         a2 = alpha**2
         normal = -np.log(epsilon) + (2.0 * a2 - 1.0) * A1 + 2.0 * (1.0 - a2) * A2
         tangential = -np.log(epsilon) - 0.5 + a2 * A1 + (1.0 - a2) * A2
-        _warn_lighthill(epsilon, np.minimum(np.real(normal), np.real(tangential)))
+        meaningless = np.minimum(np.real(normal), np.real(tangential)) <= 0
+        _warn_lighthill(epsilon, meaningless)
+        if np.any(meaningless):
+            normal = np.where(meaningless, np.nan, normal)
         return 2.0 * np.pi * viscosity / tangential, 4.0 * np.pi * viscosity / normal
 
 
-def _warn_lighthill(epsilon: Any, denominator: Any) -> None:
-    """Refuse a single design beyond the limit; a design map gets NaN-free but marked values."""
+def _warn_lighthill(epsilon: Any, meaningless: Any) -> None:
+    """Refuse a single design beyond the limit (in a design map it becomes NaN), else warn."""
     mend = 'use the law "gray_hancock" or "cox" there'
-    if np.ndim(epsilon) == 0 and denominator <= 0:
+    if np.ndim(epsilon) == 0 and meaningless:
         raise SpecError(
             "coefficients.law",
             "lighthill",

@@ -114,12 +114,12 @@ def lighthill_integrals(alpha: Any, epsilon: Any) -> tuple[Any, Any]:
     Returns
     -------
     tuple
-        ``(A_1, A_2)`` of the broadcast shape, to about 1e-13.
+        ``(A_1, A_2)`` of the broadcast shape, to about 1e-13; NaN where an array leaves the range.
 
     Raises
     ------
     SpecError
-        Outside the stated range.
+        For single numbers outside the stated range.
 
     Examples
     --------
@@ -128,13 +128,14 @@ def lighthill_integrals(alpha: Any, epsilon: Any) -> tuple[Any, Any]:
     0.423617
     """
     alpha, epsilon = np.broadcast_arrays(alpha, epsilon)
+    outside = False
     for name, x, (lo, hi) in (("alpha", alpha, ALPHA_RANGE), ("epsilon", epsilon, (0, EPSILON_MAX))):
         bad = ~((np.real(x) >= lo) & (np.real(x) <= hi))
-        if bad.any():
-            raise SpecError(
-                name, np.real(x[bad]).flat[0], f"from {lo} to {hi} for Lighthill's integrals"
-            )
+        if bad.any() and x.ndim == 0:
+            raise SpecError(name, np.real(x)[()], f"from {lo} to {hi} for Lighthill's integrals")
+        outside = outside | bad
     kind = np.result_type(alpha, epsilon, np.float64)
     flat = [np.ascontiguousarray(x, dtype=kind).reshape(-1) for x in (alpha, epsilon)]
     A = _evaluate(*flat, _table(), *_GAUSS)
+    A[:, np.ravel(outside)] = np.nan
     return A[0].reshape(alpha.shape)[()], A[1].reshape(alpha.shape)[()]

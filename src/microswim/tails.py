@@ -131,7 +131,7 @@ class WaveTail(Tail):
                 f"longer than the windings it holds ({shortest:.6g})",
                 "lengthen the filament or reduce amplitude or waves",
             )
-        room = self._room()
+        room = float(self.room())
         if room <= self.radius:
             raise SpecError(
                 "tail.radius",
@@ -144,7 +144,7 @@ class WaveTail(Tail):
         """Arc length of the tail squeezed flat along s: the least that holds its windings."""
         raise TypeError("a wave is a HelicalTail or a PlaneWaveTail")
 
-    def _room(self) -> float:
+    def room(self) -> Any:
         """Largest filament radius before the tail touches itself."""
         raise TypeError("a wave is a HelicalTail or a PlaneWaveTail")
 
@@ -273,19 +273,21 @@ class HelicalTail(WaveTail):
     def _wound_length(self) -> float:
         return 2.0 * np.pi * self.amplitude * self.number_of_waves
 
-    def _room(self) -> float:
+    def room(self) -> Any:
         """Least of the radius of curvature and half the distance of neighbouring turns.
 
         Two points an angle theta apart are ``sqrt(theta^2 + 2 (bk)^2 (1 - cos theta)) / k``
         from each other; beyond half a turn a shallow helix only moves away from itself.
         """
         b, k = self.amplitude, self.wavenumber
-        room = np.inf if b == 0 else (1.0 + (b * k) ** 2) / (b * k**2)
-        end = 2.0 * np.pi * min(1.0, float(self.number_of_waves))
-        theta = np.linspace(np.pi, max(end, np.pi), 65)
-        apart = np.sqrt(theta**2 + 2.0 * (b * k) ** 2 * (1.0 - np.cos(theta))) / k
-        nearest = int(np.argmin(apart))
-        return float(min(room, apart[nearest] / 2.0) if nearest > 0 else room)
+        with np.errstate(divide="ignore"):
+            bend = (1.0 + (b * k) ** 2) / np.asarray(b * k**2)
+        end = 2.0 * np.pi * np.clip(self.number_of_waves, 0.5, 1.0)
+        theta = np.pi + np.multiply.outer(end - np.pi, np.linspace(0.0, 1.0, 65))
+        apart2 = theta**2 + 2.0 * np.asarray((b * k) ** 2)[..., None] * (1.0 - np.cos(theta))
+        least = np.min(apart2, axis=-1)
+        turns = np.where(least < apart2[..., 0], np.sqrt(least) / k / 2.0, np.inf)
+        return np.minimum(bend, turns)
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -327,16 +329,18 @@ class PlaneWaveTail(WaveTail):
     def _wound_length(self) -> float:
         return 4.0 * self.amplitude * self.number_of_waves
 
-    def _room(self) -> float:
+    def room(self) -> Any:
         """Least of the radius of curvature and half the distance of neighbouring limbs.
 
         A tail displaced section by section in q (sheared sections) never touches itself.
         """
         b, k = self.amplitude, self.wavenumber
-        if self.sections == "sheared" or b == 0:
-            return np.inf
-        limbs = np.pi / k / np.sqrt(1.0 + (b * k) ** 2)
-        return float(min(1.0 / (b * k**2), limbs / 2.0 if self.number_of_waves > 0.5 else np.inf))
+        if self.sections == "sheared":
+            return np.inf + 0.0 * b
+        limbs = np.pi / k / np.sqrt(1.0 + (b * k) ** 2) / 2.0
+        with np.errstate(divide="ignore"):
+            bend = 1.0 / np.asarray(b * k**2)
+        return np.minimum(bend, np.where(np.asarray(self.number_of_waves) > 0.5, limbs, np.inf))
 
 
 def _mean_alpha(bk: Any) -> Any:

@@ -4,6 +4,7 @@ from . import data as data
 from . import io as io
 from . import plots as plots
 from . import report as report
+from .batch import evaluate as evaluate
 from .bodies import Ellipsoid as Ellipsoid
 from .bodies import NoBody as NoBody
 from .bodies import Sphere as Sphere

@@ -152,6 +152,17 @@ def section_axes(tail: Any, curve: Curve) -> tuple[Array, Array]:
     return n1 - T[..., 1:2] * bisector, n2 - T[..., 2:3] * bisector
 
 
+def section_twist(tail: Any, s: Array, phase: float = 0.0) -> Array:
+    """Angle beta(s) through which `section_axes` turn about the tangent, from beta(s[0]) = 0.
+
+    Generators theta + beta = const do not wind about the tube: along them X moves along the tangent
+    alone, so they leave the body once. Trapezoidal rule on the increasing grid s.
+    """
+    n1, n2 = section_axes(tail, smooth_centreline(tail, s, phase))
+    step = np.sum(np.diff(n1, axis=0) * 0.5 * (n2[1:] + n2[:-1]), axis=-1)
+    return np.concatenate([[0.0], np.cumsum(step)])
+
+
 def tube_point(tail: Any, s: Array, theta: Array, phase: float = 0.0) -> Array:
     """X(s, theta), the tube's surface, shape of s and theta broadcast, then 3."""
     s, theta = np.broadcast_arrays(np.asarray(s, float), np.asarray(theta, float))
@@ -237,7 +248,7 @@ def _section_coordinates(tail: Any, X: Array, s: Array, phase: float) -> tuple[A
             c = smooth_centreline(tail, s, phase)
             s = s + (X[..., 0] - c.P[..., 0]) / c.P_s[..., 0]
     else:
-        for _ in range(4):
+        for _ in range(3):
             c = smooth_centreline(tail, s, phase)
             d = X - c.P
             slope = np.sum(d * c.P_ss, axis=-1) - np.sum(c.P_s**2, axis=-1)
@@ -260,7 +271,8 @@ class Joint:
     pole, first, second : (3,)
         Frame on the unit sphere.
     series : (3, n)
-        Fourier coefficients (rfft, divided by n) of the polar angle, of s - s(pole) and of theta - psi.
+        Fourier coefficients (rfft, divided by n) of the polar angle, of s - s(pole) and of Theta - psi,
+        Theta = theta + beta(s) - beta(s(pole)) the angle of the generator that does not wind.
     """
 
     s: float
@@ -284,7 +296,7 @@ class Joint:
         return self._evaluate(0, psi)
 
     def section(self, psi: Array) -> tuple[Array, Array]:
-        """(s, theta) of the tube's section and generator through the curve."""
+        """(s, Theta) of the tube's section and generator through the curve."""
         return self.s + self._evaluate(1, psi), psi + self._evaluate(2, psi)
 
     def sphere_point(self, angle: Array, psi: Array) -> Array:
@@ -293,21 +305,31 @@ class Joint:
         return np.cos(angle)[..., None] * self.pole + np.sin(angle)[..., None] * radial
 
 
-def _first_outside(distance: Any, radius: float, step: float, psi: Array) -> tuple[Array, Array]:
-    """Brackets (low, high) of the polar angle at which the distance first exceeds the radius."""
+def _crossing(excess: Any, step: float, psi: Array) -> Array:
+    """Polar angle at which `excess` (negative at the pole) first turns positive; Illinois method."""
     low, high = np.zeros_like(psi), np.full_like(psi, np.nan)
+    f_low, f_high = excess(low), np.ones_like(psi)
     for angle in np.arange(step, 0.45 * np.pi, step):
-        out = distance(np.full_like(psi, angle)) > radius
-        high = np.where(np.isnan(high) & out, angle, high)
-        low = np.where(np.isnan(high), angle, low)
+        f = excess(np.full_like(psi, angle))
+        open_ = np.isnan(high)
+        low, f_low = np.where(open_ & (f <= 0), angle, low), np.where(open_ & (f <= 0), f, f_low)
+        high, f_high = np.where(open_ & (f > 0), angle, high), np.where(open_ & (f > 0), f, f_high)
         if not np.isnan(high).any():
-            return low, high
-    raise SpecError(
-        "tail.radius",
-        radius,
-        "well below the body's radius, and the tail must lead away from the body",
-        "use a thinner filament, a smaller amplitude or a longer ramp: the tube lies on the body",
-    )
+            break
+    else:
+        raise SpecError(
+            "tail.radius",
+            None,
+            "well below the body's radius, and the tail must lead away from the body",
+            "use a thinner filament, a smaller amplitude or a longer ramp: the tube lies on the body",
+        )
+    for _ in range(14):
+        middle = np.clip(low + (high - low) * f_low / (f_low - f_high), low, high)
+        f = excess(middle)
+        out = f > 0
+        f_low, f_high = np.where(out, 0.5 * f_low, f), np.where(out, f, 0.5 * f_high)
+        low, high = np.where(out, low, middle), np.where(out, middle, high)
+    return middle
 
 
 def trace_joint(body: Any, tail: Any, phase: float = 0.0, points: int = 96) -> Joint:
@@ -328,24 +350,20 @@ def trace_joint(body: Any, tail: Any, phase: float = 0.0, points: int = 96) -> J
     bare = Joint(start, pole, first, np.cross(pole, first), np.zeros((3, 1), complex))
     s = np.full(points, start)
 
-    def distance(angle: Array) -> Array:
+    def excess(angle: Array) -> Array:
         nonlocal s
         X = centre + axes * bare.sphere_point(angle, psi)
         found, s = _section_coordinates(tail, X, s, phase)
-        return found
+        return found - tail.radius
 
-    step = 0.2 * tail.radius / axes.max()
-    low, high = _first_outside(distance, tail.radius, step, psi)
-    for _ in range(40):
-        middle = 0.5 * (low + high)
-        out = distance(middle) > tail.radius
-        low, high = np.where(out, low, middle), np.where(out, middle, high)
-    angle = 0.5 * (low + high)
-    distance(angle)
+    angle = _crossing(excess, 0.3 * tail.radius / axes.max(), psi)
     at = smooth_centreline(tail, s, phase)
     n1, n2 = section_axes(tail, at)
     arm = centre + axes * bare.sphere_point(angle, psi) - at.P
     theta = np.arctan2(np.sum(arm * n2, axis=-1), np.sum(arm * n1, axis=-1))
+    grid = np.linspace(s.min() - 1e-9, s.max() + 1e-9, 201)
+    twist = section_twist(tail, grid, phase)
+    theta = theta + np.interp(s, grid, twist) - np.interp(start, grid, twist)
     ahead = np.angle(np.exp(1j * (theta - psi)))
     series = np.fft.rfft(np.stack([angle, s - start, ahead]), axis=-1)[:, : points // 2] / points
     return Joint(start, pole, first, bare.second, series)

@@ -84,7 +84,7 @@ def tube_edges(tail: Any, phase: float, start: float, r: Resolution, free_start:
 
 
 def _bent(edges: Array, joint: geometry.Joint, v: Array, psi: Array) -> tuple[Array, Array]:
-    """(s, theta) at panel coordinate v, bent at the root so that v = 0 is the joint curve.
+    """(s, Theta) at panel coordinate v, bent at the root so that v = 0 is the joint curve.
 
     The displacement fades linearly to zero over a few panels, longer than 2.5 times its size.
     """
@@ -108,6 +108,9 @@ def _tube(tail: Any, phase: float, edges: Array, around: int, joint: Any) -> tup
         s, theta = np.interp(v, np.arange(count + 1.0), edges), psi
     else:
         s, theta = _bent(edges, joint, v, psi)
+    grid = np.linspace(min(s.min(), edges[0]), edges[-1], 4001)
+    twist = geometry.section_twist(tail, grid, phase)
+    theta = theta - np.interp(s, grid, twist) + np.interp(edges[0], grid, twist)
     return geometry.tube_point(tail, s, theta, phase), s
 
 

@@ -32,7 +32,7 @@ class Level:
     grading
         Growth of the mesh size away from small features (Netgen's number).
     curvature
-        Elements per radius of curvature; on the tail this decides.
+        Elements per radius of curvature; on the tail this decides (below 1.5 curved elements fold).
     """
 
     order: int
@@ -40,13 +40,13 @@ class Level:
     body: float
     far: float
     grading: float
-    curvature: float = 1.0
+    curvature: float = 1.5
 
 
 LEVELS = {
-    "coarse": Level(order=2, tail=1.6, body=0.6, far=0.3, grading=0.7),
-    "standard": Level(order=3, tail=1.6, body=0.6, far=0.3, grading=0.7),
-    "fine": Level(order=3, tail=1.2, body=0.4, far=0.25, grading=0.5, curvature=1.6),
+    "coarse": Level(order=2, tail=1.6, body=0.6, far=0.3, grading=0.7, curvature=1.5),
+    "standard": Level(order=3, tail=1.6, body=0.6, far=0.3, grading=0.7, curvature=1.5),
+    "fine": Level(order=3, tail=1.2, body=0.4, far=0.25, grading=0.5, curvature=2.0),
 }
 
 
@@ -181,6 +181,6 @@ def straight_mesh(outline: Outline, channel: Channel, level: Level) -> ngs.Mesh:
         raise MicroswimError("the fluid is not one piece: the swimmer cuts through the channel")
     far = level.far * channel.diameter / outline.unit
     sizes = {"maxh": far, "grading": level.grading, "curvaturesafety": level.curvature}
-    mesh = ngs.Mesh(occ.OCCGeometry(fluid).GenerateMesh(**sizes))
+    mesh = ngs.Mesh(occ.OCCGeometry(fluid).GenerateMesh(**sizes, optsteps3d=6))
     mesh.Curve(level.order)
     return mesh

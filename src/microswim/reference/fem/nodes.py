@@ -50,24 +50,26 @@ class Nodes:
         places = _positions(mesh, reference)
         self._numbers: dict[tuple, int] = {}
         rows, columns, values, points = [], [], [], []
+        shapes: dict[tuple, np.ndarray] = {}
         for element in space.Elements(ngs.VOL):
-            corners = [v.nr for v in element.vertices]
-            finite = space.GetFE(ngs.ElementId(ngs.VOL, element.nr))
-            for index, at, place in zip(lattice, reference, places[element.nr]):
-                key = tuple(sorted((c, int(i)) for c, i in zip(corners, index) if i))
+            corners, dofs = [v.nr for v in element.vertices], list(element.dofs)
+            order = tuple(np.argsort(corners))  # the basis is oriented by the vertex numbers
+            if order not in shapes:
+                finite = space.GetFE(ngs.ElementId(ngs.VOL, element.nr))
+                shapes[order] = np.array([list(finite.CalcShape(*at)) for at in reference])
+            for local, key in enumerate(_keys(corners, lattice)):
                 if key in self._numbers:
                     continue
-                row = self._numbers[key] = len(points)
-                points.append(place)
-                shape = np.asarray(finite.CalcShape(*at))
-                rows += [row] * shape.size
-                columns += list(element.dofs)
-                values += list(shape)
+                self._numbers[key] = len(points)
+                rows += [len(points)] * len(dofs)
+                columns += dofs
+                values.append(shapes[order][local])
+                points.append(places[element.nr, local])
         n = space.ndof
         if len(points) != n:
             raise RuntimeError(f"{len(points)} nodes for {n} coefficients")
         self.points = np.array(points)
-        self.matrix = csr_matrix((values, (rows, columns)), shape=(n, n))
+        self.matrix = csr_matrix((np.concatenate(values), (rows, columns)), shape=(n, n))
         self._factor = splu(self.matrix.tocsc())
 
     def coefficients(self, values: np.ndarray) -> np.ndarray:
@@ -85,10 +87,18 @@ class Nodes:
         mask = np.zeros(len(self.points), dtype=bool)
         for element in mesh.Boundaries(boundary).Elements():
             corners = [v.nr for v in element.vertices]
-            for index in lattice:
-                key = tuple(sorted((c, int(i)) for c, i in zip(corners, index) if i))
-                mask[self._numbers[key]] = True
+            mask[[self._numbers[key] for key in _keys(corners, lattice)]] = True
         return mask
+
+
+def _keys(corners: list[int], lattice: np.ndarray) -> list[tuple]:
+    """Name of each lattice node: the vertices it belongs to, each with its barycentric index."""
+    ranked = np.argsort(corners)
+    sorted_corners = [corners[i] for i in ranked]
+    return [
+        tuple((c, i) for c, i in zip(sorted_corners, index) if i)
+        for index in lattice[:, ranked].tolist()
+    ]
 
 
 def _positions(mesh: ngs.Mesh, reference: np.ndarray) -> np.ndarray:

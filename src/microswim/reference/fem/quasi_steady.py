@@ -12,17 +12,18 @@ from __future__ import annotations
 
 import time
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
 
+from microswim.errors import MicroswimError
 from microswim.gait import Gait
 from microswim.reference.channel import Channel
 
 from .displacement import Wave
 from .mesh import Level, Outline, check_in_channel, level_named, straight_mesh
-from .stokes import Stokes
+from .stokes import FOLDED, Stokes
 
 
 @dataclass(frozen=True)
@@ -49,7 +50,21 @@ def problem(swimmer: Any, channel: Channel, level: Level) -> tuple[Wave, Stokes]
     wave = Wave(swimmer, outline, max(room_around(outline, channel), 0.0))
     check_in_channel(outline, channel, wave.reach + outline.radius)
     wave.check()
-    return wave, Stokes(straight_mesh(outline, channel, level), level.order)
+    for _ in range(4):
+        flow = Stokes(straight_mesh(outline, channel, level), level.order)
+        if (smallest := smallest_jacobian(wave, flow)) > 2 * FOLDED:
+            return wave, flow
+        level = replace(level, curvature=1.15 * level.curvature)
+    raise MicroswimError(
+        f"no mesh carries this wave without folding (smallest Jacobian {smallest:.2g}); "
+        "lower the wave, use fewer waves or sections = sheared"
+    )
+
+
+def smallest_jacobian(wave: Wave, flow: Stokes, phases: int = 8) -> float:
+    """Smallest Jacobian of the wave's displacement over the period."""
+    X, angles = flow.nodes.points, np.arange(phases) * 2.0 * np.pi / phases
+    return min(flow.smallest_jacobian(X + wave.displacement(X, float(a))) for a in angles)
 
 
 def tail_data(wave: Wave, flow: Stokes, phase: float) -> np.ndarray:
@@ -75,6 +90,35 @@ def snapshot(wave: Wave, flow: Stokes, phase: float, viscosity: float) -> Snapsh
         total[:, j] = body[:, j] + flow.forces(reaction, modes, "tail")
     activity = data[6] @ reaction
     return _in_units(total, body, float(activity), wave.outline.unit, viscosity)
+
+
+def body_resistance(
+    body: Any, *, channel: Channel, level: str | Level = "standard", viscosity: float = 1.0
+) -> np.ndarray:
+    """6x6 resistance of a body without a tail, held in a channel, about its own centre.
+
+    Parameters
+    ----------
+    body
+        `Sphere`, `Spheroid` or `Ellipsoid`.
+    channel
+        The vessel; `channel.position` is that of the body's centre.
+    level
+        ``"coarse"``, ``"standard"``, ``"fine"`` or a `Level`.
+    viscosity
+        Of the fluid.
+    """
+    axes = tuple(float(a) for a in body.semi_axes3)
+    unit = 2.0 * max(axes)
+    outline = Outline(tuple(a / unit for a in axes), 0.0, 0.0, unit)
+    check_in_channel(outline, channel, 0.0)
+    level = level_named(level)
+    flow = Stokes(straight_mesh(outline, channel, level), level.order)
+    flow.factorise(1.0)
+    modes = flow.rigid_modes(outline.centre)
+    pulls = [flow.forces(flow.apply(flow.solve(mode)), modes, "body") for mode in modes]
+    total = np.column_stack([*pulls, np.zeros(6)])
+    return _in_units(total, total, 0.0, unit, viscosity).resistance
 
 
 def _in_units(
@@ -126,6 +170,7 @@ def gait(
         "level": str(level),
         "unknowns": int(flow.unknowns),
         "elements": int(flow.mesh.ne),
+        "seconds": dict(flow.seconds),
         "channel": channel,
         "wall_seconds": time.perf_counter() - start,
     }

@@ -11,6 +11,7 @@ Depends on nodes, errors, ngsolve.
 
 from __future__ import annotations
 
+import time
 from typing import Any
 
 import ngsolve as ngs
@@ -21,6 +22,7 @@ from microswim.errors import MicroswimError
 from .nodes import Nodes
 
 SWIMMER = "body|tail"
+FOLDED = 0.05  # smallest Jacobian that is still taken
 
 
 class Stokes:
@@ -36,6 +38,7 @@ class Stokes:
 
     def __init__(self, mesh: ngs.Mesh, order: int) -> None:
         self.mesh, self.order = mesh, order
+        self.seconds = {"assembly": 0.0, "factorisation": 0.0, "solve": 0.0}
         names = set(mesh.GetBoundaries())
         self.closed = "end" not in names
         self.velocity_space = ngs.VectorH1(mesh, order=order, dirichlet=f"{SWIMMER}|wall")
@@ -73,19 +76,18 @@ class Stokes:
 
     def move(self, places: np.ndarray) -> None:
         """Put the nodes at `places` (n, 3); refuse a mesh that folds."""
-        self.position = self.nodes.coefficients(places)
-        self.mesh.UnsetDeformation()
-        shift = self.position - self._straight
-        self.deformation.vec.FV().NumPy()[:] = shift.T.ravel()
-        if (smallest := self.smallest_jacobian()) <= 0.05:
+        if (smallest := self.smallest_jacobian(places)) <= FOLDED:
             raise MicroswimError(
                 f"the mesh around the tail folds (smallest Jacobian {smallest:.2g}); "
                 "lower the wave, use fewer waves or a finer level"
             )
         self.mesh.SetDeformation(self.deformation)
 
-    def smallest_jacobian(self) -> float:
-        """Smallest det(1 + grad d) of the displacement at quadrature points."""
+    def smallest_jacobian(self, places: np.ndarray) -> float:
+        """Smallest det(1 + grad d) at quadrature points with the nodes at `places`."""
+        self.position = self.nodes.coefficients(places)
+        self.mesh.UnsetDeformation()
+        self.deformation.vec.FV().NumPy()[:] = (self.position - self._straight).T.ravel()
         rule = ngs.IntegrationRule(ngs.TET, 2 * self.order)
         points = self.mesh.MapToAllElements(rule, ngs.VOL)
         jacobian = ngs.Det(ngs.Id(3) + ngs.Grad(self.deformation))
@@ -98,11 +100,15 @@ class Stokes:
         form = strain - p * ngs.div(v) - q * ngs.div(u)
         if inertia:
             form = form + inertia * ngs.InnerProduct(u, v)
+        start = time.perf_counter()
         matrix = ngs.BilinearForm(self.space, symmetric=True)
         matrix += form * ngs.dx(bonus_intorder=self.order - 1)
         matrix.Assemble()
         self.matrix = matrix.mat
+        built = time.perf_counter()
         self.inverse = factorised(matrix.mat, self.free)
+        self.seconds["assembly"] = built - start
+        self.seconds["factorisation"] = time.perf_counter() - built
         ones = ngs.LinearForm(q * ngs.dx).Assemble()
         self._mean = ones.vec.FV().NumPy()[self.size :].copy()
         self._flux = self.apply(self._constant_pressure())[: self.size]
@@ -137,7 +143,9 @@ class Stokes:
         """Velocity and pressure for boundary data and a load f."""
         right, answer = self.matrix.CreateColVector(), self.matrix.CreateColVector()
         right.FV().NumPy()[:] = (0.0 if load is None else load) - self.apply(data)
+        start = time.perf_counter()
         answer.data = self.inverse * right
+        self.seconds["solve"] = time.perf_counter() - start
         solution = data + answer.FV().NumPy()
         if self.closed:
             one = self._constant_pressure()

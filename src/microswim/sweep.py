@@ -27,7 +27,7 @@ from .variants import check_names, spec_json
 if TYPE_CHECKING:
     import xarray as xr
 
-BLOCK = {"rft": 65536, "bem": 64, "fem": 16}
+BLOCK = {"rft": 65536, "custom": 64, "bem": 64, "fem": 16}  # designs in a chunk of the store
 Progress = Callable[[int, int], None]
 Engine = Callable[[Iterable[Task]], Iterator[tuple[Task, Rows]]]
 
@@ -63,7 +63,8 @@ def sweep(
     resume
         Go on with the store at `out` if it is there.
     workers
-        Local processes for the reference solvers; all cores by default. Jobs with `cluster`.
+        Local processes, each with one thread; by default all cores for the reference solvers and
+        none for the surrogate, whose kernel uses all cores itself. Jobs with `cluster`.
     scheduler, cluster
         Address of a Dask scheduler, or ``"slurm"``.
     progress
@@ -97,7 +98,7 @@ def sweep(
     """
     if model not in BLOCK:
         raise SpecError("model", model, 'one of "rft", "bem", "fem"')
-    space = Space.of(over, BLOCK[model])
+    space = Space.of(over, BLOCK["custom" if swimmer.tail.kind == "custom" else model])
     check_names(swimmer, space.names)
     job = Job(swimmer, model, options)
     attributes = _provenance(job, space)
@@ -107,7 +108,7 @@ def sweep(
         if scheduler is not None or cluster is not None:
             with connected(scheduler, cluster, count) as client:
                 yield from dask(job, list(tasks), client)
-        elif model == "rft":
+        elif model == "rft" and workers is None:
             yield from here(job, tasks)
         else:
             yield from processes(job, list(tasks), count)

@@ -13,7 +13,6 @@ import os
 import shutil
 import socket
 import time
-import warnings
 from collections.abc import Iterator, Mapping
 from pathlib import Path
 from typing import Any
@@ -135,11 +134,9 @@ class SweepStore:
 
         fresh = path.with_name(f"{path.name}.{os.getpid()}.new")
         shutil.rmtree(fresh, ignore_errors=True)
-        group = zarr.create_group(fresh, zarr_format=3, attributes=dict(attributes))
+        group = zarr.create_group(fresh, zarr_format=2, attributes=dict(attributes))
         _add_arrays(group, space)
-        with warnings.catch_warnings():  # a plain xarray.open_zarr looks for it, and is faster
-            warnings.simplefilter("ignore")
-            zarr.consolidate_metadata(fresh)
+        zarr.consolidate_metadata(fresh)
         fresh.rename(path)
         return cls(zarr.open_group(path, mode="r+"), space)
 
@@ -195,18 +192,20 @@ def _add_arrays(group: Any, space: Space) -> None:
     dims, shape, chunks = space.dims, space.shape, space.chunks
     for name, note in LONG_NAMES.items():
         vector = name in VECTORS
-        kind, fill = "f8", np.nan
-        if name in ("status", "reason"):
-            kind, fill = ("i1", 0) if name == "status" else (str, "")
+        kind, fill = {"status": ("i1", None), "reason": (str, None)}.get(name, ("f8", np.nan))
         group.create_array(
             name,
             shape=(*shape, 6) if vector else shape,
             chunks=(*chunks, 6) if vector else chunks,
             dtype=kind,
             fill_value=fill,
-            dimension_names=(*dims, "component") if vector else dims,
-            attributes={"long_name": note},
+            attributes={
+                "long_name": note,
+                "_ARRAY_DIMENSIONS": [*dims, "component"] if vector else list(dims),
+            },
         )
+    # A fill value would make xarray read 0 and "" as missing; so every status is written.
+    group["status"][...] = 0
     _add_coordinate(group, "component", ("component",), np.array(COMPONENTS))
     for name, values in zip(space.names, space.values):
         _add_coordinate(group, name, (name,) if space.grid else ("design",), values)
@@ -216,7 +215,10 @@ def _add_arrays(group: Any, space: Space) -> None:
 def _add_coordinate(group: Any, name: str, dims: tuple[str, ...], values: np.ndarray) -> None:
     words = values.dtype.kind == "U"
     array = group.create_array(
-        name, shape=values.shape, dtype=str if words else values.dtype, dimension_names=dims
+        name,
+        shape=values.shape,
+        dtype=str if words else values.dtype,
+        attributes={"_ARRAY_DIMENSIONS": list(dims)},
     )
     array[...] = values.astype(object) if words else values
 

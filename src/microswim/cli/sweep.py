@@ -1,0 +1,128 @@
+"""``microswim sweep``: grids and lists of designs into a Zarr store, resumable."""
+
+from __future__ import annotations
+
+import time
+from collections import Counter
+from pathlib import Path
+from typing import Any
+
+import click
+
+from ..errors import SpecError
+from ._options import Given, change, example, json_option, model_option, print_json, swimmer_options
+
+
+@click.command(
+    epilog=example(
+        "microswim sweep robot.toml --over tail.amplitude=0.01:0.5:50,tail.waves=0.5:5:46 --out map.zarr",
+        "microswim sweep robot.toml --over tail.waves=1:5:20 --model bem --workers 2 --out bem.zarr",
+        "microswim sweep robot.toml --designs designs.csv --model bem --out bem.zarr --resume",
+        "microswim sweep robot.toml --over ... --model fem --scheduler HOST:8786 --out fem.zarr",
+    )
+)
+@swimmer_options
+@click.option(
+    "--over",
+    multiple=True,
+    metavar="NAME=A:B:N",
+    help="What varies: NAME=FIRST:LAST:COUNT[:log] or NAME=X,Y,Z; the grid of all combinations.",
+)
+@click.option(
+    "--designs",
+    metavar="FILE",
+    type=click.Path(path_type=Path),
+    help="A list of designs instead: CSV, a column for each dotted name.",
+)
+@model_option
+@click.option(
+    "--option",
+    "options",
+    multiple=True,
+    metavar="NAME=VALUE",
+    help='What the model takes, as in --option level="fine".',
+)
+@click.option(
+    "--out",
+    required=True,
+    metavar="STORE",
+    type=click.Path(path_type=Path),
+    help="Zarr store to write; xarray.open_zarr reads it at any moment.",
+)
+@click.option("--resume", is_flag=True, help="Go on with the store if it is there.")
+@click.option(
+    "--workers",
+    type=click.IntRange(1),
+    metavar="N",
+    help="Local processes for bem and fem (default: all cores), or jobs of the cluster.",
+)
+@click.option("--scheduler", metavar="ADDRESS", help="Solve on the workers of a Dask scheduler.")
+@click.option(
+    "--cluster",
+    type=click.Choice(["slurm"]),
+    help="Solve in jobs of a cluster (queue and limits: Dask's jobqueue configuration).",
+)
+@json_option
+def command(given: Given, out: Path, as_json: bool, **asked: Any) -> None:
+    """Solve a grid or a list of designs into a Zarr store.
+
+    Results are on disk as they come. Killed at any moment, a sweep loses at most the solves in
+    flight, and --resume goes on to the same result. A failed design is a row with its reason.
+    """
+    from ..sweep import sweep
+    from ._progress import bar
+
+    over = _over(asked.pop("over"), asked.pop("designs"))
+    if asked["scheduler"] and asked["cluster"]:
+        raise SpecError("--scheduler and --cluster: one of the two")
+    options = dict(change(text) for text in asked.pop("options"))
+    begun = time.perf_counter()
+    with bar(f"sweep {given.name}") as progress:
+        result = sweep(
+            given.swimmer, over, asked.pop("model"), out=out, progress=progress, **asked, **options
+        )
+    report = _report(result, out, time.perf_counter() - begun)
+    if as_json:
+        print_json(report)
+        return
+    click.echo(
+        f"{report['designs']} designs, {report['failed']} failed, in {report['wall_seconds']:.1f} s"
+    )
+    for reason, count in report["reasons"].items():
+        click.echo(f"  {count} x {reason}")
+    click.echo(f'{out}: read it with xarray.open_zarr("{out}")')
+
+
+def _over(over: tuple[str, ...], designs: Path | None) -> Any:
+    if bool(over) == bool(designs):
+        raise SpecError("give --over NAME=A:B:N or --designs FILE, one of the two")
+    if designs is None:
+        from ._over import axes
+
+        return axes(over)
+    import csv
+
+    from ._over import value
+
+    try:
+        with designs.open(encoding="utf-8", newline="") as file:
+            rows = list(csv.DictReader(file))
+    except FileNotFoundError:
+        raise SpecError(f"{designs}: no such file") from None
+    if not rows or any(None in row or None in row.values() for row in rows):
+        raise SpecError(f"{designs}: must be a CSV with a header of dotted names and full rows")
+    return [{name.strip(): value(name.strip(), text) for name, text in row.items()} for row in rows]
+
+
+def _report(result: Any, out: Path, seconds: float) -> dict[str, Any]:
+    from ..sweepstore import FAILED
+
+    failed = result["status"].values == FAILED
+    reasons = Counter(map(str, result["reason"].values[failed]) if failed.any() else ())
+    return {
+        "store": str(out),
+        "designs": int(result["status"].size),
+        "failed": int(failed.sum()),
+        "reasons": dict(reasons.most_common(5)),
+        "wall_seconds": seconds,
+    }

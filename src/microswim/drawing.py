@@ -49,7 +49,7 @@ class Camera:
 
     @classmethod
     def behind(cls, basis: np.ndarray, azimuth: float, elevation: float) -> Camera:
-        """Camera beside a swimmer that swims along ``basis[0]``, ``basis[2]`` being up (degrees)."""
+        """Camera beside a swimmer that swims along ``basis[0]``, with ``basis[2]`` up."""
         a, e = np.radians([azimuth, elevation])
         right = np.cos(a) * basis[0] + np.sin(a) * basis[1]
         level = np.cross(right, basis[2])

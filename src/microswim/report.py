@@ -15,11 +15,10 @@ from importlib.resources import files
 from typing import TYPE_CHECKING, Any
 
 from .readable import quantity, significant
+from .swimmer import DEGREES_OF_FREEDOM, Swimmer
 
 if TYPE_CHECKING:
     import xarray as xr
-
-    from .swimmer import Swimmer
 
 
 @dataclass(frozen=True)
@@ -103,8 +102,38 @@ def _time(si: bool) -> str:
     return "second" if si else "time"
 
 
+def derived(swimmer: Swimmer) -> dict[str, Any]:
+    """What a swimmer works out to, as numbers: wave, local resistance, Reynolds number.
+
+    Examples
+    --------
+    >>> import microswim as ms
+    >>> round(ms.report.derived(ms.Swimmer.preset("tabak/helix"))["alpha"], 4)
+    0.7277
+    """
+    tail, fluid = swimmer.tail, swimmer.fluid
+    c_t, c_n, c_r = (float(c) for c in swimmer.coefficients.local(tail, fluid.viscosity))
+    semi_axes = tuple(float(r) for r in swimmer.body.semi_axes3)
+    scale = 2.0 * max(semi_axes) or float(tail.apparent_length)
+    k = getattr(tail, "wavenumber", None)
+    return {
+        "units": swimmer.units,
+        "semi_axes": semi_axes,
+        "apparent_length": float(tail.apparent_length),
+        "arc_length": float(tail.arc_length),
+        "alpha": float(tail.alpha),
+        "number_of_waves": float(tail.number_of_waves),
+        "wavenumber": None if k is None else float(k),
+        "c_t": c_t,
+        "c_n": c_n,
+        "c_r": c_r,
+        "reynolds_number": fluid.density * abs(tail.frequency) * scale**2 / fluid.viscosity,
+        "free": [n for n, free in zip(DEGREES_OF_FREEDOM, swimmer.motion.mask) if free],
+    }
+
+
 def spec_table(swimmer: Swimmer) -> Table:
-    """What a swimmer works out to: wave, local resistance, Reynolds number.
+    """What a swimmer works out to, in readable units; the numbers are those of `derived`.
 
     Examples
     --------
@@ -113,50 +142,35 @@ def spec_table(swimmer: Swimmer) -> Table:
     >>> [row[1] for row in table.rows if row[0] == "alpha"]
     ['0.7277']
     """
-    tail, fluid, si = swimmer.tail, swimmer.fluid, swimmer.units == "SI"
-    c_t, c_n, c_r = (float(c) for c in swimmer.coefficients.local(tail, fluid.viscosity))
+    d, tail, si = derived(swimmer), swimmer.tail, swimmer.units == "SI"
 
-    def q(value: Any, unit: str) -> str:
-        return quantity(value, unit if si else "")
+    def q(key: str, unit: str) -> str:
+        return quantity(d[key], unit if si else "")
 
-    r_s, r_q, r_r = (float(r) for r in swimmer.body.semi_axes3)
-    scale = 2.0 * max(r_s, r_q, r_r) or float(tail.apparent_length)
-    reynolds = fluid.density * abs(float(tail.frequency)) * scale**2 / fluid.viscosity
-    k = getattr(tail, "wavenumber", None)
-    axes = " x ".join(q(r, "m") for r in (r_s, r_q, r_r))
+    axes = " x ".join(quantity(r, "m" if si else "") for r in d["semi_axes"])
+    body = f"semi-axes {axes}" if any(d["semi_axes"]) else "an isolated tail"
+    motion = f"{tail.sections} sections, {tail.surface_motion} surface motion"
     rows = [
-        ("body", swimmer.body.shape, f"semi-axes {axes}" if r_s else "an isolated tail"),
-        ("tail", tail.kind, f"{tail.sections} sections, {tail.surface_motion} surface motion"),
-        ("apparent length L", q(tail.apparent_length, "m"), "along s"),
-        ("arc length", q(tail.arc_length, "m"), "along the filament, ramp left out"),
-        ("alpha", significant(float(tail.alpha)), "apparent over arc length"),
-        ("number of waves N", significant(float(tail.number_of_waves)), "L over wavelength"),
-        *(
-            [("wavenumber k", quantity(k, "1/m" if si else ""), "2 pi over wavelength")]
-            if k
-            else []
-        ),
-        ("c_t", quantity(c_t, "Pa s" if si else ""), f"along the filament, {_law(swimmer)}"),
-        ("c_n", quantity(c_n, "Pa s" if si else ""), "across the filament"),
-        ("c_r", quantity(c_r, "Pa s m^2" if si else ""), "spin about itself"),
-        ("Reynolds number", significant(reynolds, 3), "density x frequency x length^2 / viscosity"),
+        ("body", swimmer.body.shape, body),
+        ("tail", tail.kind, f"{motion} (for bem and fem)"),
+        ("apparent length L", q("apparent_length", "m"), "along s"),
+        ("arc length", q("arc_length", "m"), "along the filament, ramp left out"),
+        ("alpha", significant(d["alpha"]), "apparent over arc length"),
+        ("number of waves N", significant(d["number_of_waves"]), "L over wavelength"),
+        ("wavenumber k", q("wavenumber", "1/m"), "2 pi over wavelength"),
+        ("c_t", q("c_t", "Pa s"), f"along the filament, law {swimmer.coefficients.law}"),
+        ("c_n", q("c_n", "Pa s"), "across the filament"),
+        ("c_r", q("c_r", "Pa s m^2"), "spin about itself"),
+        ("Reynolds number", significant(d["reynolds_number"], 3), "from body length and frequency"),
         (
             "free motions",
-            ", ".join(_free(swimmer)),
+            " ".join(d["free"]),
             f"rate in the {swimmer.motion.frequency_frame} frame",
         ),
     ]
+    if d["wavenumber"] is None:
+        rows = [row for row in rows if row[0] != "wavenumber k"]
     return Table("What the spec works out to", ("", "value", ""), rows, swimmer.units)
-
-
-def _law(swimmer: Swimmer) -> str:
-    return f"law {swimmer.coefficients.law}"
-
-
-def _free(swimmer: Swimmer) -> list[str]:
-    from .swimmer import DEGREES_OF_FREEDOM
-
-    return [name for name, free in zip(DEGREES_OF_FREEDOM, swimmer.motion.mask) if free]
 
 
 def png(figure: Any) -> bytes:

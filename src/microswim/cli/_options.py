@@ -60,6 +60,11 @@ model_option = click.option(
     show_default=True,
     help="rft: the surrogate. bem, fem: the reference solvers.",
 )
+level_option = click.option(
+    "--level",
+    type=click.Choice(["coarse", "standard", "fine"]),
+    help="Resolution of bem and fem; standard by default.",
+)
 json_option = click.option("--json", "as_json", is_flag=True, help="Print one JSON object.")
 out_option = click.option(
     "--out", metavar="DIR", type=click.Path(path_type=Path), help="Folder for files and pictures."
@@ -137,7 +142,7 @@ def _literal(value: Any) -> str:
 
 def print_json(result: dict[str, Any]) -> None:
     """Print one JSON object; NaN and infinities as null, arrays as lists."""
-    click.echo(json.dumps(_plain(result), allow_nan=False, ensure_ascii=False))
+    click.echo(json.dumps(_plain(result), allow_nan=False, ensure_ascii=False, default=str))
 
 
 def _plain(value: Any) -> Any:

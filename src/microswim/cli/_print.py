@@ -1,0 +1,71 @@
+"""Tables on the terminal, and a line that says what is going on. Depends on rich, report."""
+
+from __future__ import annotations
+
+import sys
+import time
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+from typing import TYPE_CHECKING, Any
+
+if TYPE_CHECKING:
+    from ..report import Table
+
+Progress = Callable[[int, int], None]
+
+
+def print_table(table: Table) -> None:
+    """Print a table on stdout; never cut off a number."""
+    from rich import box
+    from rich.console import Console
+    from rich.table import Table as RichTable
+
+    console = Console(highlight=False)
+    shown = RichTable(
+        title=table.title,
+        caption=table.note or None,
+        box=box.SIMPLE_HEAD,
+        title_style="bold",
+        title_justify="left",
+        caption_justify="left",
+        show_header=any(table.header),
+    )
+    for i, name in enumerate(table.header):
+        last = i == len(table.header) - 1 and not name
+        shown.add_column(
+            name,
+            justify="left" if i == 0 or last else "right",
+            style="dim" if last else "",
+            no_wrap=not last and i > 0,
+        )
+    for row in table.rows:
+        shown.add_row(*row)
+    console.print(shown)
+
+
+@contextmanager
+def progress_bar(text: str) -> Iterator[Progress]:
+    """A progress bar on a terminal's stderr; elsewhere nothing. Yields ``progress(done, of)``."""
+    if not sys.stderr.isatty():
+        yield lambda done, of: None
+        return
+    from rich.console import Console
+    from rich.progress import Progress as Bar
+
+    with Bar(console=Console(stderr=True), transient=True) as bar:
+        task = bar.add_task(text, total=None)
+        yield lambda done, of: bar.update(task, completed=done, total=of)
+
+
+def timed_gait(swimmer: Any, model: str, level: str | None = None) -> tuple[Any, float]:
+    """Gait by a model, and the wall seconds it took; with a progress bar for the references."""
+    options: dict[str, Any] = {}
+    if model == "rft":
+        start = time.perf_counter()
+        return swimmer.gait(model), time.perf_counter() - start
+    if level is not None:
+        options["level"] = level
+    with progress_bar(f"{model}, {level or 'standard'}") as progress:
+        start = time.perf_counter()
+        gait = swimmer.gait(model, progress=progress, **options)
+        return gait, time.perf_counter() - start

@@ -1,0 +1,115 @@
+"""``microswim demo``: the paper's base case swims. Depends on presets, data, io, report."""
+
+from __future__ import annotations
+
+import math
+import time
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import click
+
+from ._options import example, force_option
+
+if TYPE_CHECKING:
+    from ..gait import Gait
+    from ..report import Table
+
+FREE = "us uq ur os"
+CASES = (  # label, preset, with interaction coefficients, method in the data set
+    ("surrogate, constant pair, with interaction", "tabak/helix-constant", True, "rft_constant"),
+    ("surrogate, Lighthill, with interaction", "tabak/helix-sbt", True, "rft_sbt"),
+    ("surrogate, constant pair, without", "tabak/helix-constant", False, None),
+    ("surrogate, Lighthill, without", "tabak/helix-sbt", False, None),
+)
+LEAD = (
+    "A sphere pushed by a rotating helix, swimming in a fluid so viscous that inertia plays no "
+    "part: the base case of Tabak & Yesilyurt. The picture shows the surrogate with the paper's "
+    "constant pair of coefficients and its interaction coefficients."
+)
+NOTE = (
+    "Lengths in body diameters, times in periods of the motor. Without interaction coefficients "
+    "the surrogate swims too fast; the coefficients bring it to the paper's CFD. The boundary "
+    "elements resolve the thick filament and its spin, and swim slower than the paper's CFD. "
+    "Check: the same model computed independently (data set base-case)."
+)
+
+
+@click.command(epilog=example("microswim demo", "microswim demo --out my-demo --no-bem"))
+@click.option(
+    "--out",
+    metavar="DIR",
+    type=click.Path(path_type=Path),
+    default=Path("out/demo"),
+    show_default=True,
+    help="Folder for files and pictures.",
+)
+@click.option("--bem/--no-bem", default=True, help="Solve with boundary elements too (seconds).")
+@force_option
+def command(out: Path, bem: bool, force: bool) -> None:
+    """Let the paper's base case swim: numbers, pictures, a report."""
+    from . import _folder, _print
+
+    start = time.perf_counter()
+    force = force or out == Path("out/demo")
+    _folder.check(out, force)
+    from .. import io, presets, report
+    from ..swimmer import Swimmer
+
+    click.echo("The base case of Tabak & Yesilyurt: a sphere pushed by a rotating helix.\n")
+    preset = CASES[0][1]
+    swimmer = Swimmer.preset(preset)
+    gait = swimmer.gait()
+    table = comparison(bem)
+    _print.print_table(table)
+    run = io.dataset(swimmer, gait, spec=presets.read(preset))
+    tables = [
+        table,
+        report.numbers_table(io.numbers(swimmer, gait), preset),
+        report.spec_table(swimmer),
+    ]
+    with _folder.filled(out, force) as folder:
+        _folder.write(folder, run, swimmer, "The base-case swimmer", tables, LEAD)
+    _folder.say_where(out)
+    click.echo(f"\nin {time.perf_counter() - start:.0f} s; open {out}/report.html", err=True)
+
+
+def comparison(bem: bool) -> Table:
+    """The base case by every method at hand, against the paper and independent numbers."""
+    from .. import data
+    from ..report import Table
+    from ..swimmer import Swimmer
+
+    known = data.load("base-case").sel(free=FREE)
+    rows = [_row("the paper's CFD, in a channel", _known(known, "cfd_paper"), None)]
+    for label, preset, interaction, method in CASES:
+        swimmer = Swimmer.preset(preset)
+        if not interaction:
+            ones = (1.0, 1.0, 1.0)
+            swimmer = swimmer.with_({"interaction.translation": ones, "interaction.rotation": ones})
+        check = None if method is None else _known(known, method)
+        rows.append(_row(label, _numbers(swimmer.gait()), check))
+    if bem:
+        from ._print import timed_gait
+
+        gait, _ = timed_gait(Swimmer.preset(CASES[0][1]), "bem")
+        rows.append(_row("boundary elements, free space", _numbers(gait), _known(known, "bem")))
+    header = ("", "u_s", "lateral amplitude", "Omega_s", "in rev/period", "check of u_s")
+    return Table("The base case, free: translations and rotation about s", header, rows, NOTE)
+
+
+def _numbers(gait: Gait) -> tuple[float, float, float]:
+    """Mean u_s, lateral amplitude, mean Omega_s."""
+    return gait.mean_velocity[0], gait.velocity_amplitude[1], gait.mean_velocity[3]
+
+
+def _known(known: Any, method: str) -> tuple[float, float, float]:
+    case = known.sel(method=method)
+    return float(case.u_s), float(case.lateral_amplitude), float(case.Omega_s)
+
+
+def _row(label: str, values: tuple[float, ...], check: tuple[float, ...] | None) -> tuple[str, ...]:
+    u, lateral, turn = values
+    agrees = "" if check is None else f"{100.0 * (u / check[0] - 1.0):+.2f} %"
+    numbers = (f"{u:.4f}", f"{lateral:.4f}", f"{turn:.3f}", f"{turn / (2.0 * math.pi):.4f}")
+    return (label, *numbers, agrees)

@@ -1,0 +1,79 @@
+"""``microswim run``: how a swimmer swims. Depends on spec, io, report."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Any
+
+import click
+
+from ._options import (
+    Given,
+    example,
+    force_option,
+    json_option,
+    level_option,
+    model_option,
+    out_option,
+    print_json,
+    swimmer_options,
+)
+
+
+@click.command(
+    epilog=example(
+        "microswim run robot.toml",
+        "microswim run --preset tabak/helix --set tail.amplitude=0.12 --json",
+        "microswim run --preset goto/C --model bem --out results",
+    )
+)
+@swimmer_options
+@model_option
+@level_option
+@json_option
+@out_option
+@click.option(
+    "--periods",
+    type=click.FloatRange(min=0, min_open=True, max=1e5),
+    help="Length of the path in periods; by default one and a half lengths of the swimmer.",
+)
+@force_option
+def command(
+    given: Given,
+    model: str,
+    level: str | None,
+    as_json: bool,
+    out: Path | None,
+    periods: float | None,
+    force: bool,
+) -> None:
+    """Print how a swimmer swims; with --out also write files, pictures and a report.
+
+    SPEC is a TOML file; "microswim new" writes one to start from.
+    """
+    from . import _folder, _print
+
+    if out is not None:
+        _folder.check(out, force)
+    from .. import io, report
+
+    gait, seconds = _print.timed_gait(given.swimmer, model, level)
+    numbers: dict[str, Any] = {
+        "swimmer": given.name,
+        **io.numbers(given.swimmer, gait),
+        "wall_seconds": seconds,
+        "info": gait.info,
+    }
+    tables = [report.numbers_table(numbers, given.name), report.spec_table(given.swimmer)]
+    if out is not None:
+        run = io.dataset(given.swimmer, gait, periods=periods, spec=given.text)
+        run.attrs["wall_seconds"] = seconds
+        with _folder.filled(out, force) as folder:
+            _folder.write(folder, run, given.swimmer, given.name, tables)
+    if as_json:
+        print_json(numbers)
+    else:
+        _print.print_table(tables[0])
+        click.echo(f"  solved in {seconds:.3g} s")
+    if out is not None:
+        _folder.say_where(out)

@@ -44,9 +44,9 @@ class Level:
 
 
 LEVELS = {
-    "coarse": Level(order=2, tail=1.6, body=0.6, far=0.3, grading=0.7, curvature=1.5),
-    "standard": Level(order=3, tail=1.6, body=0.6, far=0.3, grading=0.7, curvature=1.5),
-    "fine": Level(order=3, tail=1.2, body=0.4, far=0.25, grading=0.5, curvature=2.0),
+    "coarse": Level(order=2, tail=1.6, body=0.35, far=0.3, grading=0.7, curvature=1.5),
+    "standard": Level(order=3, tail=1.6, body=0.35, far=0.3, grading=0.7, curvature=1.5),
+    "fine": Level(order=3, tail=1.2, body=0.25, far=0.25, grading=0.5, curvature=2.0),
 }
 
 

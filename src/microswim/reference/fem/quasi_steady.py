@@ -177,10 +177,14 @@ def gait(
     return _assembled(swimmer, shots, turning, info)
 
 
+def is_round(swimmer: Any) -> bool:
+    """Whether turning the tail's phase is turning the swimmer: a helix on an axisymmetric body."""
+    return getattr(swimmer.tail, "kind", "") == "helix" and bool(swimmer.body.is_axisymmetric)
+
+
 def turns_rigidly(swimmer: Any, channel: Channel) -> bool:
-    """Whether one phase tells all: a helix on an axisymmetric body on the axis of a cylinder."""
-    helix = getattr(swimmer.tail, "kind", "") == "helix"
-    return helix and channel.centred and bool(swimmer.body.is_axisymmetric)
+    """Whether one phase tells all: a round swimmer on the axis of a cylinder."""
+    return channel.centred and is_round(swimmer)
 
 
 def _assembled(swimmer: Any, shots: list[Snapshot], turning: bool, info: dict) -> Gait:

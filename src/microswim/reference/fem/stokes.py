@@ -22,6 +22,7 @@ from microswim.errors import MicroswimError
 from .nodes import Nodes
 
 SWIMMER = "body|tail"
+AXES = np.eye(3)
 FOLDED = 0.05  # smallest Jacobian that is still taken
 
 
@@ -153,15 +154,13 @@ class Stokes:
             solution -= mean * one
         return solution
 
-    def rigid_modes(self, centre: np.ndarray) -> list[np.ndarray]:
-        """Boundary data of three unit translations and three unit turns about `centre`."""
-        arm, modes = self.position.copy(), []
+    def rigid_modes(self, centre: np.ndarray, axes: np.ndarray = AXES) -> list[np.ndarray]:
+        """Boundary data of unit translations and turns about `centre` along axes (columns)."""
         constant = self.nodes.coefficients(np.ones(len(self.nodes.points)))
-        arm -= np.outer(constant, centre)
+        arm = self.position - np.outer(constant, centre)
         on_swimmer = self.dofs["body"] | self.dofs["tail"]
-        for axis in np.eye(3):
-            modes.append(np.outer(constant, axis))
-        modes += [np.cross(axis, arm) for axis in np.eye(3)]
+        modes = [np.outer(constant, axis) for axis in axes.T]
+        modes += [np.cross(axis, arm) for axis in axes.T]
         data = np.zeros((6, self.unknowns))
         data[:, : self.size] = [np.where(on_swimmer, mode.T.ravel(), 0.0) for mode in modes]
         return list(data)

@@ -2,16 +2,13 @@
 
 from __future__ import annotations
 
-import sys
 import time
-from collections.abc import Callable, Iterator
-from contextlib import contextmanager
 from typing import TYPE_CHECKING, Any
+
+from ._progress import bar
 
 if TYPE_CHECKING:
     from ..report import Table
-
-Progress = Callable[[int, int], None]
 
 
 def print_table(table: Table) -> None:
@@ -36,25 +33,11 @@ def print_table(table: Table) -> None:
             name,
             justify="left" if i == 0 or last else "right",
             style="dim" if last else "",
-            no_wrap=not last and i > 0,
+            no_wrap=not last,
         )
     for row in table.rows:
         shown.add_row(*row)
     console.print(shown)
-
-
-@contextmanager
-def progress_bar(text: str) -> Iterator[Progress]:
-    """A progress bar on a terminal's stderr; elsewhere nothing. Yields ``progress(done, of)``."""
-    if not sys.stderr.isatty():
-        yield lambda done, of: None
-        return
-    from rich.console import Console
-    from rich.progress import Progress as Bar
-
-    with Bar(console=Console(stderr=True), transient=True) as bar:
-        task = bar.add_task(text, total=None)
-        yield lambda done, of: bar.update(task, completed=done, total=of)
 
 
 def timed_gait(swimmer: Any, model: str, level: str | None = None) -> tuple[Any, float]:
@@ -65,7 +48,7 @@ def timed_gait(swimmer: Any, model: str, level: str | None = None) -> tuple[Any,
         return swimmer.gait(model), time.perf_counter() - start
     if level is not None:
         options["level"] = level
-    with progress_bar(f"{model}, {level or 'standard'}") as progress:
+    with bar(f"{model}, {level or 'standard'}") as progress:
         start = time.perf_counter()
         gait = swimmer.gait(model, progress=progress, **options)
         return gait, time.perf_counter() - start

@@ -16,11 +16,11 @@ if TYPE_CHECKING:
     from ..report import Table
 
 FREE = "us uq ur os"
-CASES = (  # label, preset, with interaction coefficients, method in the data set
-    ("surrogate, constant pair, with interaction", "tabak/helix-constant", True, "rft_constant"),
-    ("surrogate, Lighthill, with interaction", "tabak/helix-sbt", True, "rft_sbt"),
-    ("surrogate, constant pair, without", "tabak/helix-constant", False, None),
-    ("surrogate, Lighthill, without", "tabak/helix-sbt", False, None),
+CASES = (  # label, preset, with interaction coefficients, solver in the data set
+    ("RFT constant, interaction", "tabak/helix-constant", True, "rft_constant"),
+    ("RFT Lighthill, interaction", "tabak/helix-sbt", True, "rft_sbt"),
+    ("RFT constant, alone", "tabak/helix-constant", False, None),
+    ("RFT Lighthill, alone", "tabak/helix-sbt", False, None),
 )
 LEAD = (
     "A sphere pushed by a rotating helix, swimming in a fluid so viscous that inertia plays no "
@@ -28,10 +28,11 @@ LEAD = (
     "constant pair of coefficients and its interaction coefficients."
 )
 NOTE = (
-    "Lengths in body diameters, times in periods of the motor. Without interaction coefficients "
-    "the surrogate swims too fast; the coefficients bring it to the paper's CFD. The boundary "
-    "elements resolve the thick filament and its spin, and swim slower than the paper's CFD. "
-    "Check: the same model computed independently (data set base-case)."
+    "Lengths in body diameters, times in periods of the motor; lateral: half of peak to peak of "
+    "u_q; Omega_s in radians. RFT, the surrogate, with the paper's constant pair of local "
+    "coefficients or with Lighthill's: alone it swims too fast, the interaction coefficients of "
+    "Table 3 bring it to the paper's CFD. Boundary elements resolve the thick filament and its "
+    "spin and swim slower. Check: u_s against independent computations (data set base-case)."
 )
 
 
@@ -81,20 +82,20 @@ def comparison(bem: bool) -> Table:
     from ..swimmer import Swimmer
 
     known = data.load("base-case").sel(free=FREE)
-    rows = [_row("the paper's CFD, in a channel", _known(known, "cfd_paper"), None)]
-    for label, preset, interaction, method in CASES:
+    rows = [_row("the paper's CFD", _known(known, "cfd_paper"), None)]
+    for label, preset, interaction, solver in CASES:
         swimmer = Swimmer.preset(preset)
         if not interaction:
             ones = (1.0, 1.0, 1.0)
             swimmer = swimmer.with_({"interaction.translation": ones, "interaction.rotation": ones})
-        check = None if method is None else _known(known, method)
+        check = None if solver is None else _known(known, solver)
         rows.append(_row(label, _numbers(swimmer.gait()), check))
     if bem:
         from ._print import timed_gait
 
         gait, _ = timed_gait(Swimmer.preset(CASES[0][1]), "bem")
-        rows.append(_row("boundary elements, free space", _numbers(gait), _known(known, "bem")))
-    header = ("", "u_s", "lateral amplitude", "Omega_s", "in rev/period", "check of u_s")
+        rows.append(_row("boundary elements", _numbers(gait), _known(known, "bem")))
+    header = ("", "u_s", "lateral", "Omega_s", "rev/period", "check")
     return Table("The base case, free: translations and rotation about s", header, rows, NOTE)
 
 
@@ -103,13 +104,13 @@ def _numbers(gait: Gait) -> tuple[float, float, float]:
     return gait.mean_velocity[0], gait.velocity_amplitude[1], gait.mean_velocity[3]
 
 
-def _known(known: Any, method: str) -> tuple[float, float, float]:
-    case = known.sel(method=method)
+def _known(known: Any, solver: str) -> tuple[float, float, float]:
+    case = known.sel(solver=solver)
     return float(case.u_s), float(case.lateral_amplitude), float(case.Omega_s)
 
 
 def _row(label: str, values: tuple[float, ...], check: tuple[float, ...] | None) -> tuple[str, ...]:
     u, lateral, turn = values
-    agrees = "" if check is None else f"{100.0 * (u / check[0] - 1.0):+.2f} %"
+    agrees = "" if check is None else f"{round(100.0 * (u / check[0] - 1.0), 2) + 0.0:.2f} %"
     numbers = (f"{u:.4f}", f"{lateral:.4f}", f"{turn:.3f}", f"{turn / (2.0 * math.pi):.4f}")
     return (label, *numbers, agrees)

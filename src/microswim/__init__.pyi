@@ -22,6 +22,7 @@ from .gait import Gait as Gait
 from .interaction import Interaction as Interaction
 from .kinematics import ScrewMotion as ScrewMotion
 from .metrics import summary as summary
+from .sweep import sweep as sweep
 from .swimmer import Fluid as Fluid
 from .swimmer import Motion as Motion
 from .swimmer import Swimmer as Swimmer

@@ -114,11 +114,11 @@ def sweep(
             yield from processes(job, list(tasks), count)
 
     if out is None:
-        return _in_memory(space, model, engine, attributes, progress)
+        return _in_memory(job, space, engine, attributes, progress)
     path = Path(out).resolve()
     with locked(path):
         store = _open(path, space, attributes, resume)
-        _fill(space, model, engine, store, progress)
+        _fill(job, space, engine, store, progress)
     import xarray as xr
 
     return xr.open_zarr(path, chunks=None)
@@ -166,15 +166,15 @@ def _digest(space: Space) -> str:
     return whole.hexdigest()
 
 
-def _tasks(model: str, space: Space, rows: np.ndarray) -> Iterator[Task]:
-    """Rows of a block as tasks: together for the surrogate, one by one for a reference."""
-    if model == "rft" and len(rows):
-        yield Task(space, int(rows[0]), int(rows[-1]) + 1)
-    elif model != "rft":
+def _tasks(job: Job, space: Space, rows: np.ndarray) -> Iterator[Task]:
+    """Rows of a block as tasks: together for the batched kernel, else one by one."""
+    if job.model != "rft" or job.swimmer.tail.kind == "custom":
         yield from (Task(space, int(i), int(i) + 1) for i in rows)
+    elif len(rows):
+        yield Task(space, int(rows[0]), int(rows[-1]) + 1)
 
 
-def _fill(space: Space, model: str, engine: Engine, store: SweepStore, progress: Any) -> None:
+def _fill(job: Job, space: Space, engine: Engine, store: SweepStore, progress: Any) -> None:
     """Solve what the store does not hold yet, and write it as it comes.
 
     The surrogate's blocks are solved and written whole, so that rounding cannot depend on when a
@@ -187,7 +187,7 @@ def _fill(space: Space, model: str, engine: Engine, store: SweepStore, progress:
     filling: dict[int, Rows] = {}
     if progress:
         progress(solved, space.size)
-    for task, results in engine(t for rows in waiting for t in _tasks(model, space, rows)):
+    for task, results in engine(t for rows in waiting for t in _tasks(job, space, rows)):
         i = int(np.searchsorted(starts, task.start, side="right")) - 1
         place, start, _ = places[i]
         if i not in filling:
@@ -202,13 +202,13 @@ def _fill(space: Space, model: str, engine: Engine, store: SweepStore, progress:
             progress(solved, space.size)
 
 
-def _in_memory(space: Space, model: str, engine: Engine, attributes: Any, progress: Any) -> Any:
+def _in_memory(job: Job, space: Space, engine: Engine, attributes: Any, progress: Any) -> Any:
     import xarray as xr
 
     whole = blank(space.size)
     blocks = (np.arange(start, stop) for _, start, stop in space.blocks())
     solved = 0
-    for task, results in engine(t for rows in blocks for t in _tasks(model, space, rows)):
+    for task, results in engine(t for rows in blocks for t in _tasks(job, space, rows)):
         for name, values in results.items():
             whole[name][task.start : task.stop] = values
         solved += task.stop - task.start

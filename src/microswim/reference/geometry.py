@@ -281,6 +281,12 @@ class Joint:
     second: Array
     series: NDArray[np.complex128]
 
+    @property
+    def depth(self) -> float:
+        """Largest |s - s(pole)| of the curve."""
+        turn = np.linspace(0.0, 2 * np.pi, 64)
+        return float(np.abs(self._evaluate(1, turn)).max())
+
     def _evaluate(self, row: int, psi: Array) -> Array:
         c = self.series[row]
         result = np.full(np.shape(psi), c[0].real)

@@ -25,19 +25,19 @@ class Level:
 _BY_NAME = {
     "coarse": Level(
         "coarse",
-        Resolution(order=2, panel=4.0, stretch=8.0, bend=0.8, root=1.0, growth=2.5),
+        Resolution(order=2, panel=4.0, stretch=8.0, bend=0.8, wave=1.8, root=1.0, growth=2.5),
         Quadrature(points=4, near=2.0, far=8.0),
         12,
     ),
     "standard": Level(
         "standard",
-        Resolution(order=3, panel=5.0, stretch=6.0, bend=1.0, around=3, root=1.0),
+        Resolution(order=3, panel=5.0, stretch=6.0, bend=1.0, wave=1.6, around=3, root=1.0),
         Quadrature(),
         12,
     ),
     "fine": Level(
         "fine",
-        Resolution(order=3, panel=2.5, stretch=5.0, bend=0.5, root=0.5, body=3),
+        Resolution(order=3, panel=2.5, stretch=5.0, bend=0.5, wave=0.8, root=0.5, body=3),
         Quadrature(points=5, near=2.5, far=12.0, radial=8, angular=10),
         16,
     ),

@@ -20,6 +20,10 @@ from .surface import Surface, cube_face, grid_boxes, sample, sample_parameters
 Array = NDArray[np.float64]
 
 
+# A joint that reaches this many filament radii along the tail counts as steep: more patches there.
+STEEP = 0.6
+
+
 @dataclass(frozen=True)
 class Resolution:
     """Sizes of patches.
@@ -34,6 +38,8 @@ class Resolution:
         Longest, where the tail is straight, in filament radii.
     bend : float
         Panel length times curvature, between those two.
+    wave : float
+        Longest panel by the phase of the wave along it (rad).
     around : int
         Panels around the tube.
     root : float
@@ -48,33 +54,42 @@ class Resolution:
     panel: float = 2.5
     stretch: float = 5.0
     bend: float = 0.4
+    wave: float = 1.2
     around: int = 4
     root: float = 0.7
     growth: float = 2.0
     body: int = 2
 
 
-def _arc_table(tail: Any, phase: float, start: float) -> tuple[Array, Array, Array]:
-    """s, arc length from `start` and curvature on a fine grid."""
-    length = tail.apparent_length
-    s = np.linspace(start, length, 3001)
+def _wanted_length(tail: Any, phase: float, s: Array, r: Resolution) -> tuple[Array, Array]:
+    """Arc length and wanted panel length on the grid s, the joint and the tip left aside."""
     curve = geometry.smooth_centreline(tail, s, phase)
     speed = np.linalg.norm(curve.P_s, axis=-1)
     arc = np.concatenate([[0.0], np.cumsum(0.5 * (speed[1:] + speed[:-1]) * np.diff(s))])
-    return s, arc, curve.curvature
+    bend = np.maximum(curve.curvature, 1e-12)
+    h = np.clip(r.bend / bend, r.panel * tail.radius, r.stretch * tail.radius)
+    # wavenumber of the wave, also of tails that name none: rms P'' over rms P' about its mean
+    swing = np.sum((curve.P_s - curve.P_s.mean(axis=0)) ** 2)
+    wavenumber = np.sqrt(np.sum(curve.P_ss**2) / max(swing, 1e-20))
+    h = np.minimum(h, r.wave * speed / max(wavenumber, 1e-12))
+    return arc, np.minimum(h, 2 * r.bend / bend)
 
 
-def tube_edges(tail: Any, phase: float, start: float, r: Resolution, free_start: bool) -> Array:
-    """Edges of the tube's panels in s: equal shares of int ds/h with h the wanted panel length."""
-    s, arc, bend = _arc_table(tail, phase, start)
-    rt = tail.radius
-    h = np.clip(r.bend / np.maximum(bend, 1e-12), r.panel * rt, r.stretch * rt)
-    h = np.minimum(h, 2 * r.bend / np.maximum(bend, 1e-12))
-    tip = rt * (1.6 + 0.6 * (arc[-1] - arc) / rt)
-    root = rt * (r.root + (1 - 1 / r.growth) * arc / rt)
-    h = np.minimum(h, np.minimum(tip, tip[::-1] if free_start else root))
+def tube_edges(tail: Any, phase: float, start: float, r: Resolution, root: float | None) -> Array:
+    """Edges of the tube's panels in s: equal shares of int ds/h with h the wanted panel length.
+
+    root : length of the first panel in filament radii, None for a tail without a body.
+    """
+    s = np.linspace(start, tail.apparent_length, 3001)
+    arc, h = _wanted_length(tail, phase, s, r)
+    tip = 1.6 * tail.radius + 0.6 * (arc[-1] - arc)
+    if root is None:
+        first = 1.6 * tail.radius + 0.6 * arc
+    else:
+        first = root * tail.radius + (1 - 1 / r.growth) * arc
+    h = np.minimum(h, np.minimum(tip, first))
     share = np.concatenate([[0.0], np.cumsum(0.5 * (1 / h[1:] + 1 / h[:-1]) * np.diff(arc))])
-    breaks = np.interp(geometry.kinks(tail), s, share)
+    breaks = np.interp([k for k in geometry.kinks(tail) if k > start], s, share)
     pieces = [0.0, *breaks, share[-1]]
     edges = [np.zeros(1)]
     for low, high in zip(pieces[:-1], pieces[1:], strict=True):
@@ -83,31 +98,33 @@ def tube_edges(tail: Any, phase: float, start: float, r: Resolution, free_start:
     return np.interp(np.concatenate(edges), share, s)
 
 
-def _bent(edges: Array, joint: geometry.Joint, v: Array, psi: Array) -> tuple[Array, Array]:
-    """(s, Theta) at panel coordinate v, bent at the root so that v = 0 is the joint curve.
+def _rows_bent(edges: Array, joint: geometry.Joint) -> int:
+    """Number of panel rows over which the joint's displacement fades: 2.5 times its size."""
+    room = max(2.5 * joint.depth, 1e-9)
+    return min(max(1, int(np.searchsorted(edges - edges[0], room))), edges.size - 1)
 
-    The displacement fades linearly to zero over a few panels, longer than 2.5 times its size.
-    """
+
+def _bent(edges: Array, joint: geometry.Joint, v: Array, psi: Array) -> tuple[Array, Array]:
+    """(s, Theta) at panel coordinate v, bent at the root so that v = 0 is the joint curve."""
     s_joint, theta_joint = joint.section(psi)
-    shift = s_joint - edges[0]
-    room = max(2.5 * np.abs(shift).max(), 1e-9)
-    last = max(1, int(np.searchsorted(edges - edges[0], room)))
+    last = _rows_bent(edges, joint)
     fade = np.clip(1 - (edges - edges[0]) / (edges[last] - edges[0]), 0.0, 1.0)
     panels = np.arange(float(edges.size))
-    s = np.interp(v, panels, edges)
     left = np.interp(v, panels, fade)
-    return s + shift * left, psi + (theta_joint - psi) * left
+    return np.interp(v, panels, edges) + (s_joint - edges[0]) * left, psi + (
+        theta_joint - psi
+    ) * left
 
 
 def _tube(tail: Any, phase: float, edges: Array, around: int, joint: Any) -> tuple[Array, Array]:
     """Positions and s of the tube's patches; u runs around, v along."""
-    count = edges.size - 1
-    boxes = grid_boxes(np.linspace(0, 2 * np.pi, around + 1), np.arange(count + 1.0))
-    psi, v = sample_parameters(boxes)
-    if joint is None:
-        s, theta = np.interp(v, np.arange(count + 1.0), edges), psi
-    else:
-        s, theta = _bent(edges, joint, v, psi)
+    panels = np.arange(float(edges.size))
+    rows = 0 if joint is None else _rows_bent(edges, joint)
+    more = 2 * around if joint is not None and joint.depth > STEEP * tail.radius else around
+    root = grid_boxes(np.linspace(0, 2 * np.pi, more + 1), panels[: rows + 1])
+    rest = grid_boxes(np.linspace(0, 2 * np.pi, around + 1), panels[rows:])
+    psi, v = sample_parameters(np.concatenate([root, rest]))
+    s, theta = (np.interp(v, panels, edges), psi) if joint is None else _bent(edges, joint, v, psi)
     grid = np.linspace(min(s.min(), edges[0]), edges[-1], 4001)
     twist = geometry.section_twist(tail, grid, phase)
     theta = theta - np.interp(s, grid, twist) + np.interp(edges[0], grid, twist)
@@ -163,6 +180,7 @@ def _body(body: Any, joint: geometry.Joint, r: Resolution) -> Array:
 
     mean = float(joint.series[0, 0].real)
     quarter = 0.5 * np.pi / r.body
+    steep = joint.depth > STEEP * mean * axes.min()
     t = _ring_radii(mean, r.root * mean, r.growth, quarter)
     parts = []
     for low, high in zip(t[:-1], t[1:], strict=True):
@@ -170,6 +188,8 @@ def _body(body: Any, joint: geometry.Joint, r: Resolution) -> Array:
         outer = mean + high * (np.pi / 2 - mean)
         sectors = 4 * int(np.clip(np.ceil(outer / (2.2 * width)), 1, max(r.body, r.around // 4)))
         turn = np.linspace(-np.pi / 4, 2 * np.pi - np.pi / 4, sectors + 1)
+        if steep and outer < 4 * mean:
+            turn = np.linspace(0, 2 * np.pi, 2 * sectors + 1)
         parts.append(sample(chart, grid_boxes(np.array([low, high]), turn)))
     parts.append(centre + axes * _half_sphere(-joint.pole, joint.second, joint.first, r.body))
     return np.concatenate(parts)
@@ -186,7 +206,10 @@ def swimmer_surface(body: Any, tail: Any, phase: float, r: Resolution) -> Surfac
     length = tail.apparent_length
     joint = None if alone else geometry.trace_joint(body, tail, phase)
     start = 0.0 if joint is None else joint.s
-    edges = tube_edges(tail, phase, start, r, free_start=alone)
+    root = None
+    if joint is not None:
+        root = r.root * min(1.0, STEEP * tail.radius / joint.depth)
+    edges = tube_edges(tail, phase, start, r, root)
     parts = [_tube(tail, phase, edges, r.around, joint), _cap(tail, phase, length, 1.0)]
     if alone:
         parts.append(_cap(tail, phase, 0.0, -1.0))

@@ -55,6 +55,17 @@ class Stokes:
         self._masks(names)
         self.position = self.nodes.coefficients(self.nodes.points)
         self._straight = self.position.copy()
+        self._viscosity, self._inertia = ngs.Parameter(1.0), ngs.Parameter(0.0)
+        self._form, self.inverse = self._bilinear(), None
+
+    def _bilinear(self) -> ngs.BilinearForm:
+        (u, p), (v, q) = self.space.TnT()
+        strain = ngs.InnerProduct(ngs.Sym(ngs.Grad(u)), ngs.Sym(ngs.Grad(v)))
+        form = 2.0 * self._viscosity * strain - p * ngs.div(v) - q * ngs.div(u)
+        form = form + self._inertia * ngs.InnerProduct(u, v)
+        matrix = ngs.BilinearForm(self.space, symmetric=True)
+        matrix += form * ngs.dx(bonus_intorder=self.order - 1)
+        return matrix
 
     def _masks(self, names: set[str]) -> None:
         """Coefficients and nodes that belong to the body, and to the tail without its joint."""
@@ -95,22 +106,23 @@ class Stokes:
         return float(np.min(jacobian(points)))
 
     def factorise(self, viscosity: float, inertia: float = 0.0) -> None:
-        """Assemble K and factorise it; `inertia` is the coefficient c of the mass term."""
-        (u, p), (v, q) = self.space.TnT()
-        strain = 2.0 * viscosity * ngs.InnerProduct(ngs.Sym(ngs.Grad(u)), ngs.Sym(ngs.Grad(v)))
-        form = strain - p * ngs.div(v) - q * ngs.div(u)
-        if inertia:
-            form = form + inertia * ngs.InnerProduct(u, v)
+        """Assemble K and factorise it; `inertia` is the coefficient c of the mass term.
+
+        The symbolic analysis is kept from one position of the mesh to the next.
+        """
+        self._viscosity.Set(viscosity)
+        self._inertia.Set(inertia)
         start = time.perf_counter()
-        matrix = ngs.BilinearForm(self.space, symmetric=True)
-        matrix += form * ngs.dx(bonus_intorder=self.order - 1)
-        matrix.Assemble()
-        self.matrix = matrix.mat
+        self._form.Assemble()
+        self.matrix = self._form.mat
         built = time.perf_counter()
-        self.inverse = factorised(matrix.mat, self.free)
+        if self.inverse is None:
+            self.inverse = factorised(self.matrix, self.free)
+        else:
+            self.inverse.Update()
         self.seconds["assembly"] = built - start
         self.seconds["factorisation"] = time.perf_counter() - built
-        ones = ngs.LinearForm(q * ngs.dx).Assemble()
+        ones = ngs.LinearForm(self.space.TestFunction()[1] * ngs.dx).Assemble()
         self._mean = ones.vec.FV().NumPy()[self.size :].copy()
         self._flux = self.apply(self._constant_pressure())[: self.size]
 

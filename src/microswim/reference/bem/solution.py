@@ -13,12 +13,14 @@ from __future__ import annotations
 import time
 from dataclasses import dataclass
 from functools import cached_property
+from pathlib import Path
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from .. import geometry
+from . import flow
 from .levels import Level, get_level
 from .mesh import swimmer_surface
 from .surface import Surface
@@ -183,6 +185,26 @@ class Solution:
         points = np.asarray(points, float)
         flat = self.layer.velocity(points.reshape(-1, 3), self.combined(twist, rate))
         return flat.reshape(points.shape)
+
+    def surface_velocity(self, twist: Array | None = None, rate: float | None = None) -> Array:
+        """Velocity of the surface at the collocation points, (e, p*p, 3)."""
+        V = self.twist if twist is None else np.asarray(twist, float)
+        rate = self.rate if rate is None else rate
+        return rigid_modes(self.surface.nodes, self.centre) @ V + self.surface.node_motion * rate
+
+    def to_vtk(self, path: str | Path, side: int = 6) -> Path:
+        """Write the surface with traction and velocity as VTK; see `flow.write_field` for the fluid."""
+        return flow.write_surface(self, path, side)
+
+    def field_to_vtk(
+        self, path: str | Path, low: Array, high: Array, counts: tuple[int, int, int]
+    ) -> Path:
+        """Write the velocity of the fluid on a box of counts points from low to high as VTK."""
+        return flow.write_field(self, path, low, high, counts)
+
+    def picture(self, plane: str = "sq", **options: Any) -> Any:
+        """Matplotlib figure of the flow in a plane through the joint; see `flow.picture`."""
+        return flow.picture(self, plane, **options)
 
 
 def solve(

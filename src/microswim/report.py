@@ -165,7 +165,7 @@ def spec_table(swimmer: Swimmer) -> Table:
         (
             "free motions",
             " ".join(d["free"]),
-            f"rate in the {swimmer.motion.frequency_frame} frame",
+            f"motor rate read in the {swimmer.motion.frequency_frame} frame",
         ),
     ]
     if d["wavenumber"] is None:

@@ -17,10 +17,10 @@ if TYPE_CHECKING:
 
 FREE = "us uq ur os"
 CASES = (  # label, preset, with interaction coefficients, solver in the data set
-    ("RFT constant, interaction", "tabak/helix-constant", True, "rft_constant"),
-    ("RFT Lighthill, interaction", "tabak/helix-sbt", True, "rft_sbt"),
-    ("RFT constant, alone", "tabak/helix-constant", False, None),
-    ("RFT Lighthill, alone", "tabak/helix-sbt", False, None),
+    ("RFT constant + gamma", "tabak/helix-constant", True, "rft_constant"),
+    ("RFT Lighthill + gamma", "tabak/helix-sbt", True, "rft_sbt"),
+    ("RFT constant", "tabak/helix-constant", False, None),
+    ("RFT Lighthill", "tabak/helix-sbt", False, None),
 )
 LEAD = (
     "A sphere pushed by a rotating helix, swimming in a fluid so viscous that inertia plays no "
@@ -30,8 +30,8 @@ LEAD = (
 NOTE = (
     "Lengths in body diameters, times in periods of the motor; lateral: half of peak to peak of "
     "u_q; Omega_s in radians. RFT, the surrogate, with the paper's constant pair of local "
-    "coefficients or with Lighthill's: alone it swims too fast, the interaction coefficients of "
-    "Table 3 bring it to the paper's CFD. Boundary elements resolve the thick filament and its "
+    "coefficients or with Lighthill's: alone it swims too fast; gamma, the interaction "
+    "coefficients of Table 3, bring it to the paper's CFD. Boundary elements resolve the thick filament and its "
     "spin and swim slower. Check: u_s against independent computations (data set base-case)."
 )
 

@@ -245,7 +245,10 @@ class Gait:
     @cached_property
     def velocity_amplitude(self) -> np.ndarray:
         """Half of peak to peak of each component of the velocity over the period, shape (6,)."""
-        tops = [extremes(self.velocity_series[:, i]) for i in range(6)]
+        size = np.abs(self.velocity_series).reshape(-1, 2, 3).max(axis=2)
+        felt = np.flatnonzero((size > 1e-14 * size.max(axis=0)).any(axis=1))
+        series = self.velocity_series[: 1 + 2 * ((felt.max(initial=0) + 1) // 2)]
+        tops = [extremes(series[:, i]) for i in range(6)]
         return np.array([(high - low) / 2.0 for low, high in tops])
 
     def power(self, phase: Any) -> np.ndarray:
@@ -305,8 +308,6 @@ class Gait:
 
 def extremes(series: np.ndarray) -> tuple[Any, Any]:
     """Least and greatest value of a scalar series: dense samples polished by Newton's method."""
-    felt = np.flatnonzero(np.abs(series) > 1e-16 * np.abs(series).max())
-    series = series[: 1 + 2 * ((felt.max(initial=0) + 1) // 2)]
     n = 8 * len(series)
     phase = 2.0 * np.pi * np.arange(n) / n
     values = evaluate(series, phase)

@@ -61,7 +61,7 @@ def test_run_json_is_the_contract(spec):
     assert found["units"] == "dimensionless"
     assert found["mean_velocity"] == pytest.approx(gait.mean_velocity, abs=1e-14)
     assert found["velocity_amplitude"] == pytest.approx(gait.velocity_amplitude, abs=1e-14)
-    assert found["swimming_speed"] == pytest.approx(gait.screw.speed)
+    assert found["swimming_speed"] == pytest.approx(ms.screw(gait).speed)
     assert found["efficiency"] == pytest.approx(gait.efficiency)
     assert found["wall_seconds"] > 0
     assert found["body_turns_per_period"] == pytest.approx(gait.mean_velocity[3] / (2 * math.pi))
@@ -173,9 +173,7 @@ def test_the_real_process_ends_with_status_2_and_one_line(tmp_path):
     run = [*command, "run", "--preset", "tabak/helix", "--set", "tail.radius=-1"]
     done = subprocess.run(run, capture_output=True, text=True, check=False, cwd=tmp_path)
     assert (done.returncode, done.stdout) == (2, "")
-    assert done.stderr == "Error: tail.radius = -1.0: must be a positive length\n" or (
-        len(done.stderr.splitlines()) == 1 and "tail.radius = -1" in done.stderr
-    )
+    assert done.stderr == "Error: tail.radius = -1.0: must be a positive length\n"
 
 
 def test_a_misspelt_command_gets_a_hint():

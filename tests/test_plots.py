@@ -37,7 +37,7 @@ def test_velocity_curves_are_the_datasets(cell):
     run = run_of("tabak/helix", periods=1)
     axes = ms.plots.velocity(run).axes
     curves = [line.get_ydata() for line in axes[0].lines if len(line.get_ydata()) > 2]
-    assert np.array(curves).T == pytest.approx(run.velocity.values[:, :3])
+    np.testing.assert_allclose(np.transpose(curves), run.velocity.values[:, :3])
     si = [line.get_ydata() for line in ms.plots.velocity(cell).axes[0].lines][1]
     assert si == pytest.approx(1e6 * cell.velocity.values[:, 0])
 

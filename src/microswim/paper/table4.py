@@ -1,0 +1,112 @@
+"""Table 4: errors of the model and ranges of its velocities over the paper's sweeps.
+
+The printed errors are against the paper's CFD, which was not published; ours are against our
+reference. The ranges are of the model alone and can be computed. Depends on data, fig4.
+"""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+from matplotlib.figure import Figure
+
+from .. import data
+from .context import AMPLITUDE, PAPER_RANGE, SETS, TAILS, WAVES, Context, lines, swimmer
+from .fig4 import error
+from .style import BLUE, GREY, WIDE, legend_above, letter, look, panels
+
+TITLE = "Table 4. Errors and ranges"
+QUANTITIES = {
+    "helix": ("u_s_mean", "v_q_max", "Omega_s_mean"),
+    "plane_wave": ("u_s_mean", "v_q_max", "Omega_r_max"),
+}
+VARIED = {"waves": WAVES, "amplitude": AMPLITUDE}
+
+
+def printed(tail: str, quantity: int, varied: str, coefficients: str) -> np.ndarray:
+    """The paper's error and the two ends of its range."""
+    keys = {"tail": tail, "quantity": QUANTITIES[tail][quantity], "varied": varied,
+            "coefficients": coefficients}  # fmt: skip
+    row = data.load("tabak-table-4").sel(keys)
+    return np.array([float(row[c]) for c in ("absolute_error", "range_from", "range_to")])
+
+
+def line(
+    tail: str, quantity: int, varied: str, coefficients: str, changes: dict[str, Any] | None = None
+) -> np.ndarray:
+    """The model's values along a sweep over the paper's range."""
+    parameter = VARIED[varied]
+    x = np.linspace(*PAPER_RANGE[parameter], 57)
+    return lines(swimmer(tail, coefficients, changes), {parameter: x})[:, quantity]
+
+
+def span(
+    context: Context, tail: str, quantity: int, varied: str, coefficients: str, **changes: Any
+) -> np.ndarray:
+    """Range of the model: the ends of least and of largest magnitude, as printed."""
+    y = line(tail, quantity, varied, coefficients, changes)
+    order = np.argsort(np.abs(y))
+    return y[order[[0, -1]]]
+
+
+def refitted(
+    context: Context, quantity: int, varied: str, coefficients: str
+) -> np.ndarray:
+    """`span` of the helix, gamma from the inverse problem for the printed CFD velocities."""
+    from .table3 import from_printed_cfd
+
+    s, q, turn = (float(g) for g in from_printed_cfd(context, coefficients))
+    changes = {"interaction.translation": (s, q, q), "interaction.rotation": (turn, 1.0, 1.0)}
+    return span(context, "helix", quantity, varied, coefficients, **changes)
+
+
+def rows(context: Context) -> list[dict[str, Any]]:
+    """All entries of the table beside ours."""
+    out = []
+    for tail in TAILS:
+        for quantity, name in enumerate(QUANTITIES[tail]):
+            for varied in VARIED:
+                for c in SETS:
+                    off, low, high = printed(tail, quantity, varied, c)
+                    ours = span(context, tail, quantity, varied, c)
+                    mean = np.nan
+                    if context.circles:
+                        mean = error(context, tail, c, VARIED[varied], quantity, "mean")
+                    out.append({
+                        "tail": tail, "quantity": name, "varied": varied, "coefficients": c,
+                        "range, paper": f"{low:g} to {high:g}",
+                        "range, ours": f"{ours[0]:.4f} to {ours[1]:.4f}",
+                        "paper": np.array([low, high]), "ours": ours,
+                        "error against CFD, paper": off, "against our reference": mean,
+                    })  # fmt: skip
+    return out
+
+
+def compute(context: Context) -> dict[str, Any]:
+    """Rows of the table."""
+    return {"rows": rows(context)}
+
+
+def plot(result: dict[str, Any]) -> Figure:
+    """Ranges as bars: the paper's above ours, one panel per tail, scaled by the larger end."""
+    with look():
+        figure, axes = panels(1, 2, (WIDE, 3.8))
+        for ax, tail, name in zip(axes[0], TAILS, "ab"):
+            mine = [row for row in result["rows"] if row["tail"] == tail]
+            labels = []
+            for i, row in enumerate(mine):
+                scale = np.abs(row["ours"]).max()
+                for key, shift, colour in (("paper", -0.17, GREY), ("ours", 0.17, BLUE)):
+                    low, high = np.sort(np.abs(row[key])) / scale
+                    ax.plot([low, min(high, 1.6)], [i + shift] * 2, color=colour, lw=3,
+                            solid_capstyle="butt", label=key if i == 0 else None)  # fmt: skip
+                    if high > 1.6:
+                        ax.text(1.62, i + shift, f"{high:.3g} (misprint)", va="center", fontsize=6)
+                labels.append(f"{row['quantity']}, {row['varied']}, {row['coefficients']}")
+            ax.set(yticks=range(len(mine)), xlim=(0, 2.2), xlabel="|value| / our largest |value|")
+            ax.set_yticklabels(labels, fontsize=6)
+            ax.invert_yaxis()
+            letter(ax, name)
+        legend_above(figure, axes[0, 0])
+    return figure

@@ -196,7 +196,9 @@ class Gait:
     @property
     def period(self) -> Any:
         """Time of one cycle of the tail; infinite if it stands still."""
-        return np.inf if np.ndim(self.rate) == 0 and self.rate == 0 else 2.0 * np.pi / np.sqrt(self.rate**2)
+        if np.ndim(self.rate) == 0 and self.rate == 0:
+            return np.inf
+        return 2.0 * np.pi / np.sqrt(self.rate**2)
 
     def velocity(self, phase: Any, rate: Any = None, wrench: Any = None) -> np.ndarray:
         """Twist ``V = R^-1 (W - F_p rate)`` [Tabak Eq. 15], shape phase.shape + (6,).

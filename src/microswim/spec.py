@@ -11,12 +11,11 @@ import importlib
 import tomllib
 from collections.abc import Iterator
 from difflib import get_close_matches
-from functools import cache, partial
+from functools import partial
 from os import PathLike
 from pathlib import Path
 from typing import Annotated, Any, Literal
 
-import pint
 from pydantic import BaseModel, BeforeValidator, ConfigDict, Field, ValidationError, ValidationInfo
 
 from . import presets
@@ -25,43 +24,11 @@ from .coefficients import LAWS
 from .customtail import CustomTail
 from .errors import SpecError
 from .interaction import Interaction
+from .quantities import to_si
 from .swimmer import Fluid, Motion, Swimmer
 from .tails import HelicalTail, PlaneWaveTail
 
 TAILS = {"helix": HelicalTail, "plane_wave": PlaneWaveTail, "custom": CustomTail}
-
-
-@cache
-def _registry() -> pint.UnitRegistry:
-    return pint.UnitRegistry(autoconvert_to_preferred=False)
-
-
-def to_si(value: Any, unit: str) -> float:
-    """Number in the SI unit of a quantity such as ``"1.37 um"``.
-
-    For frequencies, angles count as cycles: ``"60 rpm"`` is 1 Hz.
-
-    Raises
-    ------
-    ValueError
-        If the text is no quantity or its dimension is not that of `unit`.
-    """
-    try:
-        quantity = _registry().Quantity(value)
-    except (pint.errors.PintError, ValueError, TypeError, AssertionError, SyntaxError) as error:
-        raise ValueError(f'must be a quantity such as "1 {unit}"') from error
-    except Exception as error:  # pint's parser raises its tokenizer's errors for garbage
-        raise ValueError(f'must be a quantity such as "1 {unit}"') from error
-    if quantity.unitless and unit:
-        raise ValueError(f'must have a unit, as in "1 {unit}"')
-    cyclic = unit == "Hz" and any(
-        str(u) in {"radian", "degree", "turn", "revolution", "revolutions_per_minute"}
-        for u in quantity.units._units
-    )
-    try:
-        return float(quantity.to("turn/s" if cyclic else unit).magnitude)
-    except (pint.errors.PintError, TypeError, OverflowError):
-        raise ValueError(f"must have the dimension of {unit}") from None
 
 
 def _read_quantity(value: Any, info: ValidationInfo, *, unit: str) -> Any:
@@ -108,14 +75,14 @@ class FluidTable(_Table):
 
 
 class SphereTable(_Table):
-    """[body] shape = "sphere" """
+    """[body] of shape "sphere"."""
 
     shape: Literal["sphere"]
     radius: Length  # type: ignore[valid-type]
 
 
 class SpheroidTable(_Table):
-    """[body] shape = "spheroid" """
+    """[body] of shape "spheroid"."""
 
     shape: Literal["spheroid"]
     semi_axes: list[Length]  # type: ignore[valid-type]
@@ -123,14 +90,14 @@ class SpheroidTable(_Table):
 
 
 class EllipsoidTable(_Table):
-    """[body] shape = "ellipsoid" """
+    """[body] of shape "ellipsoid"."""
 
     shape: Literal["ellipsoid"]
     semi_axes: list[Length]  # type: ignore[valid-type]
 
 
 class NoBodyTable(_Table):
-    """[body] shape = "none" """
+    """[body] of shape "none"."""
 
     shape: Literal["none"]
 
@@ -152,14 +119,14 @@ class _WaveTable(_TailTable):
 
 
 class HelixTable(_WaveTable):
-    """[tail] kind = "helix" """
+    """[tail] of kind "helix"."""
 
     kind: Literal["helix"]
     handedness: str = "left"
 
 
 class PlaneWaveTable(_WaveTable):
-    """[tail] kind = "plane_wave" """
+    """[tail] of kind "plane_wave"."""
 
     kind: Literal["plane_wave"]
 

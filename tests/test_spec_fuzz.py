@@ -45,7 +45,7 @@ def is_a_swimmer_or_one_sentence(make):
 
 
 fuzz = settings(
-    max_examples=400, deadline=None, derandomize=True, suppress_health_check=list(HealthCheck)
+    max_examples=150, deadline=None, derandomize=True, suppress_health_check=list(HealthCheck)
 )
 pytestmark = pytest.mark.filterwarnings(
     "ignore::microswim.coefficients.ValidityWarning", "ignore::pint.errors.UnitStrippedWarning"

@@ -40,7 +40,7 @@ class SpecError(MicroswimError, ValueError):
         self, field: str, value: Any = None, allowed: str | None = None, mend: str | None = None
     ) -> None:
         self.field, self.value, self.allowed, self.mend = field, value, allowed, mend
-        super().__init__(self._sentence())
+        super().__init__(" ".join(self._sentence().split()))
 
     def _sentence(self) -> str:
         if self.allowed is None:

@@ -8,7 +8,7 @@ from __future__ import annotations
 
 from typing import Any
 
-from .levels import LEVELS
+from .levels import LEVELS, Level, get_level
 from .solution import Solution, solve
 from .surface import Surface, ellipsoid, torus
 from .system import Layer, Quadrature, resistance
@@ -22,7 +22,17 @@ def gait(swimmer: Any, **options: Any) -> Any:
     return compute(swimmer, **options)
 
 
+def body_resistance(body: Any, viscosity: float, level: str = "standard") -> Any:
+    """Resistance (6, 6) of a body alone about its centre, at a level's resolution.
+
+    A check against the exact `body.resistance(viscosity)`.
+    """
+    chosen = get_level(level)
+    r = chosen.resolution
+    return resistance(ellipsoid(body.semi_axes3, r.body, r.order), viscosity, rule=chosen.rule)
+
+
 __all__ = [
-    "LEVELS", "Layer", "Quadrature", "Solution", "Surface", "Wall", "ellipsoid", "gait",
+    "LEVELS", "Layer", "Level", "Quadrature", "Solution", "Surface", "Wall", "body_resistance", "ellipsoid", "gait", "get_level",
     "resistance", "solve", "torus",
 ]  # fmt: skip

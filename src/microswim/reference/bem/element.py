@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 Array = NDArray[np.float64]
 
 GEOMETRY_NODES = 8
-MAX_LEVEL = 5
+MAX_LEVEL = 7
 
 
 def chebyshev_nodes(q: int = GEOMETRY_NODES) -> Array:
@@ -61,20 +61,22 @@ def cell_tables(p: int, g: int) -> CellTables:
     """Tables of all cells down to MAX_LEVEL for order p and g Gauss points a side."""
     geometry, density = chebyshev_nodes(), np.polynomial.legendre.leggauss(p)[0]
     x, w = np.polynomial.legendre.leggauss(g)
-    rows: list[list[Array]] = [[] for _ in range(6)]
-    halves = []
-    for level in range(MAX_LEVEL + 1):
-        half = 0.5**level
-        for place in range(2**level):
-            centre = -1.0 + (2 * place + 1) * half
-            value, slope = lagrange(geometry, centre + half * x)
-            middle, middle_slope = lagrange(geometry, np.array([centre]))
-            basis = lagrange(density, centre + half * x)[0]
-            parts = (value, slope, middle[0], middle_slope[0], basis, w * half)
-            for row, part in zip(rows, parts, strict=True):
-                row.append(part)
-            halves.append(half)
-    return CellTables(*(np.ascontiguousarray(row) for row in rows), half=np.array(halves))
+    levels = np.repeat(np.arange(MAX_LEVEL + 1), 2 ** np.arange(MAX_LEVEL + 1))
+    half = 0.5**levels
+    centre = -1.0 + (2 * (np.arange(levels.size) + 1 - 2**levels) + 1) * half
+    points = (centre[:, None] + half[:, None] * x).ravel()
+    shape = (levels.size, g, -1)
+    value, slope = lagrange(geometry, points)
+    middle, middle_slope = lagrange(geometry, centre)
+    return CellTables(
+        value=value.reshape(shape),
+        slope=slope.reshape(shape),
+        middle=middle,
+        middle_slope=middle_slope,
+        basis=lagrange(density, points)[0].reshape(shape),
+        weight=half[:, None] * w,
+        half=half,
+    )
 
 
 def _fan(u0: float, v0: float, aspect: float, radial: int, angular: int) -> Array:

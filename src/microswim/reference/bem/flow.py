@@ -94,22 +94,6 @@ def write_field(
     return path
 
 
-def inside(solution: Solution, points: Array) -> NDArray[np.bool_]:
-    """Whether points lie inside the swimmer, by the flux of a point source (Gauss's theorem).
-
-    Plain quadrature: points within a fraction of a patch of the surface may be told wrong.
-    """
-    s = solution.surface
-    w = np.polynomial.legendre.leggauss(s.order)[1]
-    vector = (s.area_vectors * np.outer(w, w).ravel()[:, None]).reshape(-1, 3)
-    nodes = s.nodes.reshape(-1, 3)
-    flux = np.zeros(len(points))
-    for i, x in enumerate(points):
-        d = nodes - x
-        flux[i] = np.sum(np.sum(d * vector, axis=-1) / np.sum(d * d, axis=-1) ** 1.5)
-    return flux > 2 * np.pi
-
-
 def picture(
     solution: Solution,
     plane: str = "sq",
@@ -117,7 +101,7 @@ def picture(
     resolution: int = 60,
     ax: Any = None,
 ) -> Any:
-    """Draw speed and streamlines of the fluid in a plane through the joint; returns the figure.
+    """Draw speed and streamlines in a plane through the joint, the swimmer's shadow over them.
 
     Parameters
     ----------
@@ -129,8 +113,13 @@ def picture(
         Points across.
     ax : matplotlib Axes, optional
         Where to draw; a new figure by default.
+
+    Returns
+    -------
+    matplotlib Figure
     """
     import matplotlib.pyplot as plt
+    from matplotlib.collections import PolyCollection
 
     i, j = (AXES[c] for c in plane)
     hull = solution.surface.controls.reshape(-1, 3)
@@ -145,11 +134,13 @@ def picture(
     points[..., i], points[..., j] = x[None, :], y[:, None]
     flat = points.reshape(-1, 3)
     u = solution.velocity(flat)
-    u[inside(solution, flat)] = np.nan
     u = u.reshape(points.shape)
     figure, ax = plt.subplots(figsize=(8, 4.5)) if ax is None else (ax.figure, ax)
     speed = ax.pcolormesh(x, y, np.linalg.norm(u, axis=-1), shading="gouraud", cmap="viridis")
     ax.streamplot(x, y, u[..., i], u[..., j], color="w", linewidth=0.6, density=1.1, arrowsize=0.7)
     figure.colorbar(speed, ax=ax, label="speed")
+    outline = positions(solution.surface, 9)[..., [i, j]].reshape(-1, 2)
+    shadow = outline[_quads(solution.surface.patches, 9)]
+    ax.add_collection(PolyCollection(shadow, facecolor="0.75", edgecolor="0.75", linewidth=0.3, zorder=3))
     ax.set(xlabel=plane[0], ylabel=plane[1], xlim=extent[:2], ylim=extent[2:], aspect="equal")
     return figure

@@ -12,7 +12,7 @@ from __future__ import annotations
 import numpy as np
 from numba import njit, prange
 
-LEVELS = 6
+LEVELS = 8
 CELLS = 2**LEVELS - 1
 
 

@@ -63,6 +63,5 @@ def get_level(name: str, order: int | None = None) -> Level:
 
 
 def coarser(name: str) -> str | None:
-    """Name of the next coarser level, None below coarse."""
-    place = LEVELS.index(name)
-    return LEVELS[place - 1] if place > 0 else None
+    """Name of the next coarser level, None below coarse and for levels of one's own."""
+    return {"standard": "coarse", "fine": "standard"}.get(name)

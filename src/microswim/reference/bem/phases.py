@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 
 from microswim.gait import Gait
 
-from .levels import coarser, get_level
+from .levels import Level, coarser, get_level
 from .solution import Solution, solve
 from .wall import Wall
 
@@ -91,7 +91,7 @@ def _info(solutions: list[Solution], level: str, wall: Wall | None) -> dict[str,
 def gait(
     swimmer: Any,
     *,
-    level: str = "standard",
+    level: str | Level = "standard",
     order: int | None = None,
     wall: Wall | None = None,
     estimate_error: bool = False,
@@ -102,8 +102,8 @@ def gait(
     Parameters
     ----------
     swimmer : Swimmer
-    level : str
-        "coarse", "standard" (default) or "fine".
+    level : str or Level
+        "coarse", "standard" (default) or "fine", or a `Level` of one's own.
     order : int, optional
         Order p of the density on the level's patches.
     wall : Wall, optional
@@ -118,20 +118,21 @@ def gait(
     Gait
         With ``info``: unknowns, seconds of geometry, assembly and solve, asymmetry of R, error.
     """
-    count = 1 if turns_as_a_whole(swimmer, wall) else get_level(level, order).phases
+    chosen = get_level(level, order) if isinstance(level, str) else level
+    count = 1 if turns_as_a_whole(swimmer, wall) else chosen.phases
     signs = half_period_signs(swimmer, wall)
     wanted = count // 2 if count > 1 and signs is not None else count
     solutions = []
     for n in range(wanted):
         phase = 2 * np.pi * n / count
-        solutions.append(solve(swimmer, phase, level=level, order=order, wall=wall))
+        solutions.append(solve(swimmer, phase, level=chosen, wall=wall))
         if progress is not None:
             progress(n + 1, wanted)
-    info = _info(solutions, level, wall)
+    info = _info(solutions, chosen.name, wall)
     result = _assembled(swimmer, solutions, count, signs, info)
     if not estimate_error:
         return result
-    below = coarser(level)
+    below = coarser(chosen.name)
     info["error"] = None if below is None else _difference(
         result, gait(swimmer, level=below, order=order, wall=wall), below
     )

@@ -1,0 +1,25 @@
+"""The studio: a page in the browser where a swimmer swims while its numbers are dragged.
+
+The browser animates by itself from a gait's few Fourier coefficients; the server answers when a
+number changes and keeps nothing about anyone. Depends on starlette and uvicorn (extra ``studio``).
+"""
+
+from __future__ import annotations
+
+from typing import Any
+
+__all__ = ["serve", "snapshot"]
+
+
+def serve(tables: dict[str, Any], name: str, **options: Any) -> None:
+    """Serve the page until interrupted; see `microswim.studio.server.serve`."""
+    from .server import serve as run
+
+    run(tables, name, **options)
+
+
+def snapshot(tables: dict[str, Any], name: str) -> str:
+    """The page as one HTML file that plays without a server; see `microswim.studio.snapshot`."""
+    from .page import snapshot as make
+
+    return make([{"name": name, "tables": tables}])

@@ -1,0 +1,225 @@
+"""What the page asks when a number changes: gait, readings, map, optimum.
+
+Pure functions of the spec's tables; nothing is remembered. A gait travels as rows of a Fourier
+series, 21 columns for the lower triangle of R and 6 for F_p, as `microswim.stepping` packs them.
+Depends on tables, rft, batch, metrics, stepping.
+"""
+
+from __future__ import annotations
+
+import math
+import threading
+import time
+import warnings
+from typing import Any
+
+import numpy as np
+
+from ..batch import evaluate
+from ..errors import SpecError
+from ..gait import Gait
+from ..metrics import summary
+from ..stepping import pack
+from ..swimmer import Swimmer
+from .tables import canonical, swimmer_of, to_toml, units_of
+
+MAP_OUTPUTS = ("swimming_speed", "efficiency", "mean_power", "mean_torque", "body_rate")
+MOST_DESIGNS = 4000
+TOLERANCE = 1e-3  #: of the quadrature of a map
+PHASES = 16  #: over half a period of a plane wave, as in maps
+FELT = 1e-9  #: harmonics below this share of the largest do not travel
+KERNELS = threading.Lock()  #: the batched kernels are parallel already: one caller at a time
+
+
+def solve(tables: Any, name: str = "design") -> dict[str, Any]:
+    """Everything the page shows about one design by the surrogate.
+
+    Raises
+    ------
+    SpecError
+        One sentence on what is wrong with the spec.
+    """
+    start = time.perf_counter()
+    swimmer = swimmer_of(tables)
+    with warnings.catch_warnings(record=True) as caught:
+        warnings.simplefilter("always")
+        gait = surrogate(swimmer)
+        answer = describe(swimmer, gait)
+    answer["tables"] = canonical(swimmer)
+    answer["toml"] = to_toml(answer["tables"], f"{name}, from the microswim studio")
+    ours = [w for w in caught if w.category.__module__.startswith("microswim")]
+    answer["notes"] = list(dict.fromkeys(" ".join(str(w.message).split()) for w in ours))
+    answer["milliseconds"] = 1e3 * (time.perf_counter() - start)
+    return answer
+
+
+def surrogate(swimmer: Swimmer) -> Gait:
+    """Gait by resistive force theory, resolved as far as an eye and five digits need."""
+    return swimmer.gait(**({} if swimmer.tail.kind == "helix" else {"phases": PHASES}))
+
+
+def describe(swimmer: Swimmer, gait: Gait) -> dict[str, Any]:
+    """Shape, gait and readings of a swimmer, ready for JSON."""
+    tail, body = swimmer.tail, swimmer.body
+    length, wave = float(tail.apparent_length), float(tail.wavenumber)
+    return {
+        "units": {k: v[0] for k, v in units_of(swimmer).items()},
+        "dimensional": swimmer.units == "SI",
+        "shape": {
+            "semi_axes": [float(a) for a in body.semi_axes3],
+            "body": body.shape,
+            "kind": tail.kind,
+            "length": length,
+            "amplitude": float(tail.amplitude),
+            "wavenumber": wave,
+            "ramp": float(tail.ramp),
+            "radius": float(tail.radius),
+            "sign": float(getattr(tail, "sign", 0.0)),
+            "sheared": tail.sections == "sheared",
+        },
+        "gait": {
+            "model": gait.model,
+            "rate": float(gait.rate),
+            "free": list(map(bool, gait.free)),
+            "series": _felt(pack(gait)),
+            "body": _body_series(gait),
+        },
+        "readings": readings(swimmer, gait),
+        "expected_error": _plain(gait.info.get("expected_error")),
+    }
+
+
+def readings(swimmer: Swimmer, gait: Gait) -> dict[str, Any]:
+    """The numbers beside the scene; body length is that of the body alone, or of a bare tail."""
+    made = summary(gait)
+    V, A = made["mean_velocity"], made["velocity_amplitude"]
+    body = 2.0 * float(swimmer.body.semi_axes3[0]) or float(swimmer.tail.apparent_length)
+    # forward is towards -s, ahead of the body
+    values = {
+        "swimming_speed": made["swimming_speed"],
+        "forward_velocity": -V[0],
+        "body_lengths": made["swimming_speed"] / body,
+        "body_rate": V[3] / (2.0 * math.pi),
+        "wobble": max(A[1], A[2]),
+        "path_radius": made["path_radius"],
+        "path_pitch": made["path_pitch"],
+        "efficiency": made["efficiency"],
+        "mean_power": made["mean_power"],
+        "mean_torque": made["mean_torque"],
+        "frequency": gait.rate / (2.0 * math.pi),
+    }
+    return {k: _plain(v) for k, v in values.items()}
+
+
+def _felt(series: np.ndarray) -> list[list[float]]:
+    """Rows of a series up to the last harmonic that can be felt."""
+    scale = np.abs(series).max(axis=0)
+    shares = np.abs(series) / np.where(scale > 0, scale, 1.0)
+    # lateral drift of rounding in columns that vanish by symmetry must not keep harmonics alive
+    blocks = [np.arange(21), np.arange(21, 27)]
+    size = np.stack([np.abs(series[:, b]).max(axis=1) for b in blocks])
+    felt = (size > FELT * size.max(axis=1, keepdims=True)).any(axis=0) & (shares > FELT).any(axis=1)
+    last = int(np.flatnonzero(felt).max(initial=0))
+    return series[: 1 + 2 * ((last + 1) // 2)].tolist()
+
+
+def _body_series(gait: Gait) -> list[list[float]] | None:
+    """The share of the body alone, packed in the same way."""
+    R, F = gait.body_resistance_series, gait.body_propulsion_series
+    if R is None:
+        return None
+    held = Gait(R, np.zeros((1, 6)) if F is None else F, np.zeros(1), gait.rate)
+    return _felt(pack(held))
+
+
+def _plain(value: Any) -> Any:
+    """A number for JSON; what is not finite becomes null."""
+    if value is None or isinstance(value, (str, bool)):
+        return value
+    if isinstance(value, dict):
+        return {str(k): _plain(v) for k, v in value.items()}
+    if isinstance(value, (list, tuple)) or getattr(value, "ndim", 0):
+        return [_plain(v) for v in value]
+    number = float(value)
+    return number if math.isfinite(number) else None
+
+
+def axis(swimmer: Swimmer, ask: Any) -> tuple[str, np.ndarray]:
+    """Field and values of one side of a map, SI or dimensionless.
+
+    Raises
+    ------
+    SpecError
+        If the field or the range makes no sense.
+    """
+    if not isinstance(ask, dict):
+        raise SpecError("an axis of the map needs field, from, to and count")
+    field, low, high, count = (ask.get(k) for k in ("field", "from", "to", "count"))
+    known = set(swimmer.numbers) | {"tail.waves", "tail.wavelength"}
+    if field not in known:
+        raise SpecError("map", field, "a number of this spec, such as tail.amplitude")
+    ends = [v for v in (low, high) if isinstance(v, (int, float)) and math.isfinite(v)]
+    if len(ends) != 2 or not low < high:
+        raise SpecError("map", f"{low} to {high}", "a range from a number to a larger one")
+    if not isinstance(count, int) or not 2 <= count <= 200:
+        raise SpecError("map", count, "2 to 200 values along a side")
+    if field == "tail.waves" and high > 20 or field.endswith("coupling"):
+        raise SpecError("map", f"{field} up to {high}", "at most 20 waves")
+    return field, np.linspace(low, high, count)
+
+
+def map_(tables: Any, x: Any, y: Any) -> dict[str, Any]:
+    """Readings over a grid of two numbers of the spec; null where a design is impossible."""
+    start = time.perf_counter()
+    swimmer = swimmer_of(tables)
+    (fx, X), (fy, Y) = axis(swimmer, x), axis(swimmer, y)
+    if X.size * Y.size > MOST_DESIGNS:
+        raise SpecError("map", f"{X.size} x {Y.size}", f"at most {MOST_DESIGNS} designs")
+    if fx == fy or {fx, fy} == {"tail.waves", "tail.wavelength"}:
+        raise SpecError("map", f"{fx} and {fy}", "two different numbers")
+    results = _grid(swimmer, fx, X, fy, Y)
+    values = {k: [_short(v) for v in results[k]] for k in MAP_OUTPUTS}
+    took = 1e3 * (time.perf_counter() - start)
+    return {"x": X.tolist(), "y": Y.tolist(), "values": values, "milliseconds": took}
+
+
+def _grid(swimmer: Swimmer, fx: str, X: Any, fy: str, Y: Any) -> dict[str, np.ndarray]:
+    """Outputs over the grid, y by rows, flattened."""
+    gx, gy = (g.ravel() for g in np.meshgrid(X, Y))
+    with KERNELS:
+        made = evaluate(swimmer, {fx: gx, fy: gy}, tolerance=TOLERANCE)
+    return {**made, "body_rate": made["mean_velocity"][:, 3] / (2.0 * np.pi)}
+
+
+def _short(value: float) -> float | None:
+    return float(f"{value:.5g}") if math.isfinite(value) else None
+
+
+def optimum(tables: Any, x: Any, y: Any, output: str, zooms: int = 5) -> dict[str, Any]:
+    """Best design on a map: a grid that closes in on its best point, five times.
+
+    Speed and efficiency are to be large; of the others, the size.
+    """
+    swimmer = swimmer_of(tables)
+    if output not in MAP_OUTPUTS:
+        raise SpecError("output", output, "one of " + ", ".join(MAP_OUTPUTS))
+    (fx, X), (fy, Y) = axis(swimmer, {**x, "count": 17}), axis(swimmer, {**y, "count": 13})
+    ends = (X[0], X[-1]), (Y[0], Y[-1])
+    best = None
+    for _ in range(zooms):
+        value = np.abs(_grid(swimmer, fx, X, fy, Y)[output])
+        if np.isnan(value).all():
+            break
+        j, i = np.unravel_index(np.nanargmax(value), (Y.size, X.size))
+        best = {"x": float(X[i]), "y": float(Y[j]), "value": float(np.nanmax(value))}
+        X = _closer(X, i, *ends[0])
+        Y = _closer(Y, j, *ends[1])
+    if best is None:
+        raise SpecError("optimum: no design on this map is possible; widen its ranges")
+    return {"fields": [fx, fy], **best}
+
+
+def _closer(values: np.ndarray, at: int, low: float, high: float) -> np.ndarray:
+    """Grid of as many values around one of them, 1.5 old steps to each side, within the ends."""
+    reach = 1.5 * (values[1] - values[0])
+    return np.linspace(max(low, values[at] - reach), min(high, values[at] + reach), values.size)

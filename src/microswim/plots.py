@@ -1,7 +1,7 @@
 """Figures of a run, from its Dataset: the path with the swimmer to scale, and the velocities.
 
-Two-column journal width, colours of Okabe & Ito (told apart by the colour-blind) with a line style
-each, and units on every axis. Depends on io, drawing, readable; on matplotlib when called.
+Two-column journal width; colours that the colour-blind tell apart, with a line style each; units on
+every axis. Depends on io, drawing, readable; on matplotlib when called.
 """
 
 from __future__ import annotations
@@ -22,7 +22,7 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
 WIDTH = 7.2  # inches, two columns
-LINES = (("#0072B2", "-"), ("#D55E00", (0, (5, 1.5))), ("#009E73", (0, (5, 1, 1, 1))))
+LINES = (("#0072B2", "-"), ("#D55E00", (0, (5, 1.5))), ("#222222", (0, (5, 1, 1, 1))))
 
 
 def trajectory(run: xr.Dataset, swimmer: Swimmer | None = None) -> Figure:
@@ -54,7 +54,7 @@ def trajectory(run: xr.Dataset, swimmer: Swimmer | None = None) -> Figure:
     swimmer = _swimmer_of(run) if swimmer is None else swimmer
     with mpl.rc_context(STYLE):
         figure = Figure(figsize=(WIDTH, 4.4), layout="constrained")
-        top, bottom = figure.subfigures(2, 1, height_ratios=[1.15, 1.0])
+        top, bottom = np.ravel(figure.subfigures(2, 1, height_ratios=[1.15, 1.0]))
         basis = _directions(run)
         _scene(top.subplots(), run, swimmer, basis)
         behind, time = bottom.subplots(1, 2, width_ratios=[1.0, 1.9])
@@ -176,7 +176,8 @@ def _in_time(axes: Axes, run: xr.Dataset, basis: np.ndarray) -> None:
     factor, unit = prefixed(float(np.abs(moved).max()), run.position.attrs["units"])
     for values, name, (colour, style) in zip(moved.T, ("forwards", "sideways", "upwards"), LINES):
         axes.plot(time[keep], factor * values, color=colour, ls=style, label=name)
-    axes.set(xlabel="time (periods)", ylabel=label("displacement", unit), xlim=(0, time[keep][-1]))
+    axes.set(xlabel="time (periods)", ylabel=label("displacement", unit))
+    axes.set_xlim(0, float(time[keep][-1]) or 1.0)
     axes.legend(loc="upper left")
     _title(axes, "c", "centre of the body, first periods")
 

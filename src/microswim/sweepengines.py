@@ -21,7 +21,7 @@ from typing import Any
 import numpy as np
 
 from . import __version__
-from .errors import MicroswimError
+from .errors import MicroswimError, SpecError
 from .sweepsolve import Job, solve_rows
 from .sweepspace import Space
 from .sweepstore import FAILED, blank
@@ -29,6 +29,7 @@ from .sweepstore import FAILED, blank
 Rows = dict[str, np.ndarray]
 THREADS = ("OMP", "OPENBLAS", "MKL", "NUMBA", "NUMEXPR")
 TRIES = 2
+PATIENCE = "20s"  # for a scheduler to answer
 
 
 @dataclass(frozen=True, eq=False)
@@ -54,6 +55,25 @@ def here(job: Job, tasks: Iterable[Task]) -> Iterator[tuple[Task, Rows]]:
     """Solve in this process, one task after the other."""
     for task in tasks:
         yield task, solve_rows(job, task.columns)
+
+
+def check_portable(job: Job) -> None:
+    """Refuse a swimmer that another process cannot load.
+
+    Raises
+    ------
+    SpecError
+        If it holds a function that is not in a module.
+    """
+    try:
+        there = b"__main__" not in pickle.dumps(job, protocol=4)
+    except (pickle.PicklingError, AttributeError, TypeError):
+        there = False
+    if not there:
+        raise SpecError(
+            "tail.shape: must be a function in a module, for other processes to import; "
+            "move it out of the script into a module of its own"
+        )
 
 
 def lost(task: Task, why: str) -> Rows:
@@ -92,8 +112,6 @@ class Worker:
         except (OSError, EOFError, pickle.UnpicklingError):
             self.stop()
             raise EOFError(f"exit status {self.process.returncode}") from None
-        if isinstance(answer, BaseException):
-            raise answer
         return answer
 
     def stop(self) -> None:
@@ -111,20 +129,15 @@ def serve() -> None:
     os.dup2(2, 1)  # what a solver prints must not end up among the answers
     tasks = sys.stdin.buffer
     with contextlib.suppress(EOFError, KeyboardInterrupt, BrokenPipeError):
-        job: Job | Exception
-        try:
-            job = pickle.load(tasks)
-        except (AttributeError, ImportError) as error:
-            job = MicroswimError(f"{error}: put the function into a module that workers can import")
+        job = pickle.load(tasks)
         while True:
-            columns = pickle.load(tasks)
-            rows = job if isinstance(job, Exception) else solve_rows(job, columns)
-            pickle.dump(rows, answers)
+            pickle.dump(solve_rows(job, pickle.load(tasks)), answers)
             answers.flush()
 
 
 def processes(job: Job, tasks: Sequence[Task], workers: int) -> Iterator[tuple[Task, Rows]]:
     """Solve in local processes, each with one thread."""
+    check_portable(job)
     waiting: queue.SimpleQueue = queue.SimpleQueue()
     for task in tasks:
         waiting.put(task)
@@ -183,6 +196,7 @@ def dask(job: Job, tasks: Sequence[Task], client: Any) -> Iterator[tuple[Task, R
     """Solve on the workers of a `distributed.Client`; Dask moves the tasks of a dead worker."""
     from distributed import as_completed
 
+    check_portable(job)
     other = sorted({v for v in client.run(_version).values() if v != __version__})
     if other:
         raise MicroswimError(
@@ -191,7 +205,7 @@ def dask(job: Job, tasks: Sequence[Task], client: Any) -> Iterator[tuple[Task, R
         )
     futures = {client.submit(solve_rows, job, t.columns, pure=False): t for t in tasks}
     try:
-        for future in as_completed(list(futures)):
+        for future in as_completed(list(futures), loop=client.loop):
             task = futures.pop(future)
             error = future.exception() if future.status == "error" else None
             if future.status == "cancelled":
@@ -229,7 +243,7 @@ def connected(scheduler: str | None, cluster: str | None, workers: int) -> Itera
         if cluster is not None:
             address = stack.enter_context(_slurm(workers))
         try:
-            client = stack.enter_context(Client(address, timeout="20s", set_as_default=False))
+            client = stack.enter_context(Client(address, timeout=PATIENCE, set_as_default=False))
         except OSError:
             raise MicroswimError(f"{scheduler}: no Dask scheduler answers there") from None
         yield client

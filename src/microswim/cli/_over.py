@@ -110,7 +110,7 @@ def value(name: str, text: str) -> Any:
     unit = UNITS.get(name.partition("[")[0])
     if unit is None or not text[:1].isdigit():
         return text
-    from ..spec import to_si
+    from ..quantities import to_si
 
     try:
         return to_si(text, unit)

@@ -163,7 +163,7 @@ def axis(swimmer: Swimmer, ask: Any) -> tuple[str, np.ndarray]:
         raise SpecError("map", f"{low} to {high}", "a range from a number to a larger one")
     if not isinstance(count, int) or not 2 <= count <= 200:
         raise SpecError("map", count, "2 to 200 values along a side")
-    if field == "tail.waves" and high > 20 or field.endswith("coupling"):
+    if (field == "tail.waves" and high > 20) or field.endswith("coupling"):
         raise SpecError("map", f"{field} up to {high}", "at most 20 waves")
     return field, np.linspace(low, high, count)
 

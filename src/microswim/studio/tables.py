@@ -56,7 +56,10 @@ def swimmer_of(tables: Any) -> Swimmer:
     tail = tables.get("tail")
     if isinstance(tail, dict) and tail.get("kind") == "custom":
         raise SpecError(
-            "tail.kind", "custom", '"helix" or "plane_wave" here', "the studio runs no code from a spec"
+            "tail.kind",
+            "custom",
+            '"helix" or "plane_wave" here',
+            "the studio runs no code from a spec",
         )
     swimmer = from_dict(tables)
     waves = float(swimmer.tail.number_of_waves)
@@ -79,7 +82,8 @@ def canonical(swimmer: Swimmer) -> dict[str, Any]:
     if not any(map(any, swimmer.interaction.coupling)):
         del tables["interaction"]["coupling"]
     return {
-        part: {k: _quantity(k, v, units) for k, v in table.items()} for part, table in tables.items()
+        part: {k: _quantity(k, v, units) for k, v in table.items()}
+        for part, table in tables.items()
     }
 
 

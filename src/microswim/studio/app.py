@@ -1,0 +1,242 @@
+"""The ASGI application: routes, limits, and errors as sentences. Depends on answers, judge, page.
+
+It keeps nothing about who asks. The one thing with a life of its own is a job of the judge, known
+by a token that only its owner has.
+"""
+
+from __future__ import annotations
+
+import contextlib
+import json
+import logging
+import threading
+import time
+from collections.abc import AsyncIterator, Callable
+from typing import Any
+
+from starlette.applications import Starlette
+from starlette.concurrency import run_in_threadpool
+from starlette.middleware import Middleware
+from starlette.middleware.trustedhost import TrustedHostMiddleware
+from starlette.requests import Request
+from starlette.responses import JSONResponse, Response
+from starlette.routing import Route
+
+from .. import presets
+from ..errors import MicroswimError, SpecError
+from . import answers, page, tables, work
+from .judge import Judge
+
+LARGEST_BODY = 128 * 1024  #: bytes
+LOCAL = ("127.0.0.1", "localhost", "[::1]")
+KINDS = {"html": "text/html", "js": "text/javascript", "css": "text/css", "txt": "text/plain"}
+SAFE = {
+    "content-security-policy": "default-src 'self'; style-src 'self' 'unsafe-inline'; "
+    "img-src 'self' data: blob:; font-src 'self' data:; frame-ancestors 'none'",
+    "x-content-type-options": "nosniff",
+    "referrer-policy": "no-referrer",
+    "cache-control": "no-cache",
+}
+log = logging.getLogger("microswim.studio")
+
+
+class Refused(Exception):
+    """A request that is not answered, with status and sentence."""
+
+    def __init__(self, status: int, sentence: str) -> None:
+        super().__init__(sentence)
+        self.status = status
+
+
+def create_app(
+    start: dict[str, Any], name: str, hosts: tuple[str, ...] = LOCAL, warm: bool = True
+) -> Starlette:
+    """Application that serves the page.
+
+    Parameters
+    ----------
+    start
+        Tables of the spec that every new page shows first.
+    name
+        Its name.
+    hosts
+        Names under which the server may be reached; other Host headers are refused.
+    warm
+        Compile the kernels and start a judge in the background, at once.
+    """
+    judge = Judge()
+    state = {"warm": not warm, "doing": "compiling the kernels"}
+    first = answers.solve(start, name)
+
+    @contextlib.asynccontextmanager
+    async def lifespan(app: Starlette) -> AsyncIterator[None]:
+        if warm:
+            threading.Thread(
+                target=_warm, args=(first["tables"], state, judge), daemon=True
+            ).start()
+        yield
+        judge.close()
+
+    async def index(request: Request) -> Response:
+        return file("index.html")
+
+    async def static(request: Request) -> Response:
+        return file(request.path_params["name"])
+
+    def beginning(_: Any) -> Any:
+        return {"name": name, "answer": first}
+
+    routes = [
+        Route("/", index),
+        Route("/static/{name}", static),
+        Route("/api/start", get(beginning)),
+        Route("/api/status", get(lambda _: dict(state))),
+        Route("/api/presets", get(_presets)),
+        Route("/api/spec", post(_spec, as_text=True), methods=["POST"]),
+        Route("/api/solve", post(_solve), methods=["POST"]),
+        Route("/api/map", post(_map), methods=["POST"]),
+        Route("/api/optimum", post(_optimum), methods=["POST"]),
+        Route("/api/snapshot", post(_snapshot), methods=["POST"]),
+        Route("/api/jobs", post(lambda ask: _start_job(judge, ask)), methods=["POST"]),
+        Route("/api/jobs/{token}", get(lambda r: _job(judge, r)), methods=["GET"]),
+        Route("/api/jobs/{token}", get(lambda r: _cancel(judge, r)), methods=["DELETE"]),
+    ]
+    trusted = Middleware(TrustedHostMiddleware, allowed_hosts=list(hosts))
+    return Starlette(routes=routes, middleware=[trusted], lifespan=lifespan)
+
+
+def file(name: str) -> Response:
+    """One of the built files; no other file can be reached."""
+    known = {"index.html", "studio.js", "studio.css", "licences.txt"}
+    if name not in known:
+        return JSONResponse({"error": f"there is no {name!r} here"}, 404)
+    kind = KINDS[name.rpartition(".")[2]]
+    return Response(page.text(name), media_type=f"{kind}; charset=utf-8", headers=SAFE)
+
+
+def get(answer: Callable[[Request], Any]) -> Callable[[Request], Any]:
+    """Endpoint without a body."""
+
+    async def endpoint(request: Request) -> Response:
+        return await _answered(request, answer, request)
+
+    return endpoint
+
+
+def post(answer: Callable[[Any], Any], as_text: bool = False) -> Callable[[Request], Any]:
+    """Endpoint that takes JSON, or text; other types and long bodies are refused."""
+
+    async def endpoint(request: Request) -> Response:
+        try:
+            ask = await _body(request, as_text)
+        except Refused as refused:
+            return JSONResponse({"error": str(refused)}, refused.status)
+        return await _answered(request, answer, ask)
+
+    return endpoint
+
+
+async def _body(request: Request, as_text: bool) -> Any:
+    wanted = "text/plain" if as_text else "application/json"
+    origin, host = request.headers.get("origin"), request.headers.get("host", "")
+    if origin is not None and origin.partition("://")[2] != host:
+        raise Refused(403, "this page does not belong to this studio")
+    if request.headers.get("content-type", "").partition(";")[0].strip() != wanted:
+        raise Refused(415, f"send {wanted}")
+    body = bytearray()
+    async for chunk in request.stream():
+        body += chunk
+        if len(body) > LARGEST_BODY:
+            raise Refused(413, f"more than {LARGEST_BODY // 1024} KiB; a spec is much smaller")
+    try:
+        text = body.decode("utf-8")
+        return text if as_text else json.loads(text, parse_constant=_no_constant)
+    except UnicodeDecodeError:
+        raise Refused(422, "the file is not UTF-8 text") from None
+    except (ValueError, RecursionError):
+        raise Refused(422, "the request is not valid JSON") from None
+
+
+def _no_constant(name: str) -> float:
+    raise ValueError(f"{name} is no number")
+
+
+async def _answered(request: Request, answer: Callable[[Any], Any], ask: Any) -> Response:
+    try:
+        made = await run_in_threadpool(answer, ask)
+    except SpecError as error:
+        return JSONResponse({"error": str(error), "field": error.field}, 422)
+    except MicroswimError as error:
+        return JSONResponse({"error": str(error)}, 409)
+    except Exception:
+        log.exception("%s failed", request.url.path)
+        sentence = "the studio failed on this; the terminal it runs in says why"
+        return JSONResponse({"error": sentence}, 500)
+    if isinstance(made, Response):
+        return made
+    return Response(json.dumps(made, allow_nan=False), media_type="application/json", headers=SAFE)
+
+
+def _presets(_: Any) -> Any:
+    return {"names": presets.names(), "specs": {n: presets.read(n) for n in presets.names()}}
+
+
+def _spec(text: str) -> Any:
+    return answers.solve(tables.parse(text))
+
+
+def _object(ask: Any) -> dict[str, Any]:
+    if not isinstance(ask, dict):
+        raise SpecError("the request must be a JSON object")
+    return ask
+
+
+def _solve(ask: Any) -> Any:
+    return answers.solve(_object(ask).get("tables"), str(ask.get("name", "design"))[:80])
+
+
+def _map(ask: Any) -> Any:
+    return answers.map_(_object(ask).get("tables"), ask.get("x"), ask.get("y"))
+
+
+def _optimum(ask: Any) -> Any:
+    x, y = _object(ask).get("x"), ask.get("y")
+    return answers.optimum(ask.get("tables"), _object(x), _object(y), str(ask.get("output")))
+
+
+def _snapshot(ask: Any) -> Response:
+    html = page.snapshot(_object(ask).get("designs"), ask.get("map"), ask.get("view"))
+    return Response(html, media_type="application/octet-stream", headers=SAFE)
+
+
+def _start_job(judge: Judge, ask: Any) -> Any:
+    kind = _object(ask).get("kind")
+    work.check(kind, ask)
+    return {"token": judge.start(kind, ask)}
+
+
+def _job(judge: Judge, request: Request) -> Any:
+    job = judge.job(request.path_params["token"])
+    return JSONResponse({"error": "there is no such job"}, 404) if job is None else job.status()
+
+
+def _cancel(judge: Judge, request: Request) -> Any:
+    judge.cancel(request.path_params["token"])
+    return _job(judge, request)
+
+
+def _warm(start: dict[str, Any], state: dict[str, Any], judge: Judge) -> None:
+    """Run everything once, so that the first slider is as quick as the hundredth."""
+    begun = time.perf_counter()
+    try:
+        for name in ("tabak/helix", "tabak/plane_wave"):
+            given = tables.parse(presets.read(name))
+            answers.solve(given)
+            x = {"field": "tail.amplitude", "from": 0.05, "to": 0.1, "count": 2}
+            answers.map_(given, x, {"field": "tail.waves", "from": 2.0, "to": 3.0, "count": 2})
+        answers.solve(start)
+        state["doing"] = "starting the judge"
+        judge.warm()
+    except Exception:
+        log.exception("warming up failed")
+    state.update(warm=True, doing="", seconds=time.perf_counter() - begun)

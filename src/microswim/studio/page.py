@@ -1,0 +1,85 @@
+"""The built page: its files, and the page with its data inside. Depends on answers.
+
+The sources of the page are in ``studio/`` of the repository; what is in ``static`` is built.
+"""
+
+from __future__ import annotations
+
+import json
+from importlib.resources import files
+from typing import Any
+
+from ..errors import MicroswimError, SpecError
+from . import answers
+
+STATIC = files(__name__.rpartition(".")[0]) / "static"
+MOST_DESIGNS = 2
+KEPT = ("camera", "view", "pace", "arrows")  #: of the view of who took the snapshot
+
+
+def text(name: str) -> str:
+    """Text of one of the built files.
+
+    Raises
+    ------
+    MicroswimError
+        If the page was not built.
+    """
+    try:
+        return (STATIC / name).read_text(encoding="utf-8")
+    except FileNotFoundError:
+        raise MicroswimError(
+            "the studio's page is not built; run npm ci and npm run build in studio/"
+        ) from None
+
+
+def snapshot(designs: Any, ask: Any = None, view: Any = None) -> str:
+    """One HTML file that plays without a server: the page, its designs and their answers inside.
+
+    Parameters
+    ----------
+    designs
+        One or two of ``{"name": ..., "tables": ...}``; they are solved again here.
+    ask
+        Axes of the map to take along, ``{"x": ..., "y": ...}``, as the page asks for it.
+    view
+        Camera and pace, plain numbers and words.
+
+    Raises
+    ------
+    SpecError
+        If a design is wrong.
+    """
+    if not isinstance(designs, list) or not 1 <= len(designs) <= MOST_DESIGNS:
+        raise SpecError("designs: give one or two")
+    solved = []
+    for design in designs:
+        name = str(design.get("name", "design"))[:80]
+        solved.append({"name": name, "answer": answers.solve(design.get("tables"), name)})
+    data: dict[str, Any] = {"designs": solved, "view": _view(view)}
+    if isinstance(ask, dict) and ask:
+        made = answers.map_(designs[0].get("tables"), ask.get("x"), ask.get("y"))
+        data["map"] = {"ask": {k: ask[k] for k in ("x", "y", "output") if k in ask}, **made}
+    return inlined(data)
+
+
+def _view(view: Any) -> dict[str, Any]:
+    given = view if isinstance(view, dict) else {}
+    plain = {k: given[k] for k in KEPT if k in given}
+    if len(json.dumps(plain)) > 2000:
+        raise SpecError("view: too long")
+    return plain
+
+
+def inlined(data: dict[str, Any]) -> str:
+    """The page with script, style and data inside; nothing is fetched."""
+    html = text("index.html")
+    script = text("studio.js").replace("</script", "<\\/script").replace("<!--", "<\\!--")
+    facts = json.dumps(data, allow_nan=False).replace("<", "\\u003c")
+    style = f"<style>{text('studio.css')}</style>"
+    inside = f'<script type="application/json" id="snapshot">{facts}</script>'
+    lines = [line for line in html.splitlines() if "studio.css" not in line]
+    lines = [line for line in lines if "studio.js" not in line and 'rel="icon"' not in line]
+    html = "\n".join(lines)
+    html = html.replace("</head>", style + "\n</head>", 1)
+    return html.replace("</body>", f'{inside}\n<script type="module">{script}</script>\n</body>', 1)

@@ -219,10 +219,13 @@ def read_preset(name: str, overrides: dict[str, Any] | None = None) -> Swimmer:
 
 
 def override(tables: dict[str, Any], overrides: dict[str, Any]) -> dict[str, Any]:
-    """Tables with dotted fields replaced; `waves` and `wavelength` replace each other."""
+    """Tables with dotted fields or whole tables replaced; `waves` and `wavelength` replace each other."""
     new = {k: dict(v) if isinstance(v, dict) else v for k, v in tables.items()}
     for path, value in overrides.items():
         *parents, name = path.split(".")
+        if not parents and isinstance(value, dict):
+            new[name] = value
+            continue
         if len(parents) != 1 or not name:
             raise SpecError(path, value, "a field as in tail.amplitude (table.name)")
         table = new.setdefault(parents[0], {})

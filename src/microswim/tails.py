@@ -280,7 +280,7 @@ class HelicalTail(WaveTail):
         from each other; beyond half a turn a shallow helix only moves away from itself.
         """
         b, k = self.amplitude, self.wavenumber
-        with np.errstate(divide="ignore"):
+        with np.errstate(divide="ignore", over="ignore"):
             bend = (1.0 + (b * k) ** 2) / np.asarray(b * k**2)
         end = 2.0 * np.pi * np.clip(self.number_of_waves, 0.5, 1.0)
         theta = np.pi + np.multiply.outer(end - np.pi, np.linspace(0.0, 1.0, 65))
@@ -338,7 +338,7 @@ class PlaneWaveTail(WaveTail):
         if self.sections == "sheared":
             return np.inf + 0.0 * b
         limbs = np.pi / k / np.sqrt(1.0 + (b * k) ** 2) / 2.0
-        with np.errstate(divide="ignore"):
+        with np.errstate(divide="ignore", over="ignore"):
             bend = 1.0 / np.asarray(b * k**2)
         return np.minimum(bend, np.where(np.asarray(self.number_of_waves) > 0.5, limbs, np.inf))
 

@@ -190,3 +190,13 @@ def test_significant_digits():
         "0.000123",
         "1.00e+07",
     ]
+
+
+def test_a_moved_surface_has_its_pose():
+    swimmer = ms.Swimmer.preset("tabak/helix")
+    half = np.pi / 4  # a quarter turn about z takes s to y
+    turn = rotation_matrix(np.array([np.cos(half), 0, 0, np.sin(half)]))
+    mesh = surface(swimmer).moved(np.array([1.0, 2.0, 3.0]), turn)
+    tail = mesh.points[np.unique(mesh.quads[mesh.part == TAIL])]
+    assert tail[:, 1].max() == pytest.approx(2.0 + 0.5 + 2.0, abs=0.06)
+    assert abs(tail[:, 0].mean() - 1.0) < 0.05

@@ -311,7 +311,16 @@ class Joint:
         return np.cos(angle)[..., None] * self.pole + np.sin(angle)[..., None] * radial
 
 
-def _crossing(excess: Any, step: float, psi: Array) -> Array:
+def _lies_on_body(tail: Any) -> SpecError:
+    return SpecError(
+        "tail.radius",
+        tail.radius,
+        "thin enough for the tube to leave the body in one smooth closed curve",
+        "the tube lies along the body: use a thinner filament, a smaller amplitude or a longer ramp",
+    )
+
+
+def _crossing(tail: Any, excess: Any, step: float, psi: Array) -> Array:
     """Polar angle at which `excess` (negative at the pole) first turns positive; Illinois method."""
     low, high = np.zeros_like(psi), np.full_like(psi, np.nan)
     f_low, f_high = excess(low), np.ones_like(psi)
@@ -323,12 +332,7 @@ def _crossing(excess: Any, step: float, psi: Array) -> Array:
         if not np.isnan(high).any():
             break
     else:
-        raise SpecError(
-            "tail.radius",
-            None,
-            "well below the body's radius, and the tail must lead away from the body",
-            "use a thinner filament, a smaller amplitude or a longer ramp: the tube lies on the body",
-        )
+        raise _lies_on_body(tail)
     for _ in range(14):
         middle = np.clip(low + (high - low) * f_low / (f_low - f_high), low, high)
         f = excess(middle)
@@ -362,7 +366,7 @@ def trace_joint(body: Any, tail: Any, phase: float = 0.0, points: int = 96) -> J
         found, s = _section_coordinates(tail, X, s, phase)
         return found - tail.radius
 
-    angle = _crossing(excess, 0.3 * tail.radius / axes.max(), psi)
+    angle = _crossing(tail, excess, 0.3 * tail.radius / axes.max(), psi)
     at = smooth_centreline(tail, s, phase)
     n1, n2 = section_axes(tail, at)
     arm = centre + axes * bare.sphere_point(angle, psi) - at.P
@@ -372,6 +376,8 @@ def trace_joint(body: Any, tail: Any, phase: float = 0.0, points: int = 96) -> J
     theta = theta + np.interp(s, grid, twist) - np.interp(start, grid, twist)
     ahead = np.angle(np.exp(1j * (theta - psi)))
     series = np.fft.rfft(np.stack([angle, s - start, ahead]), axis=-1)[:, : points // 2] / points
+    if np.abs(series[:2, -6:]).max(axis=-1) @ [axes.max(), 1.0] > 0.01 * tail.radius:
+        raise _lies_on_body(tail)
     return Joint(start, pole, first, bare.second, series)
 
 

@@ -10,7 +10,7 @@ targets. The blocks are 1/(8 pi mu) free: the caller scales. Depends on numba.
 from __future__ import annotations
 
 import numpy as np
-from numba import njit, prange
+from numba import njit
 
 LEVELS = 8
 CELLS = 2**LEVELS - 1
@@ -156,7 +156,7 @@ def _add_patch(
             if known[cell] == 1:
                 _evaluate_cell(C, V, D, W, a, b, points[cell])
                 known[cell] = 2
-            if image:
+            if image == 1:
                 _add_image(x, wall, points[cell], B[a], B[b], acc)
             else:
                 _add_free(x, points[cell], B[a], B[b], K, acc)
@@ -184,78 +184,80 @@ def _add_nodal(x, X, A, acc):
         acc[b, 5] += w + t * d2 * d2
 
 
-@njit(cache=True, parallel=True)
+@njit(cache=True, nogil=True)
 def layer_blocks(
-    targets, own, wall, mode, near, far, controls, nodes, areas, V, D, M, S, B, W, half, chunks, out
-):
+    start, step, targets, own, wall, mode, near, far,
+    controls, nodes, areas, V, D, M, S, B, W, half, out,
+):  # fmt: skip
     """Fill out[3 i + k, 3 b + j] with the integrals of G_kj phi_b for every target i.
 
     Parameters
     ----------
+    start, step : the patches start, start + step, ... are done; columns of others are left alone,
+        so threads may share `out` (the interpreter's lock is released).
     targets : (t, 3); own : (t,) patch that holds the target, which is left out, or -1.
     wall : (6,) point and normal; mode 0: free space alone, 1: with Blake's image added.
     near, far : half lengths away at which a cell is whole, at which the plain rule serves.
     controls (e, q, q, 3), nodes (e, p*p, 3), areas (e, p*p): the patches.
     V, D, M, S, B, W, half : tables of the cells.
-    chunks : number of pieces of work, at least the number of threads.
     out : (>= 3 t, 3 e p^2), Fortran order.
     """
     patches, p2 = areas.shape
+    free = np.int64(0) * mode
     g = V.shape[1]
-    for chunk in prange(chunks):
-        frames = np.empty((CELLS * CELLS, 5))
-        points = np.empty((CELLS * CELLS, 4, g * g))
-        known = np.empty(CELLS * CELLS, dtype=np.uint8)
-        K = np.empty((6, g * g))
-        stack = np.empty((256, 4), dtype=np.int64)
-        acc = np.empty((p2, 9))
-        y = np.empty(3)
-        for e in range(chunk, patches, chunks):
-            known[:] = 0
-            C = controls[e]
-            _frame_cell(C, M, S, half, 0, 0, frames[0])
-            known[0] = 1
-            f = frames[0].copy()
-            reach = far * max(f[3], f[4])
-            for i in range(targets.shape[0]):
-                x = targets[i]
-                row = 3 * i
-                if own[i] != e:
-                    acc[:] = 0.0
-                    d0, d1, d2 = x[0] - f[0], x[1] - f[1], x[2] - f[2]
-                    if d0 * d0 + d1 * d1 + d2 * d2 > reach * reach:
-                        _add_nodal(x, nodes[e], areas[e], acc)
-                    else:
-                        _add_patch(
-                            x, x, wall, False, near, C, V, D, M, S, B, W, half,
-                            frames, points, known, K, stack, acc,
-                        )  # fmt: skip
-                    for b in range(p2):
-                        col = 3 * (e * p2 + b)
-                        out[row, col] = acc[b, 0]
-                        out[row + 1, col] = acc[b, 1]
-                        out[row + 2, col] = acc[b, 2]
-                        out[row, col + 1] = acc[b, 1]
-                        out[row + 1, col + 1] = acc[b, 3]
-                        out[row + 2, col + 1] = acc[b, 4]
-                        out[row, col + 2] = acc[b, 2]
-                        out[row + 1, col + 2] = acc[b, 4]
-                        out[row + 2, col + 2] = acc[b, 5]
-                if mode == 1:
-                    acc[:] = 0.0
-                    height = 0.0
-                    for c in range(3):
-                        height += (x[c] - wall[c]) * wall[3 + c]
-                    for c in range(3):
-                        y[c] = x[c] - 2.0 * height * wall[3 + c]
+    frames = np.empty((CELLS * CELLS, 5))
+    points = np.empty((CELLS * CELLS, 4, g * g))
+    known = np.empty(CELLS * CELLS, dtype=np.uint8)
+    K = np.empty((6, g * g))
+    stack = np.empty((256, 4), dtype=np.int64)
+    acc = np.empty((p2, 9))
+    y = np.empty(3)
+    for e in range(start, patches, step):
+        known[:] = 0
+        C = controls[e]
+        _frame_cell(C, M, S, half, free, free, frames[0])
+        known[0] = 1
+        f = frames[0].copy()
+        reach = far * max(f[3], f[4])
+        for i in range(targets.shape[0]):
+            x = targets[i]
+            row = 3 * i
+            if own[i] != e:
+                acc[:] = 0.0
+                d0, d1, d2 = x[0] - f[0], x[1] - f[1], x[2] - f[2]
+                if d0 * d0 + d1 * d1 + d2 * d2 > reach * reach:
+                    _add_nodal(x, nodes[e], areas[e], acc)
+                else:
                     _add_patch(
-                        x, y, wall, True, near, C, V, D, M, S, B, W, half,
+                        x, x, wall, free, near, C, V, D, M, S, B, W, half,
                         frames, points, known, K, stack, acc,
                     )  # fmt: skip
-                    for b in range(p2):
-                        for k in range(3):
-                            for j in range(3):
-                                out[row + k, 3 * (e * p2 + b) + j] += acc[b, 3 * k + j]
+                for b in range(p2):
+                    col = 3 * (e * p2 + b)
+                    out[row, col] = acc[b, 0]
+                    out[row + 1, col] = acc[b, 1]
+                    out[row + 2, col] = acc[b, 2]
+                    out[row, col + 1] = acc[b, 1]
+                    out[row + 1, col + 1] = acc[b, 3]
+                    out[row + 2, col + 1] = acc[b, 4]
+                    out[row, col + 2] = acc[b, 2]
+                    out[row + 1, col + 2] = acc[b, 4]
+                    out[row + 2, col + 2] = acc[b, 5]
+            if mode == 1:
+                acc[:] = 0.0
+                height = 0.0
+                for c in range(3):
+                    height += (x[c] - wall[c]) * wall[3 + c]
+                for c in range(3):
+                    y[c] = x[c] - 2.0 * height * wall[3 + c]
+                _add_patch(
+                    x, y, wall, mode, near, C, V, D, M, S, B, W, half,
+                    frames, points, known, K, stack, acc,
+                )  # fmt: skip
+                for b in range(p2):
+                    for k in range(3):
+                        for j in range(3):
+                            out[row + k, 3 * (e * p2 + b) + j] += acc[b, 3 * k + j]
 
 
 @njit(cache=True, fastmath=True)

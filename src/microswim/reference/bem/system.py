@@ -11,6 +11,7 @@ from __future__ import annotations
 
 import os
 import time
+from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass, field
 
 import numpy as np
@@ -61,12 +62,19 @@ class Layer:
         s, r = self.surface, self.rule
         t = cell_tables(s.order, r.points)
         wall = np.zeros(6) if self.wall is None else np.asarray(self.wall, float)
-        chunks = 4 * get_num_threads() if s.patches > 8 else 1
-        layer_blocks(
+        common = (
             np.ascontiguousarray(targets), own, wall, int(self.wall is not None), r.near, r.far,
             s.controls, s.nodes, s.areas, t.value, t.slope, t.middle, t.middle_slope, t.basis,
-            t.weight, t.half, chunks, out,
+            t.weight, t.half, out,
         )  # fmt: skip
+        threads = min(get_num_threads(), s.patches)
+        if threads == 1:
+            layer_blocks(0, 1, *common)
+            return
+        with ThreadPoolExecutor(threads) as pool:
+            work = [pool.submit(layer_blocks, n, threads, *common) for n in range(threads)]
+            for done in work:
+                done.result()
 
     def matrix(self, border: int = 1) -> Array:
         """Collocation matrix with `border` further rows and columns of zeros, Fortran order."""

@@ -45,8 +45,8 @@ def trajectory(run: xr.Dataset, swimmer: Swimmer | None = None) -> Figure:
     >>> import microswim as ms
     >>> swimmer = ms.Swimmer.preset("tabak/helix")
     >>> run = ms.io.dataset(swimmer, swimmer.gait(), periods=2)
-    >>> len(ms.plots.trajectory(run, swimmer).axes)
-    3
+    >>> ms.plots.trajectory(run, swimmer).axes[1].get_xlabel()
+    'sideways'
     """
     import matplotlib as mpl
     from matplotlib.figure import Figure

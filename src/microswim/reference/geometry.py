@@ -394,21 +394,24 @@ def check(body: Any, tail: Any, phase: float = 0.0) -> list[str]:
     s = np.linspace(0.0, length, 2001)
     curve = smooth_centreline(tail, s, phase)
     remarks = []
-    fold = float(curve.curvature.max()) * radius
+    alone = not np.any(np.asarray(body.semi_axes3, float) > 0)
+    # at a body the inner side of the bend comes out about half a radius further on
+    outside = curve.curvature * (s >= (0.0 if alone else 0.5 * radius))
+    fold = float(outside.max()) * radius
     if tail.sections == "perpendicular":
         if fold >= 1:
-            at = float(s[curve.curvature.argmax()])
             raise SpecError(
                 "tail.radius",
                 radius,
-                f"less than {radius / fold:.4g}, the centreline's radius of curvature at s = {at:.3g}",
+                f"less than {radius / fold:.4g}, the centreline's radius of curvature at "
+                f"s = {s[outside.argmax()]:.3g}",
                 "the tube would fold into itself: use a thinner filament, a smaller amplitude, fewer "
                 "waves or a longer ramp",
             )
         if fold > 0.7:
             remarks.append(f"curvature x radius reaches {fold:.2f}")
         _check_clearance(tail, curve)
-    if not np.any(np.asarray(body.semi_axes3, float) > 0):
+    if alone:
         return remarks
     slope = float(np.linalg.norm(curve.P_s[0, 1:]) / max(abs(curve.P_s[0, 0]), 1e-12))
     if slope > 0.9:

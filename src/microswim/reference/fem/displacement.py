@@ -61,6 +61,13 @@ class Wave:
         return float(max(far)) / self.outline.unit
 
     @property
+    def scale(self) -> float:
+        """Length over which the centreline bends, reach over steepest slope (1/k of a wave)."""
+        s = np.linspace(0.0, self.outline.length, 401) * self.outline.unit
+        slope = np.hypot(*self._curve(s, 0.0).P_s[:, 1:].T).max()
+        return self.reach / max(float(slope), 1e-12)
+
+    @property
     def width(self) -> float:
         """Distance over which w1 fades: three times the reach, within the room there is."""
         wanted = max(3.2 * self.reach, 3.0 * self.outline.radius)

@@ -12,6 +12,7 @@ from typing import Any
 import ngsolve as ngs
 import numpy as np
 from netgen import occ
+from netgen.meshing import MeshingParameters
 
 from microswim.errors import MicroswimError, SpecError
 from microswim.reference.channel import Channel
@@ -108,6 +109,13 @@ class Outline:
         a, b, c = self.semi_axes
         return -a + a * np.sqrt(np.clip(1.0 - (q / b) ** 2 - (r / c) ** 2, 0.0, None))
 
+    def in_body(self, point: tuple[float, float, float]) -> bool:
+        """Whether a point lies in the body."""
+        if not self.has_body:
+            return False
+        scaled = (np.asarray(point) - self.centre) / np.asarray(self.semi_axes)
+        return bool(scaled @ scaled < 1.0)
+
     def middle_of(self, channel: Channel) -> np.ndarray:
         """Position of the channel's middle in the swimmer's frame."""
         own = np.array([0.5 * (self.nose + self.tip), 0.0, 0.0])
@@ -174,13 +182,39 @@ def check_in_channel(outline: Outline, channel: Channel, reach: float) -> None:
     channel.check_fits(outline.unit * on_axis @ channel.axes, outline.unit * radii)
 
 
-def straight_mesh(outline: Outline, channel: Channel, level: Level) -> ngs.Mesh:
+@dataclass(frozen=True)
+class Zone:
+    """Mesh size `size` up to the distance `radius` from the tail's axis."""
+
+    radius: float
+    size: float
+
+
+def straight_mesh(
+    outline: Outline, channel: Channel, level: Level, zone: Zone | None = None
+) -> ngs.Mesh:
     """Curved tetrahedra around body and straight tail; boundaries body, tail, wall (and end)."""
     fluid = _channel_solid(outline, channel) - _swimmer_solid(outline, level)
     if len(fluid.solids) != 1:
         raise MicroswimError("the fluid is not one piece: the swimmer cuts through the channel")
-    far = level.far * channel.diameter / outline.unit
-    sizes = {"maxh": far, "grading": level.grading, "curvaturesafety": level.curvature}
-    mesh = ngs.Mesh(occ.OCCGeometry(fluid).GenerateMesh(**sizes, optsteps3d=6))
+    sizes = MeshingParameters(
+        maxh=level.far * channel.diameter / outline.unit,
+        grading=level.grading,
+        curvaturesafety=level.curvature,
+        optsteps3d=6,
+    )
+    if zone:
+        for at in _zone_points(outline, zone):
+            sizes.RestrictH(*at, zone.size)
+    mesh = ngs.Mesh(occ.OCCGeometry(fluid).GenerateMesh(sizes))
     mesh.Curve(level.order)
     return mesh
+
+
+def _zone_points(outline: Outline, zone: Zone) -> list[tuple[float, float, float]]:
+    """Points on two rings a mesh size apart along the tail."""
+    s = np.arange(0.0, outline.length + zone.radius, zone.size)
+    angles = np.arange(8) * np.pi / 4
+    rings = [(0.55 * zone.radius, angles), (zone.radius, angles + np.pi / 8)]
+    points = [(x, rho * np.cos(a), rho * np.sin(a)) for x in s for rho, turn in rings for a in turn]
+    return [tuple(map(float, p)) for p in points if not outline.in_body(p)]

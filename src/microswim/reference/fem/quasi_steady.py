@@ -22,7 +22,7 @@ from microswim.gait import Gait
 from microswim.reference.channel import Channel
 
 from .displacement import Wave
-from .mesh import Level, Outline, check_in_channel, level_named, straight_mesh
+from .mesh import Level, Outline, Zone, check_in_channel, level_named, straight_mesh
 from .stokes import FOLDED, Stokes
 
 
@@ -50,11 +50,13 @@ def problem(swimmer: Any, channel: Channel, level: Level) -> tuple[Wave, Stokes]
     wave = Wave(swimmer, outline, max(room_around(outline, channel), 0.0))
     check_in_channel(outline, channel, wave.reach + outline.radius)
     wave.check()
-    for _ in range(4):
-        flow = Stokes(straight_mesh(outline, channel, level), level.order)
+    zone = None
+    for attempt in range(4):
+        flow = Stokes(straight_mesh(outline, channel, level, zone), level.order)
         if (smallest := smallest_jacobian(wave, flow)) > 2 * FOLDED:
             return wave, flow
-        level = replace(level, curvature=1.15 * level.curvature)
+        level = replace(level, curvature=1.1 * level.curvature)
+        zone = Zone(outline.radius + 0.7 * wave.width, wave.scale * 1.8 * 0.75**attempt)
     raise MicroswimError(
         f"no mesh carries this wave without folding (smallest Jacobian {smallest:.2g}); "
         "lower the wave, use fewer waves or sections = sheared"

@@ -81,9 +81,10 @@ class Lighthill(Coefficients):
         a2 = alpha**2
         normal = -np.log(epsilon) + (2.0 * a2 - 1.0) * A1 + 2.0 * (1.0 - a2) * A2
         tangential = -np.log(epsilon) - 0.5 + a2 * A1 + (1.0 - a2) * A2
-        meaningless = np.minimum(np.real(normal), np.real(tangential)) <= 0
-        _warn_lighthill(epsilon, meaningless)
-        if np.any(meaningless):
+        meaningless = (normal.real <= 0) | (tangential.real <= 0)
+        beyond = (epsilon.real > 0.5) | meaningless
+        if beyond.any() if isinstance(beyond, np.ndarray) else beyond:
+            _warn_lighthill(epsilon, meaningless)
             normal = np.where(meaningless, np.nan, normal)
         return 2.0 * np.pi * viscosity / tangential, 4.0 * np.pi * viscosity / normal
 

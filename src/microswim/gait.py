@@ -95,7 +95,8 @@ def rotate(value: np.ndarray, sign: float) -> np.ndarray:
 def add(*series: np.ndarray) -> np.ndarray:
     """Sum of series of different lengths."""
     longest = max(series, key=len)
-    out = np.zeros(longest.shape, dtype=np.result_type(*series))
+    kind = complex if any(s.dtype.kind == "c" for s in series) else float
+    out = np.zeros(longest.shape, dtype=kind)
     for s in series:
         out[: len(s)] += s
     return out

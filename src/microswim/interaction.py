@@ -81,7 +81,13 @@ class Interaction:
             Shape (..., 6, 6), symmetric.
         """
         gamma = (*self.translation, *self.rotation)
-        diagonal = np.stack(np.broadcast_arrays(*[g * d for g, d in zip(gamma, isolated)]), -1)
+        scaled = [g * d for g, d in zip(gamma, isolated)]
+        if self.coupling == _ZERO and not any(isinstance(d, np.ndarray) for d in scaled):
+            values = np.array(scaled)
+            B = np.zeros((6, 6), dtype=values.dtype)
+            B.flat[::7] = values
+            return B
+        diagonal = np.stack(np.broadcast_arrays(*scaled), axis=-1)
         B = diagonal[..., None] * np.eye(6)
         if self.coupling == _ZERO:
             return B

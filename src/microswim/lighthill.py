@@ -21,7 +21,7 @@ from numba import njit
 from .errors import SpecError
 
 ALPHA_RANGE = (0.02, 1.0)
-EPSILON_MAX = 4.0
+EPSILON_RANGE = (0.0, 4.0)
 
 
 def _integrands(alpha: np.ndarray, n: np.ndarray, x: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
@@ -79,24 +79,30 @@ _GAUSS = np.polynomial.legendre.leggauss(14)
 
 
 @njit(cache=True)
+def _at(a: Any, e: Any, table: Any, xi: Any, weight: Any) -> Any:
+    """``(A_1, A_2)`` at one point: the series by Clenshaw's rule, less the part below epsilon."""
+    y = 1.0 - 2.0 * np.log(a) / np.log(ALPHA_RANGE[0])
+    b1, b2, c1, c2 = 0.0 * a, 0.0 * a, 0.0 * a, 0.0 * a
+    for m in range(table.shape[1] - 1, 0, -1):
+        b1, b2 = table[0, m] + 2.0 * y * b1 - b2, b1
+        c1, c2 = table[1, m] + 2.0 * y * c1 - c2, c1
+    A1, A2 = table[0, 0] + y * b1 - b2, table[1, 0] + y * c1 - c2
+    for g in range(xi.size):
+        theta = e * (xi[g] + 1.0) / 2.0
+        sine, half = np.sin(theta), np.sin(theta / 2.0)
+        square = (a * theta) ** 2 + (1.0 - a * a) * 4.0 * half * half
+        phi = square * np.sqrt(square)
+        dw = e * weight[g] / 2.0
+        A1 -= (theta * sine / phi - 1.0 / theta) * dw
+        A2 -= (sine * sine / phi - 1.0 / theta) * dw
+    return A1, A2
+
+
+@njit(cache=True)
 def _evaluate(alpha: Any, epsilon: Any, table: Any, xi: Any, weight: Any) -> Any:
     out = np.empty((2, alpha.size), dtype=alpha.dtype)
     for j in range(alpha.size):
-        a, e = alpha[j], epsilon[j]
-        y = 1.0 - 2.0 * np.log(a) / np.log(ALPHA_RANGE[0])
-        for i in range(2):  # Clenshaw
-            b1, b2 = 0.0 * a, 0.0 * a
-            for m in range(table.shape[1] - 1, 0, -1):
-                b1, b2 = table[i, m] + 2.0 * y * b1 - b2, b1
-            out[i, j] = table[i, 0] + y * b1 - b2
-        for g in range(xi.size):
-            theta = e * (xi[g] + 1.0) / 2.0
-            sine, half = np.sin(theta), np.sin(theta / 2.0)
-            square = (a * theta) ** 2 + (1.0 - a * a) * 4.0 * half * half
-            phi = square * np.sqrt(square)
-            dw = e * weight[g] / 2.0
-            out[0, j] -= (theta * sine / phi - 1.0 / theta) * dw
-            out[1, j] -= (sine * sine / phi - 1.0 / theta) * dw
+        out[0, j], out[1, j] = _at(alpha[j], epsilon[j], table, xi, weight)
     return out
 
 
@@ -127,15 +133,17 @@ def lighthill_integrals(alpha: Any, epsilon: Any) -> tuple[Any, Any]:
     >>> round(float(A1), 6)
     0.423617
     """
+    if not (isinstance(alpha, np.ndarray) or isinstance(epsilon, np.ndarray)):
+        for name, x, (lo, hi) in (("alpha", alpha, ALPHA_RANGE), ("epsilon", epsilon, EPSILON_RANGE)):
+            if not lo <= x.real <= hi:
+                raise SpecError(name, x.real, f"from {lo} to {hi} for Lighthill's integrals")
+        if isinstance(alpha, complex) or isinstance(epsilon, complex):
+            alpha, epsilon = complex(alpha), complex(epsilon)
+        return _at(alpha, epsilon, _table(), *_GAUSS)
     alpha, epsilon = np.broadcast_arrays(alpha, epsilon)
-    outside = False
-    for name, x, (lo, hi) in (("alpha", alpha, ALPHA_RANGE), ("epsilon", epsilon, (0, EPSILON_MAX))):
-        bad = ~((np.real(x) >= lo) & (np.real(x) <= hi))
-        if bad.any() and x.ndim == 0:
-            raise SpecError(name, np.real(x)[()], f"from {lo} to {hi} for Lighthill's integrals")
-        outside = outside | bad
     kind = np.result_type(alpha, epsilon, np.float64)
     flat = [np.ascontiguousarray(x, dtype=kind).reshape(-1) for x in (alpha, epsilon)]
     A = _evaluate(*flat, _table(), *_GAUSS)
-    A[:, np.ravel(outside)] = np.nan
-    return A[0].reshape(alpha.shape)[()], A[1].reshape(alpha.shape)[()]
+    for x, (lo, hi) in zip(flat, (ALPHA_RANGE, EPSILON_RANGE)):
+        A[:, ~((x.real >= lo) & (x.real <= hi))] = np.nan
+    return A[0].reshape(alpha.shape), A[1].reshape(alpha.shape)

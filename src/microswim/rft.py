@@ -236,8 +236,9 @@ def parameters(swimmer: Swimmer) -> np.ndarray:
         *(factor * c for factor, c in zip(x, local)),
         *(swimmer.body.semi_axes3[0], tail.spin),
     )
-    kind = np.result_type(np.float64, *values)
-    return np.stack(np.broadcast_arrays(*values), axis=-1).astype(kind, copy=False)
+    if any(isinstance(v, np.ndarray) for v in values):
+        return np.stack(np.broadcast_arrays(*values), axis=-1)
+    return np.array(values) + 0.0
 
 
 def body_resistance(swimmer: Swimmer) -> np.ndarray:
@@ -248,10 +249,8 @@ def body_resistance(swimmer: Swimmer) -> np.ndarray:
 def rules(swimmer: Swimmer, nodes: int | None = None) -> tuple[Any, Any]:
     """Quadrature rules for ramp and rest; `nodes` overrides the number on the rest."""
     tail = swimmer.tail
-    numbers = [
-        float(np.max(np.real(v)))
-        for v in (tail.number_of_waves, tail.amplitude * tail.wavenumber, tail.ramp)
-    ]
+    numbers = (tail.number_of_waves, tail.amplitude * tail.wavenumber, tail.ramp)
+    numbers = [np.max(x.real) if isinstance(x, np.ndarray) else x.real for x in numbers]
     on_ramp, rest = node_numbers(HELIX if tail.kind == "helix" else PLANE_WAVE, *numbers)
     return gauss(on_ramp), gauss(rest if nodes is None else nodes)
 

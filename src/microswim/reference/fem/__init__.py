@@ -16,7 +16,7 @@ if TYPE_CHECKING:
 
     from microswim.gait import Gait
 
-__all__ = ["Channel", "gait", "swim"]
+__all__ = ["Channel", "body_resistance", "gait", "swim"]
 
 
 def _require() -> None:
@@ -40,3 +40,11 @@ def swim(swimmer: Any, **options: Any) -> xr.Dataset:
     from .swimming import swim as march
 
     return march(swimmer, **options)
+
+
+def body_resistance(body: Any, **options: Any) -> Any:
+    """6x6 resistance of a body alone in a channel; see `quasi_steady.body_resistance`."""
+    _require()
+    from .quasi_steady import body_resistance as solve
+
+    return solve(body, **options)

@@ -1,0 +1,108 @@
+"""The flow as VTK files, and off-screen pictures and animations of it (extra ``viz``).
+
+Depends on stokes; PyVista is imported on call.
+"""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Any
+
+import ngsolve as ngs
+import numpy as np
+
+from microswim.errors import MicroswimError
+
+from .stokes import Stokes
+
+
+def write(flow: Stokes, solution: np.ndarray, path: str | Path) -> Path:
+    """Write velocity and pressure on the moved mesh to ``path.vtu``.
+
+    Lengths in body diameters, velocities in body diameters times the phase rate, pressure in
+    viscosity times the phase rate.
+    """
+    path = Path(path)
+    path.parent.mkdir(parents=True, exist_ok=True)
+    field = ngs.GridFunction(flow.space)
+    field.vec.FV().NumPy()[:] = solution
+    velocity, pressure = field.components
+    out = ngs.VTKOutput(
+        flow.mesh,
+        coefs=[velocity, pressure],
+        names=["velocity", "pressure"],
+        filename=str(path),
+        subdivision=1,
+        legacy=False,
+    )
+    out.Do()
+    return path.with_suffix(".vtu")
+
+
+def _pyvista() -> Any:
+    try:
+        import pyvista
+    except ImportError:
+        raise MicroswimError(
+            "pictures need PyVista; pip install microswim[viz]"
+        ) from None
+    pyvista.OFF_SCREEN = True
+    return pyvista
+
+
+def _draw(plotter: Any, file: Path, reach: float, fastest: float) -> None:
+    """Swimmer's surface over the speed in the plane r = 0, seen along r."""
+    pv = _pyvista()
+    grid = pv.read(file)
+    grid["speed"] = np.linalg.norm(grid["velocity"], axis=1)
+    grid = grid.clip_box([-reach, reach + 1.0, -reach, reach, -reach, reach], invert=False)
+    skin = grid.extract_surface(algorithm="dataset_surface")
+    inside = np.linalg.norm(skin.cell_centers().points[:, 1:], axis=1) < 0.45 * reach
+    far = np.abs(skin.cell_centers().points[:, 0]) < 0.98 * (reach + 1.0)
+    plotter.add_mesh(skin.extract_cells(np.flatnonzero(inside & far)), color="#c9a227")
+    plane = grid.slice(normal=(0, 0, 1), origin=(0, 0, 0))
+    bar = {"title": "speed / (body diameter x rate)", "color": "black"}
+    look = {"scalars": "speed", "cmap": "viridis", "clim": [0.0, fastest]}
+    plotter.add_mesh(plane, opacity=0.85, scalar_bar_args=bar, **look)
+    middle = (0.75, 0.0, 0.0)
+    plotter.camera_position = [(0.75, -1.6 * reach, 2.6 * reach), middle, (0.0, 1.0, 0.0)]
+
+
+def render(file: str | Path, out: str | Path, *, reach: float = 1.5, fastest: float = 0.1) -> Path:
+    """Picture (PNG) of one VTK file: the swimmer and the speed around it.
+
+    Parameters
+    ----------
+    file
+        A ``.vtu`` of `swim` or `write`.
+    out
+        Name of the picture.
+    reach
+        Half width of the view in body diameters.
+    fastest
+        Upper end of the colour scale.
+    """
+    plotter = _pyvista().Plotter(off_screen=True, window_size=(1200, 800))
+    _draw(plotter, Path(file), reach, fastest)
+    plotter.screenshot(str(out))
+    plotter.close()
+    return Path(out)
+
+
+def animate(
+    folder: str | Path, out: str | Path, *, reach: float = 1.5, fastest: float = 0.1, fps: int = 8
+) -> Path:
+    """Animation (GIF) of all VTK files in a folder, in the order of their names."""
+    files = sorted(Path(folder).glob("*.vtu"))
+    if not files:
+        raise MicroswimError(f"folder = {folder}: no .vtu in it; run swim(..., vtk=folder) first")
+    from PIL import Image
+
+    frames = []
+    for file in files:
+        plotter = _pyvista().Plotter(off_screen=True, window_size=(900, 600))
+        _draw(plotter, file, reach, fastest)
+        frames.append(Image.fromarray(plotter.screenshot(return_img=True)))
+        plotter.close()
+    frames[0].save(out, save_all=True, append_images=frames[1:], duration=1000 // fps, loop=0)
+    return Path(out)

@@ -179,7 +179,7 @@ def search(
             candidate, n = _polish(variant, x)
             count += n
             if candidate is not None:
-                found.append((candidate[0], candidate[1], picked, variant))
+                found.append((*candidate, picked, variant))
     if not found:
         raise SpecError(
             "design: no design in these ranges meets the constraints; widen the ranges or relax "
@@ -215,6 +215,7 @@ def _polish(problem: Problem, x: np.ndarray) -> tuple[tuple[float, np.ndarray] |
         first = problem.one(x)
     except MicroswimError:
         return None, 1
+    seen[x.tobytes()] = first
     size = max(abs(first[0][0]), 1e-300)
 
     def at(x: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
@@ -223,7 +224,7 @@ def _polish(problem: Problem, x: np.ndarray) -> tuple[tuple[float, np.ndarray] |
             try:
                 seen[key] = problem.one(x)
             except MicroswimError:  # a wall for the line search
-                seen[key] = first[0] - 1e3 * size, np.zeros_like(first[1])
+                seen[key] = np.full_like(first[0], -1e3 * size), np.zeros_like(first[1])
         return seen[key]
 
     if len(x):
@@ -239,25 +240,15 @@ def _polish(problem: Problem, x: np.ndarray) -> tuple[tuple[float, np.ndarray] |
             method="SLSQP",
             bounds=[(0.0, 1.0)] * len(x),
             constraints=[limit] if problem.limits else [],
-            options={"ftol": 1e-13, "maxiter": 200},
+            options={"ftol": 1e-12, "maxiter": 100},
         )
-        x = np.clip(result.x, 0.0, 1.0)
-    best = _best(problem, [x, *(np.frombuffer(key) for key in seen)])
-    return best, len(seen) * (1 + len(x))
-
-
-def _best(problem: Problem, points: list[np.ndarray]) -> tuple[float, np.ndarray] | None:
-    """Best feasible of some points."""
-    found = []
-    for x in points:
-        x = np.clip(x, 0.0, 1.0)
-        try:
-            values = problem.values(problem.numbers(x))
-        except MicroswimError:
-            continue
-        if np.all(values[1:] >= -FEASIBLE):
-            found.append((float(values[0]), x))
-    return max(found, key=lambda f: f[0]) if found else None
+        at(np.clip(result.x, 0.0, 1.0))
+    feasible = [
+        (float(values[0]), np.clip(np.frombuffer(key), 0.0, 1.0))
+        for key, (values, _) in seen.items()
+        if np.all(values[1:] >= -FEASIBLE)
+    ]
+    return (max(feasible, key=lambda f: f[0]) if feasible else None), len(seen) * max(1, len(x))
 
 
 def outcome(
@@ -279,8 +270,8 @@ def outcome(
         {k: v for k, v in values.items() if "." not in k},
         {c.text: float(np.real(c.margin(values))) for c in problem.limits},
         sensitivities(problem, x),
-        None if error is None else float(error),
-        gait.info.get("inside"),
+        None if error is None or not np.isfinite(error) else float(error),
+        None if "outside" not in gait.info else not gait.info["outside"],
         count,
         seconds,
     )

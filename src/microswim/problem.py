@@ -14,6 +14,7 @@ from typing import Any
 
 import numpy as np
 
+from .batch import PHASES
 from .coefficients import Lighthill
 from .errors import MicroswimError, SpecError
 from .expressions import Constraint, Expression, constraints, parse
@@ -171,7 +172,8 @@ class Problem:
     def _stack(self, swimmer: Swimmer) -> np.ndarray:
         with warnings.catch_warnings(), np.errstate(all="ignore"):
             warnings.simplefilter("ignore")
-            values = of_gait(swimmer, swimmer.gait(), self.needs)
+            phases = {} if swimmer.tail.kind == "helix" else {"phases": PHASES}
+            values = of_gait(swimmer, swimmer.gait(**phases), self.needs)
             objective, sense = self.objectives[0]
             out = [sense * objective(values), *(c.margin(values) for c in self.limits)]
         stacked = np.array([np.asarray(v).item() for v in out])

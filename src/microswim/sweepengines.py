@@ -203,7 +203,8 @@ def dask(job: Job, tasks: Sequence[Task], client: Any) -> Iterator[tuple[Task, R
             f"the cluster's workers have microswim {', '.join(other)}, this is {__version__}; "
             "install the same on both"
         )
-    futures = {client.submit(solve_rows, job, t.columns, pure=False): t for t in tasks}
+    sent = pickle.dumps(job)  # as bytes, so that the scheduler need not have the user's modules
+    futures = {client.submit(_solve_sent, sent, t.columns, pure=False): t for t in tasks}
     try:
         for future in as_completed(list(futures), loop=client.loop):
             task = futures.pop(future)
@@ -217,6 +218,10 @@ def dask(job: Job, tasks: Sequence[Task], client: Any) -> Iterator[tuple[Task, R
             future.release()
     finally:
         client.cancel(list(futures))
+
+
+def _solve_sent(job: bytes, columns: dict[str, np.ndarray]) -> Rows:
+    return solve_rows(pickle.loads(job), columns)
 
 
 def _version() -> str:

@@ -1,0 +1,205 @@
+// One swimmer on the stage: body, tail, path behind it, arrows, and its pose in time.
+
+import * as THREE from "three";
+import { Line2 } from "three/examples/jsm/lines/Line2.js";
+import { LineGeometry } from "three/examples/jsm/lines/LineGeometry.js";
+import { LineMaterial } from "three/examples/jsm/lines/LineMaterial.js";
+import { bodyWrench, rotate, start, step, twist, type Drive, type Pose } from "./motion";
+import { Tube } from "./tube";
+import type { Answer } from "./types";
+
+const SHOWN = 900;
+const KEPT = 20000;
+
+export interface Look {
+  body: string;
+  tail: string;
+  path: string;
+}
+
+export const LOOKS: Look[] = [
+  { body: "#efe6d6", tail: "#4fc3b8", path: "#f2b661" },
+  { body: "#cfd9ee", tail: "#8f8bea", path: "#a9b4ff" },
+];
+
+/** Meridians on the body, so that one sees it turn. */
+function stripes(colour: string): THREE.CanvasTexture {
+  const canvas = document.createElement("canvas");
+  canvas.width = 512;
+  canvas.height = 64;
+  const g = canvas.getContext("2d")!;
+  g.fillStyle = colour;
+  g.fillRect(0, 0, 512, 64);
+  for (let i = 0; i < 6; i++) {
+    g.fillStyle = i === 0 ? "rgba(20,40,60,.42)" : "rgba(20,40,60,.14)";
+    g.fillRect((i * 512) / 6 + 20, 0, i === 0 ? 26 : 12, 64);
+  }
+  const texture = new THREE.CanvasTexture(canvas);
+  texture.colorSpace = THREE.SRGBColorSpace;
+  texture.anisotropy = 4;
+  return texture;
+}
+
+export class Actor {
+  readonly root = new THREE.Group();
+  readonly pose: Pose = start();
+  readonly offset = new THREE.Vector3();
+  answer!: Answer;
+  /** time, position, quaternion and phase, one row after the other */
+  record: number[][] = [];
+  readonly sqr = new THREE.Group();
+  private body: THREE.Mesh;
+  private tail: THREE.Mesh;
+  private tube = new Tube();
+  private path: Line2;
+  private trail: number[] = [];
+  private arrows: Record<string, THREE.Group> = {};
+  private since = 0;
+  private colour: THREE.Color;
+
+  constructor(private scene: THREE.Object3D, public look: Look) {
+    const shell = new THREE.SphereGeometry(1, 64, 48);
+    shell.rotateZ(Math.PI / 2);
+    this.body = new THREE.Mesh(shell, new THREE.MeshStandardMaterial({ map: stripes(look.body), roughness: 0.42 }));
+    this.tail = new THREE.Mesh(this.tube.geometry, new THREE.MeshStandardMaterial({ color: look.tail, roughness: 0.34 }));
+    this.tail.frustumCulled = false;
+    this.colour = new THREE.Color(look.path);
+    this.path = new Line2(new LineGeometry(), new LineMaterial({
+      linewidth: 2.2, vertexColors: true, transparent: true, depthWrite: false,
+    }));
+    this.path.frustumCulled = false;
+    this.sqr.add(this.tail);
+    this.root.add(this.body, this.sqr);
+    scene.add(this.root, this.path);
+    for (const [name, tint] of [["thrust", "#5fd0a0"], ["drag", "#ff8a70"], ["velocity", "#ffffff"]]) {
+      this.arrows[name] = arrow(tint);
+      this.root.add(this.arrows[name]);
+    }
+  }
+
+  dispose(): void {
+    this.scene.remove(this.root, this.path);
+  }
+
+  update(answer: Answer): void {
+    this.answer = answer;
+    const [a, b, c] = answer.shape.semi_axes;
+    this.body.visible = a > 0;
+    if (a > 0) this.body.scale.set(a, b, c);
+    this.sqr.position.set(a, 0, 0);
+    this.tube.update(answer.shape, 0);
+    this.pose_();
+  }
+
+  restart(): void {
+    Object.assign(this.pose, start());
+    this.forget();
+    this.pose_();
+  }
+
+  forget(): void {
+    this.trail = [];
+    this.record = [];
+    this.path.visible = false;
+    this.since = 0;
+  }
+
+  /** Advance in steps short against the period of the motor and of the field. */
+  advance(time: number, drive: Drive, fastest: number): void {
+    const steps = Math.min(4000, Math.max(1, Math.ceil((Math.abs(time) * fastest * 48) / (2 * Math.PI))));
+    for (let i = 0; i < steps; i++) {
+      step(this.answer.gait, drive, this.pose, time / steps);
+      this.since += Math.abs((time / steps) * fastest);
+      if (this.since >= (2 * Math.PI) / 24) {
+        this.since = 0;
+        this.remember();
+      }
+    }
+    this.pose_();
+  }
+
+  private remember(): void {
+    const { x, q, phase, time } = this.pose;
+    this.record.push([time, ...x, ...q, phase]);
+    if (this.record.length > KEPT) this.record.shift();
+    this.trail.push(x[0] + this.offset.x, x[1] + this.offset.y, x[2] + this.offset.z);
+    if (this.trail.length > 3 * SHOWN) this.trail.splice(0, 3);
+  }
+
+  /** Put meshes where the pose says. */
+  private pose_(): void {
+    const { x, q, phase } = this.pose;
+    this.root.position.set(x[0], x[1], x[2]).add(this.offset);
+    this.root.quaternion.set(q[1], q[2], q[3], q[0]);
+    const { shape } = this.answer;
+    if (shape.kind === "helix") this.tail.rotation.x = shape.sign * phase;
+    else {
+      this.tail.rotation.x = 0;
+      this.tube.update(shape, phase);
+    }
+  }
+
+  draw(drive: Drive, arrows: boolean, height: number): void {
+    const n = this.trail.length / 3;
+    this.path.visible = n > 2;
+    if (n > 2) {
+      const shades = new Array<number>(3 * n);
+      for (let i = 0; i < n; i++) {
+        const f = 0.06 + 0.94 * (i / n) ** 1.5;
+        shades[3 * i] = this.colour.r * f;
+        shades[3 * i + 1] = this.colour.g * f;
+        shades[3 * i + 2] = this.colour.b * f;
+      }
+      this.path.geometry.dispose();
+      this.path.geometry = new LineGeometry();
+      this.path.geometry.setPositions(this.trail);
+      this.path.geometry.setColors(shades);
+      (this.path.material as LineMaterial).blending = THREE.AdditiveBlending;
+    }
+    for (const a of Object.values(this.arrows)) a.visible = arrows;
+    if (arrows) this.point(drive, height);
+  }
+
+  /** Arrows: drag on the body, thrust on the tail (to one scale), velocity of the body. */
+  private point(drive: Drive, size: number): void {
+    const { gait, shape } = this.answer;
+    const wrench = drive.moment ? [0, 0, 0, ...torqueOf(drive, this.pose)] : null;
+    const V = twist(gait, this.pose.phase, drive.rate, wrench);
+    const F = bodyWrench(gait, this.pose.phase, drive.rate, V);
+    const speed = Math.hypot(V[0], V[1], V[2]);
+    const [a, b] = shape.semi_axes;
+    const reach = 0.34 * size;
+    aim(this.arrows.velocity, [-a * 1.1, 0, b * 1.25], V.slice(0, 3), speed > 0 ? reach : 0);
+    const force = F ? Math.hypot(F[0], F[1], F[2]) : 0;
+    const lift = -1.25 * Math.max(b, shape.amplitude + shape.radius);
+    aim(this.arrows.drag, [0, 0, lift], F ?? [0, 0, 0], force > 0 ? reach : 0);
+    const back = F ? [-F[0], -F[1], -F[2]] : [0, 0, 0];
+    aim(this.arrows.thrust, [a + 0.5 * shape.length, 0, lift], back, force > 0 ? reach : 0);
+  }
+}
+
+function torqueOf(drive: Drive, pose: Pose): number[] {
+  const B = rotate(pose.q, drive.field(pose.time), true);
+  const m = drive.moment!;
+  return [m[1] * B[2] - m[2] * B[1], m[2] * B[0] - m[0] * B[2], m[0] * B[1] - m[1] * B[0]];
+}
+
+function arrow(colour: string): THREE.Group {
+  const material = new THREE.MeshStandardMaterial({ color: colour, emissive: colour, emissiveIntensity: 0.45, roughness: 0.5 });
+  const shaft = new THREE.Mesh(new THREE.CylinderGeometry(0.022, 0.022, 0.78, 12), material);
+  shaft.position.y = 0.39;
+  const head = new THREE.Mesh(new THREE.ConeGeometry(0.07, 0.22, 20), material);
+  head.position.y = 0.89;
+  const group = new THREE.Group();
+  group.add(shaft, head);
+  return group;
+}
+
+function aim(group: THREE.Group, at: number[], direction: number[], length: number): void {
+  const d = new THREE.Vector3(direction[0], direction[1], direction[2]);
+  group.visible = length > 0 && d.lengthSq() > 0;
+  if (!group.visible) return;
+  group.position.set(at[0], at[1], at[2]);
+  group.quaternion.setFromUnitVectors(new THREE.Vector3(0, 1, 0), d.normalize());
+  group.scale.setScalar(length);
+}

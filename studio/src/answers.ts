@@ -1,0 +1,93 @@
+// The right panel, upper half: the numbers, and how far they can be trusted.
+
+import { NAMES, digits, el, reading } from "./dom";
+import type { Store } from "./store";
+
+const LISTED = ["forward_velocity", "body_rate", "wobble", "path_radius", "efficiency", "mean_torque", "mean_power"];
+
+export class Answers {
+  readonly node = el("section", { class: "answers" });
+
+  constructor(private store: Store) {
+    for (const event of ["answer", "designs", "structure"] as const) store.on(event, () => this.show());
+  }
+
+  show(): void {
+    const { store } = this;
+    const many = store.designs.length > 1;
+    this.node.replaceChildren(
+      many ? this.heads() : this.hero(),
+      this.trust(),
+      el("dl", { class: many ? "list two" : "list" }, ...(many ? ["swimming_speed", "body_lengths", ...LISTED] : LISTED).flatMap((n) => this.row(n))),
+    );
+  }
+
+  private hero(): HTMLElement {
+    const answer = this.store.shown(this.store.design);
+    const r = answer.readings;
+    const [n, unit] = reading("swimming_speed", r.swimming_speed, answer.dimensional);
+    const [l] = reading("body_lengths", r.body_lengths, answer.dimensional);
+    return el("div", { class: "hero", title: NAMES.swimming_speed.hint },
+      el("div", { class: "caption" }, "Swimming speed"),
+      el("div", { class: "figure" },
+        el("span", { "data-reading": "swimming_speed", "data-value": String(r.swimming_speed) }, n),
+        el("small", {}, unit)),
+      el("div", { class: "under" },
+        el("b", { "data-reading": "body_lengths", "data-value": String(r.body_lengths) }, l),
+        answer.dimensional ? " body lengths per second" : " body lengths per unit time"));
+  }
+
+  private heads(): HTMLElement {
+    const heads = this.store.designs.map((d, i) =>
+      el("button", {
+        class: `head design${i}`, "aria-pressed": String(i === this.store.active), title: "Edit this one",
+        onclick: () => {
+          this.store.active = i;
+          this.store.tell("designs", "structure", "tables", "answer", "problem", "rest");
+        },
+      }, el("i"), `${"AB"[i]}  ${d.name}`));
+    return el("div", { class: "heads" }, el("span", { class: "caption" }, "Compare"), ...heads);
+  }
+
+  private row(name: string): HTMLElement[] {
+    const cells = this.store.designs.map((d) => {
+      const answer = this.store.shown(d);
+      const value = answer.readings[name];
+      const [n, unit] = reading(name, value, answer.dimensional);
+      return el("dd", { "data-reading": name, "data-value": String(value) }, n, unit ? el("small", {}, ` ${unit}`) : null);
+    });
+    return [el("dt", { title: NAMES[name].hint }, NAMES[name].label), ...cells];
+  }
+
+  /** Expected error of the surrogate here, in colour. */
+  private trust(): HTMLElement {
+    const { design, model } = this.store;
+    if (model === "bem") {
+      const fresh = this.store.shown(design) !== design.answer;
+      const text = fresh ? "Boundary elements" : "Boundary elements: asking the judge …";
+      return el("div", { class: `trust ${fresh ? "good" : "open"}`, id: "trust" }, el("i"), text);
+    }
+    const error = expected(design.answer.expected_error);
+    if (error !== null) {
+      const grade = error < 0.05 ? "good" : error < 0.2 ? "fair" : "poor";
+      return el("div", { class: `trust ${grade}`, id: "trust" }, el("i"), `Surrogate: expected error ${digits(100 * error, 2)} %`);
+    }
+    const here = JSON.stringify(design.answer.tables);
+    if (design.calibrated === here) return el("div", { class: "trust good", id: "trust" }, el("i"), "Surrogate, calibrated at this design");
+    if (design.calibrated) return el("div", { class: "trust fair", id: "trust" }, el("i"), "Surrogate, calibrated at another design");
+    const title = "No reference has been asked; ask the judge, then calibrate here.";
+    return el("div", { class: "trust open", id: "trust", title }, el("i"), "Surrogate, not calibrated");
+  }
+}
+
+/** The number in whatever the surrogate says about its error. */
+function expected(value: unknown): number | null {
+  if (typeof value === "number") return value;
+  if (Array.isArray(value)) return expected(value.reduce((a, b) => Math.max(Number(a), Number(b)), 0));
+  if (value && typeof value === "object") {
+    const known = value as Record<string, unknown>;
+    const numbers = Object.values(known).filter((v): v is number => typeof v === "number");
+    return numbers.length ? Math.max(...numbers) : null;
+  }
+  return null;
+}

@@ -1,0 +1,204 @@
+// The top bar (specs, history, take away) and the bar below the scene (time, camera, what is shown).
+
+import { call, download } from "./api";
+import { digits, el } from "./dom";
+import { attempt, notice, type Store } from "./store";
+import type { SpeedMap } from "./map";
+import type { Stage } from "./stage";
+import type { Actor } from "./actor";
+
+const LARGEST = 64 * 1024;
+
+interface Presets {
+  names: string[];
+  specs: Record<string, string>;
+}
+
+export interface View {
+  paused: boolean;
+  /** periods of the tail per second of ours */
+  pace: number;
+  arrows: boolean;
+}
+
+export function icon(path: string): SVGSVGElement {
+  const svg = document.createElementNS("http://www.w3.org/2000/svg", "svg");
+  svg.setAttribute("viewBox", "0 0 16 16");
+  const p = document.createElementNS("http://www.w3.org/2000/svg", "path");
+  p.setAttribute("d", path);
+  svg.append(p);
+  return svg;
+}
+
+const UNDO = "M6 3 2.5 6.5 6 10M2.5 6.5H10a3.5 3.5 0 0 1 0 7H7";
+const REDO = "M10 3l3.5 3.5L10 10M13.5 6.5H6a3.5 3.5 0 0 0 0 7h3";
+export const PLAY = "M4.5 2.8v10.4l8.5-5.2z";
+export const PAUSE = "M4.5 3v10M11.5 3v10";
+
+export class TopBar {
+  readonly node = el("header", {});
+  private presets = el("select", { id: "presets", "aria-label": "Presets" });
+  private undo = el("button", { id: "undo", class: "icon", title: "Undo (Ctrl+Z)" });
+  private redo = el("button", { id: "redo", class: "icon", title: "Redo (Ctrl+Shift+Z)" });
+  private compare = el("button", { id: "compare", title: "Put a second design beside this one" }, "Compare");
+  private specs: Record<string, string> = {};
+
+  constructor(private store: Store, private stage: Stage, private map: SpeedMap, private actors: () => Actor[], private view: View) {
+    this.undo.append(icon(UNDO));
+    this.redo.append(icon(REDO));
+    this.undo.onclick = () => store.undo();
+    this.redo.onclick = () => store.redo();
+    this.compare.onclick = () => this.toggle();
+    this.presets.addEventListener("change", () => void attempt(() => store.load(this.presets.value, this.specs[this.presets.value])));
+    const file = el("input", { type: "file", accept: ".toml", hidden: true, id: "file" });
+    file.addEventListener("change", () => {
+      if (file.files?.[0]) void this.read(file.files[0]);
+      file.value = "";
+    });
+    const name = el("span", { class: "name" });
+    const brand = el("div", { class: "brand" }, el("i"), el("b", {}, "microswim"), el("span", {}, "studio"));
+    if (store.snapshot) {
+      this.node.append(brand, name, el("span", { class: "grow" }), el("span", { class: "fine" }, "Snapshot: plays without a server"), this.menu());
+    } else {
+      const load = el("button", { onclick: () => file.click(), title: "Load a spec (TOML); you can drop a file on the page" }, "Open…");
+      this.node.append(brand, this.presets, load, file, el("span", { class: "grow" }), this.undo, this.redo, this.compare, this.menu());
+      void attempt(async () => {
+        const { names, specs } = await call<Presets>("/api/presets");
+        this.specs = specs;
+        this.presets.append(el("option", { value: "", disabled: true, hidden: true }), ...names.map((n) => el("option", { value: n }, n)));
+        this.show();
+      });
+      document.addEventListener("dragover", (e) => e.preventDefault());
+      document.addEventListener("drop", (e) => {
+        e.preventDefault();
+        const dropped = e.dataTransfer?.files[0];
+        if (dropped) void this.read(dropped);
+      });
+    }
+    for (const event of ["structure", "answer", "tables", "designs"] as const) store.on(event, () => this.show());
+    store.on("designs", () => (name.textContent = store.designs.map((d) => d.name).join("  and  ")));
+  }
+
+  private show(): void {
+    const { design, designs } = this.store;
+    if (!design) return;
+    this.undo.disabled = design.past.length === 0;
+    this.redo.disabled = design.future.length === 0;
+    this.compare.textContent = designs.length > 1 ? "End comparison" : "Compare";
+    const blank = this.presets.options[0];
+    if (!blank) return;
+    blank.textContent = design.name;
+    this.presets.value = design.name in this.specs ? design.name : "";
+  }
+
+  private async read(file: File): Promise<void> {
+    if (file.size > LARGEST) return notice(`${file.name} has ${Math.round(file.size / 1024)} KiB; a spec has at most 64 KiB.`, "error");
+    const text = await file.text();
+    await attempt(() => this.store.load(file.name.replace(/\.toml$/, ""), text));
+  }
+
+  private toggle(): void {
+    const { store } = this;
+    if (store.designs.length > 1) store.designs = [store.design];
+    else store.designs.push(store.make(`${store.design.name}`, structuredClone(store.design.answer)));
+    store.active = store.designs.length - 1;
+    store.tell("designs", "structure", "tables", "answer", "problem");
+  }
+
+  private menu(): HTMLElement {
+    const items: [string, string, () => unknown][] = [
+      ["Picture (PNG)", "take-png", async () => download(`${this.file}.png`, await this.stage.picture())],
+      ["Spec (TOML)", "take-spec", () => download(`${this.file}.toml`, this.store.design.answer.toml)],
+      ["Trajectory (CSV)", "take-csv", () => this.csv()],
+    ];
+    if (!this.store.snapshot) items.push(["Snapshot (HTML)", "take-html", () => this.html()]);
+    const box = el("details", { class: "menu" }, el("summary", { id: "take" }, "Take away"),
+      el("div", {}, ...items.map(([text, id, act]) => el("button", { id, onclick: () => {
+        box.open = false;
+        void attempt(async () => act());
+      } }, text))));
+    document.addEventListener("click", (e) => {
+      if (!box.contains(e.target as Node)) box.open = false;
+    });
+    return box;
+  }
+
+  private get file(): string {
+    return this.store.design.name.replace(/[^\w.-]+/g, "-");
+  }
+
+  /** The path recorded since the last change, in the lab frame. */
+  private csv(): void {
+    const { record } = this.actors()[this.store.active];
+    if (record.length === 0) return notice("Nothing is recorded yet; let it swim.", "error");
+    const rows = record.map((r) => r.map((v) => v.toPrecision(10)).join(","));
+    download(`${this.file}.csv`, ["time,x,y,z,qw,qx,qy,qz,phase", ...rows, ""].join("\n"));
+  }
+
+  private async html(): Promise<void> {
+    const { store, stage } = this;
+    const designs = store.designs.map((d) => ({ name: d.name, tables: d.answer.tables }));
+    const way = stage.camera.position.clone().sub(stage.controls.target).toArray();
+    const view = { camera: way, pace: this.view.pace, arrows: this.view.arrows };
+    const html = await call<string>("/api/snapshot", { designs, map: this.map.current, view });
+    download(`${this.file}.html`, new Blob([html], { type: "text/html" }));
+    notice("The snapshot plays in any browser, without a server.");
+  }
+}
+
+export class Transport {
+  readonly node = el("div", { class: "transport" });
+  readonly scale = el("div", { class: "scale" }, el("i"), el("span"));
+  private play = el("button", { id: "play", class: "icon", title: "Play or pause (space)" });
+  private says = el("span", { class: "pace" });
+
+  constructor(private store: Store, private view: View, parts: { toggles: HTMLElement[]; restart: () => void }) {
+    const pace = el("input", { type: "range", min: -1.6, max: 1.6, step: 0.01, value: Math.log10(view.pace), id: "pace", "aria-label": "Pace" });
+    const show = (): void => {
+      pace.style.setProperty("--at", `${(100 * (Number(pace.value) + 1.6)) / 3.2}%`);
+      this.tellPace();
+    };
+    pace.addEventListener("input", () => {
+      view.pace = 10 ** Number(pace.value);
+      show();
+    });
+    this.play.onclick = () => this.toggle();
+    const again = el("button", { class: "icon", id: "restart", title: "Back to the start", onclick: parts.restart });
+    again.append(icon("M3 3v4h4M3.4 7A5.3 5.3 0 1 1 3 9.6"));
+    this.node.append(this.play, again, el("span", { class: "slow" }, pace, this.says), el("span", { class: "bar" }), ...parts.toggles);
+    store.on("answer", () => this.tellPace());
+    show();
+    this.draw();
+  }
+
+  toggle(): void {
+    this.view.paused = !this.view.paused;
+    this.draw();
+  }
+
+  private draw(): void {
+    this.play.replaceChildren(icon(this.view.paused ? PLAY : PAUSE));
+    this.play.setAttribute("aria-pressed", String(!this.view.paused));
+  }
+
+  private tellPace(): void {
+    const answer = this.store.design?.answer;
+    if (!answer) return;
+    const f = Math.abs(answer.gait.rate) / (2 * Math.PI) || 1;
+    const slower = f / this.view.pace;
+    if (!answer.dimensional) this.says.textContent = `${digits(this.view.pace, 2)} periods/s`;
+    else this.says.textContent = slower > 1.05 ? `${digits(slower, 2)} × slowed` : slower < 0.95 ? `${digits(1 / slower, 2)} × faster` : "real time";
+  }
+
+  /** A bar of 1, 2 or 5 of some unit, about 90 pixels long. */
+  measure(pixel: number): void {
+    const { answer } = this.store.design;
+    const wanted = 110 * pixel;
+    const ten = 10 ** Math.floor(Math.log10(wanted));
+    const length = ten * (wanted / ten >= 5 ? 5 : wanted / ten >= 2 ? 2 : 1);
+    const [bar, text] = [this.scale.firstElementChild as HTMLElement, this.scale.lastElementChild as HTMLElement];
+    bar.style.width = `${length / pixel}px`;
+    const unit = answer.dimensional ? (length < 1e-6 ? [1e-9, "nm"] : length < 1e-3 ? [1e-6, "µm"] : length < 1 ? [1e-3, "mm"] : [1, "m"]) : [1, ""];
+    text.textContent = answer.dimensional ? `${digits(length / Number(unit[0]), 1)} ${unit[1]}` : `${digits(length, 1)}`;
+  }
+}

@@ -1,0 +1,225 @@
+// The left panel: every number of the spec as a slider with its unit, choices as segments.
+
+import { digits, el, pretty } from "./dom";
+import { CHOICES, label, quantity, read, sensible, spoken, type Range } from "./fields";
+import type { Store } from "./store";
+import type { Tables, Value } from "./types";
+
+const TITLES: [string, string, boolean][] = [
+  ["tail", "Tail", true],
+  ["body", "Body", true],
+  ["fluid", "Fluid", true],
+  ["coefficients", "Local resistance", false],
+  ["interaction", "Body–tail interaction", false],
+  ["motion", "Motion", false],
+];
+const FIRST: Record<string, string[]> = {
+  tail: ["kind", "handedness", "length", "amplitude", "waves", "wavelength", "frequency", "radius", "ramp"],
+};
+const AXES: Record<string, string[]> = {
+  translation: ["s", "q", "r"], rotation: ["s", "q", "r"], tail: ["t", "n", "r"],
+};
+const STEPS = 1000;
+
+export class Controls {
+  readonly node = el("aside", { class: "panel left", "aria-label": "Design" });
+  private ranges = new Map<string, Range>();
+  private rows: (() => void)[] = [];
+  private open = new Map(TITLES.map(([part, , open]) => [part, open]));
+  private owner: unknown = null;
+
+  constructor(private store: Store) {
+    store.on("structure", () => this.build());
+    store.on("tables", () => this.refresh());
+    store.on("problem", () => this.showProblem());
+  }
+
+  build(): void {
+    const { design } = this.store;
+    if (this.owner !== design) {
+      this.ranges.clear();
+      this.owner = design;
+    }
+    const scroll = this.node.scrollTop;
+    this.rows = [];
+    this.node.replaceChildren(el("div", { class: "problem", id: "problem", hidden: true, role: "alert" }));
+    for (const [part, title] of TITLES) {
+      if (design.tables[part]) this.node.append(this.section(part, title));
+    }
+    this.node.scrollTop = scroll;
+    this.refresh();
+    this.showProblem();
+  }
+
+  private section(part: string, title: string): HTMLElement {
+    const table = this.store.design.tables[part];
+    const first = FIRST[part] ?? [];
+    const names = [...first.filter((n) => n in table), ...Object.keys(table).filter((n) => !first.includes(n))];
+    const body = names.flatMap((name) => this.field(`${part}.${name}`, table[name]));
+    const box = el("details", { open: this.open.get(part) }, el("summary", {}, title), ...body);
+    box.addEventListener("toggle", () => this.open.set(part, box.open));
+    return box;
+  }
+
+  private field(path: string, value: Value): HTMLElement[] {
+    if (path === "motion.free") return [this.freedom(path)];
+    if (path in CHOICES) return [this.choice(path)];
+    if (typeof value === "boolean") return [this.toggle(path)];
+    if (Array.isArray(value)) {
+      const name = path.split(".")[1].split("[")[0];
+      const head = name in AXES && !path.includes("[") ? [el("h4", {}, name === "tail" ? "Factors on the tail" : `Body, ${name}`)] : [];
+      return [...head, ...value.flatMap((v, i) => this.field(`${path}[${i}]`, v))];
+    }
+    return quantity(value) ? [this.slider(path)] : [];
+  }
+
+  private range(path: string): Range {
+    const q = quantity(read(this.store.design.tables, path))!;
+    let range = this.ranges.get(path);
+    if (!range) {
+      range = sensible(path, q, this.store.design.answer);
+      this.ranges.set(path, range);
+    }
+    if (q.n < range.low) range.low = q.n;
+    if (q.n > range.high) range.high = q.n;
+    return range;
+  }
+
+  /** Range of a field in its own unit, for the map as well. */
+  span(path: string): Range | null {
+    return quantity(read(this.store.design.tables, path)) ? this.range(path) : null;
+  }
+
+  private slider(path: string): HTMLElement {
+    const { store } = this;
+    const track = el("input", { type: "range", min: 0, max: STEPS, step: 1, "aria-label": label(path), "data-field": path });
+    const box = el("input", { type: "text", inputmode: "decimal", class: "number", "aria-label": `${label(path)}, value`, spellcheck: "false" });
+    const unit = el("span", { class: "unit" });
+    const show = (): void => {
+      const q = quantity(read(store.design.tables, path));
+      if (!q) return;
+      const { low, high, log } = this.range(path);
+      const f = log ? Math.log(q.n / low) / Math.log(high / low) : (q.n - low) / (high - low);
+      track.value = String(Math.round(f * STEPS));
+      track.style.setProperty("--at", `${100 * f}%`);
+      if (document.activeElement !== box) box.value = digits(q.n, 4).replace("−", "-").replace(/(\.\d*?)0+$/, "$1").replace(/\.$/, "");
+      unit.textContent = pretty(q.unit);
+    };
+    const move = (commit: boolean): void => {
+      const q = quantity(read(store.design.tables, path))!;
+      const { low, high, log } = this.range(path);
+      const f = Number(track.value) / STEPS;
+      const n = log ? low * (high / low) ** f : low + f * (high - low);
+      store.edit({ [path]: spoken(Number(n.toPrecision(4)), q.unit) }, commit);
+    };
+    track.addEventListener("input", () => move(false));
+    track.addEventListener("change", () => store.commit());
+    box.addEventListener("change", () => {
+      const n = Number(box.value.replace(",", ".").replace("−", "-"));
+      const q = quantity(read(store.design.tables, path))!;
+      if (box.value.trim() === "" || !Number.isFinite(n)) return show();
+      store.edit({ [path]: spoken(n, q.unit) }, true);
+    });
+    box.addEventListener("keydown", (event) => event.key === "Enter" && box.blur());
+    box.addEventListener("blur", show);
+    this.rows.push(show);
+    return el("div", { class: "row" }, el("label", {}, label(path)), el("span", { class: "value" }, box, unit), track);
+  }
+
+  private choice(path: string): HTMLElement {
+    const options = CHOICES[path];
+    const { store } = this;
+    const set = (value: string): void => this.choose(path, value);
+    if (options.length > 3) {
+      const select = el("select", { "data-field": path, "aria-label": label(path) }, ...options.map(([v, t]) => el("option", { value: v }, t)));
+      select.addEventListener("change", () => set(select.value));
+      this.rows.push(() => (select.value = String(read(store.design.tables, path))));
+      return el("div", { class: "row choice" }, el("label", {}, label(path)), select);
+    }
+    const buttons = options.map(([value, text]) => {
+      const b = el("button", { type: "button", "data-field": path, "data-value": value, onclick: () => set(value) }, text);
+      this.rows.push(() => b.setAttribute("aria-pressed", String(read(store.design.tables, path) === value)));
+      return b;
+    });
+    return el("div", { class: "row choice" }, el("label", {}, label(path)), el("div", { class: "segments" }, ...buttons));
+  }
+
+  private toggle(path: string): HTMLElement {
+    const { store } = this;
+    const box = el("input", { type: "checkbox", class: "switch", "data-field": path, "aria-label": label(path) });
+    box.addEventListener("change", () => store.edit({ [path]: box.checked }, true));
+    this.rows.push(() => (box.checked = Boolean(read(store.design.tables, path))));
+    return el("div", { class: "row choice" }, el("label", {}, label(path)), box);
+  }
+
+  /** Which of the six directions are free. */
+  private freedom(path: string): HTMLElement {
+    const { store } = this;
+    const all = ["us", "uq", "ur", "os", "oq", "or"];
+    const free = (): string[] => {
+      const value = read(store.design.tables, path);
+      return Array.isArray(value) ? value.map(String) : all;
+    };
+    const buttons = all.map((name) => {
+      const text = name[0] === "u" ? `u${name[1]}` : `ω${name[1]}`;
+      const flip = (): void => {
+        const now = free();
+        const next = all.filter((n) => (n === name ? !now.includes(n) : now.includes(n)));
+        if (next.length) store.edit({ [path]: next.length === 6 ? "all" : next }, true);
+      };
+      const b = el("button", { type: "button", title: name[0] === "u" ? "translation" : "rotation", onclick: flip }, text);
+      this.rows.push(() => b.setAttribute("aria-pressed", String(free().includes(name))));
+      return b;
+    });
+    return el("div", { class: "row" }, el("label", {}, "Free directions"), el("div", { class: "segments six" }, ...buttons));
+  }
+
+  /** A choice that changes which numbers there are. */
+  private choose(path: string, value: string): void {
+    const { store } = this;
+    const tables: Tables = structuredClone(store.design.tables);
+    const [part, name] = path.split(".");
+    tables[part][name] = value;
+    if (path === "body.shape") tables.body = bodyOf(value, store.design.answer.shape.semi_axes, tables);
+    if (path === "tail.kind") for (const k of ["handedness", "sections", "surface_motion"]) delete tables.tail[k];
+    if (path === "tail.kind" && value !== "helix" && tables.motion?.frequency_frame === "lab") tables.motion.frequency_frame = "body";
+    if (path === "coefficients.law") {
+      for (const k of ["normal", "tangential"]) delete tables.coefficients[k];
+      if (value === "constant") Object.assign(tables.coefficients, constantOf(tables));
+    }
+    store.replace(tables);
+  }
+
+  refresh(): void {
+    for (const show of this.rows) show();
+  }
+
+  private showProblem(): void {
+    const node = this.node.querySelector<HTMLElement>("#problem");
+    if (!node) return;
+    const { problem } = this.store.design;
+    node.hidden = !problem;
+    node.textContent = problem ?? "";
+  }
+}
+
+/** Another body of about the same size. */
+function bodyOf(shape: string, axes: number[], tables: Tables): Record<string, Value> {
+  const { n, unit } = quantity(tables.tail.length)!;
+  const inUnit = (x: number): number => (unit ? x / ({ um: 1e-6, mm: 1e-3, nm: 1e-9 }[unit] ?? 1) : x);
+  const [a, b, c] = axes[0] > 0 ? axes.map(inUnit) : [n / 4, n / 4, n / 4];
+  const say = (x: number): Value => spoken(Number(x.toPrecision(4)), unit);
+  if (shape === "sphere") return { shape, radius: say(Math.cbrt(a * b * c)) };
+  if (shape === "spheroid") return { shape, semi_axes: [say(a === b ? 1.5 * a : a), say(b)] };
+  if (shape === "ellipsoid") return { shape, semi_axes: [say(a), say(b), say(b === c ? 0.8 * c : c)] };
+  return { shape };
+}
+
+/** Gray and Hancock's pair as a first guess of a constant one: c_n = 2 c_t. */
+function constantOf(tables: Tables): Record<string, Value> {
+  const { n, unit } = quantity(tables.fluid.viscosity)!;
+  return {
+    normal: spoken(Number((8 * n).toPrecision(4)), unit),
+    tangential: spoken(Number((5 * n).toPrecision(4)), unit),
+  };
+}

@@ -1,0 +1,235 @@
+// What drives the swimmer: its motor, or a rotating magnetic field on a moment across the body.
+
+import { digits, el, withPrefix } from "./dom";
+import { cross, dot, rotate, spinMobility, type Drive, type Pose, type Vec } from "./motion";
+import type { Store } from "./store";
+
+const HISTORY = 240;
+
+export class Driver {
+  readonly node = el("div", { class: "drive" });
+  magnetic = false;
+  /** field: turns per time as a share of step-out, strength as torque, heading in degrees */
+  share = 0.6;
+  strength = 1;
+  azimuth = 0;
+  elevation = 0;
+  private chart = el("canvas", { width: 520, height: 190, id: "stepout" });
+  private state = el("div", { class: "trust open", id: "step" }, el("i"), "");
+  private turned: [number, number][] = [];
+  private before: Vec | null = null;
+  private angle = 0;
+  private shows: (() => void)[] = [];
+  private phase = 0;
+  private clock = 0;
+  measured = 0;
+
+  constructor(private store: Store, private changed: () => void) {
+    store.on("structure", () => this.calibrate());
+    this.build();
+  }
+
+  /** Strength so that step-out comes at the motor's own frequency, for a start. */
+  private calibrate(): void {
+    const { gait } = this.store.design.answer;
+    const rate = Math.abs(gait.rate) || 1;
+    this.strength = rate / Math.max(spinMobility(gait), 1e-300);
+    this.unit = this.strength;
+    for (const show of this.shows) show();
+  }
+
+  private unit = 1;
+
+  /** Rate of turning at which the swimmer can no longer follow the field. */
+  get stepOut(): number {
+    return this.strength * spinMobility(this.store.design.answer.gait);
+  }
+
+  get rate(): number {
+    return (this.share * this.unit * spinMobility(this.store.design.answer.gait));
+  }
+
+  get drive(): Drive {
+    const { gait } = this.store.design.answer;
+    if (!this.magnetic) return { rate: gait.rate, moment: null, field: () => [0, 0, 0] };
+    return { rate: 0, moment: [0, this.strength, 0], field: (t) => this.field(t) };
+  }
+
+  driveOf(gait: { rate: number }): Drive {
+    return this.magnetic ? this.drive : { rate: gait.rate, moment: null, field: () => [0, 0, 0] };
+  }
+
+  /** Fastest angle rate there is, which the time step must resolve. */
+  get fastest(): number {
+    const { gait } = this.store.design.answer;
+    return this.magnetic ? Math.max(Math.abs(this.rate), this.stepOut) : Math.abs(gait.rate) || 1;
+  }
+
+  get heading(): Vec {
+    const a = (this.azimuth * Math.PI) / 180;
+    const e = (this.elevation * Math.PI) / 180;
+    return [-Math.cos(a) * Math.cos(e), -Math.sin(a) * Math.cos(e), Math.sin(e)];
+  }
+
+  /** Unit field in the plane across the heading; it turns so that the tail pushes along it. */
+  field(time: number): Vec {
+    const d = this.heading;
+    const across: Vec = Math.abs(d[2]) < 0.95 ? [0, 0, 1] : [0, 1, 0];
+    const unit = (v: Vec): Vec => v.map((x) => x / Math.hypot(...v)) as Vec;
+    const e1 = unit(cross(across, d));
+    const e2 = cross(d, e1);
+    const sense = -(this.store.design.answer.shape.sign || 1);
+    const a = this.phase + this.rate * (time - this.clock);
+    const [c, s] = [Math.cos(a), sense * Math.sin(a)];
+    return [c * e1[0] + s * e2[0], c * e1[1] + s * e2[1], c * e1[2] + s * e2[2]];
+  }
+
+  private build(): void {
+    const modes: [string, string][] = [["motor", "Motor"], ["field", "Magnetic field"]];
+    const buttons = modes.map(([mode, text]) =>
+      el("button", { id: `drive-${mode}`, "aria-pressed": String((mode === "field") === this.magnetic), onclick: () => this.choose(mode === "field") }, text));
+    const sliders = el("div", { hidden: !this.magnetic },
+      this.slider("Field frequency", "share", 0, 2, () => this.frequency(this.rate)),
+      this.slider("Field strength", "power", 0.1, 3, () => `${digits(this.strength / this.unit, 2)} × ${this.torque()}`),
+      this.slider("Heading, sideways", "azimuth", -180, 180, () => `${Math.round(this.azimuth)}°`),
+      this.slider("Heading, up", "elevation", -80, 80, () => `${Math.round(this.elevation)}°`),
+      this.state, this.chart,
+      el("p", { class: "fine" }, "Arrow keys steer, + and − change the frequency. The tail is rigid, the moment lies across the body."));
+    this.node.replaceChildren(el("div", { class: "segments" }, ...buttons), sliders,
+      el("p", { class: "fine", hidden: this.magnetic }, "The motor turns the tail against the body. Choose the field to drive a rigid, magnetised swimmer from outside and see it step out."));
+  }
+
+  private frequency(rate: number): string {
+    return this.store.design?.answer.dimensional ? withPrefix(rate / (2 * Math.PI), "Hz").join(" ") : digits(rate / (2 * Math.PI));
+  }
+
+  private torque(): string {
+    return this.store.design?.answer.dimensional ? withPrefix(this.unit, "N m", 2).join(" ") : digits(this.unit, 2);
+  }
+
+  get power(): number {
+    return this.strength / this.unit;
+  }
+
+  set power(value: number) {
+    this.strength = value * this.unit;
+  }
+
+  private slider(text: string, name: "share" | "power" | "azimuth" | "elevation", low: number, high: number, says: () => string): HTMLElement {
+    const track = el("input", { type: "range", min: low, max: high, step: (high - low) / 400, "aria-label": text, id: `drive-${name}` });
+    const value = el("span", { class: "value plain" });
+    const show = (): void => {
+      track.value = String(this[name]);
+      track.style.setProperty("--at", `${(100 * (this[name] - low)) / (high - low)}%`);
+      if (this.store.design) value.textContent = says();
+    };
+    track.addEventListener("input", () => {
+      this.set(name, Number(track.value));
+    });
+    this.shows.push(show);
+    show();
+    return el("div", { class: "row" }, el("label", {}, text), value, track);
+  }
+
+  private set(name: "share" | "power" | "azimuth" | "elevation", value: number): void {
+    this.hold();
+    this[name] = value;
+    this.turned = [];
+    for (const show of this.shows) show();
+  }
+
+  /** Keep the field's angle when its frequency changes. */
+  private hold(): void {
+    this.phase += this.rate * (this.time - this.clock);
+    this.clock = this.time;
+  }
+
+  private time = 0;
+
+  choose(magnetic: boolean): void {
+    this.magnetic = magnetic;
+    this.restart();
+    this.shows = [];
+    this.build();
+    this.calibrate();
+    this.changed();
+  }
+
+  restart(): void {
+    this.phase = this.clock = this.time = this.angle = this.measured = 0;
+    this.before = null;
+    this.turned = [];
+  }
+
+  key(name: string): boolean {
+    if (!this.magnetic) return false;
+    const turn: Record<string, [("azimuth" | "elevation" | "share"), number]> = {
+      ArrowLeft: ["azimuth", -5], ArrowRight: ["azimuth", 5], ArrowUp: ["elevation", 5], ArrowDown: ["elevation", -5],
+      "+": ["share", 0.05], "=": ["share", 0.05], "-": ["share", -0.05],
+    };
+    if (!(name in turn)) return false;
+    const [what, by] = turn[name];
+    const clamp = { azimuth: 180, elevation: 80, share: 2 }[what];
+    this.set(what, Math.min(clamp, Math.max(what === "share" ? 0 : -clamp, this[what] + by)));
+    return true;
+  }
+
+  /** Measure how fast the body turns about its axis, and say whether it follows. */
+  watch(pose: Pose): void {
+    if (!this.magnetic) return;
+    this.time = pose.time;
+    const m = rotate(pose.q, [0, 1, 0]);
+    const axis = rotate(pose.q, [1, 0, 0]);
+    if (this.before) this.angle += Math.atan2(dot(cross(this.before, m), axis), dot(this.before, m));
+    this.before = m;
+    this.turned.push([pose.time, this.angle]);
+    if (this.turned.length > HISTORY) this.turned.shift();
+    const [t0, a0] = this.turned[0];
+    if (pose.time > t0) this.measured = Math.abs((this.angle - a0) / (pose.time - t0));
+    const follows = this.measured > 0.97 * this.rate || this.turned.length < 30;
+    this.state.className = `trust ${this.rate === 0 ? "open" : follows ? "good" : "poor"}`;
+    this.state.lastChild!.textContent = this.rate === 0 ? "The field stands still"
+      : follows ? `In step: turns at ${this.frequency(this.rate)}`
+      : `Stepped out: turns at ${this.frequency(this.measured)} of ${this.frequency(this.rate)}`;
+    this.plot();
+  }
+
+  /** Rate of turning over rate of the field; beyond step-out it falls as w - sqrt(w^2 - w_c^2). */
+  private plot(): void {
+    const { width: w, height: h } = this.chart;
+    const g = this.chart.getContext("2d")!;
+    const top = Math.max(2 * this.unit * spinMobility(this.store.design.answer.gait), 1.2 * this.stepOut);
+    const X = (v: number): number => 14 + (v / top) * (w - 28);
+    const Y = (v: number): number => h - 34 - (v / (1.12 * this.stepOut)) * (h - 52);
+    g.clearRect(0, 0, w, h);
+    g.strokeStyle = "rgba(255,255,255,.10)";
+    g.lineWidth = 1.5;
+    g.strokeRect(14, 12, w - 28, h - 46);
+    g.setLineDash([5, 6]);
+    g.beginPath();
+    g.moveTo(X(this.stepOut), 12);
+    g.lineTo(X(this.stepOut), h - 34);
+    g.stroke();
+    g.setLineDash([]);
+    g.beginPath();
+    for (let i = 0; i <= 200; i++) {
+      const f = (top * i) / 200;
+      const y = f <= this.stepOut ? f : f - Math.sqrt(f * f - this.stepOut ** 2);
+      if (i === 0) g.moveTo(X(f), Y(y));
+      else g.lineTo(X(f), Y(y));
+    }
+    g.strokeStyle = "#4fc3b8";
+    g.lineWidth = 3;
+    g.stroke();
+    g.fillStyle = "#fff";
+    g.beginPath();
+    g.arc(X(Math.min(this.rate, top)), Y(Math.min(this.measured, 1.1 * this.stepOut)), 7, 0, 7);
+    g.fill();
+    g.fillStyle = "#8997a8";
+    g.font = "20px 'Inter Variable', sans-serif";
+    g.fillText("field frequency", 14, h - 8);
+    g.textAlign = "right";
+    g.fillText(`step-out ${this.frequency(this.stepOut)}`, w - 14, h - 8);
+    g.textAlign = "left";
+  }
+}

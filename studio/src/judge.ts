@@ -1,0 +1,145 @@
+// Ask the judge: boundary elements in the background, surrogate against reference, calibrate here.
+
+import { Refusal, call } from "./api";
+import { NAMES, digits, el, reading } from "./dom";
+import { attempt, notice, type Store } from "./store";
+import type { FlowAnswer, JudgeAnswer, Row } from "./types";
+
+interface Status {
+  state: "running" | "done" | "failed" | "cancelled";
+  done: number;
+  total: number;
+  seconds: number;
+  answer?: unknown;
+  error?: string;
+}
+
+/** A job in the background; `told` hears of its progress. */
+export async function job<T>(ask: Record<string, unknown>, told: (s: Status) => void, stop: AbortSignal): Promise<T | null> {
+  const { token } = await call<{ token: string }>("/api/jobs", ask);
+  for (;;) {
+    if (stop.aborted) {
+      await call(`/api/jobs/${token}`, undefined, "DELETE");
+      return null;
+    }
+    const status = await call<Status>(`/api/jobs/${token}`);
+    told(status);
+    if (status.state === "done") return status.answer as T;
+    if (status.state === "cancelled") return null;
+    if (status.state === "failed") throw new Refusal(status.error);
+    await new Promise((resolve) => setTimeout(resolve, 200));
+  }
+}
+
+export class Judge {
+  readonly node = el("div", { class: "judge" });
+  private stop: AbortController | null = null;
+  private level = "standard";
+  private result: { of: string; made: JudgeAnswer } | null = null;
+  private progress = el("div", { class: "progress" }, el("i"));
+  private says = el("span");
+  private waiting = 0;
+
+  constructor(private store: Store) {
+    for (const event of ["structure", "answer", "designs"] as const) store.on(event, () => this.build());
+    store.on("rest", () => this.again());
+  }
+
+  private get here(): string {
+    return JSON.stringify(this.store.design.answer.tables);
+  }
+
+  build(): void {
+    if (this.stop) return;
+    const levels = el("select", { "aria-label": "Resolution", id: "level" }, ...["coarse", "standard", "fine"].map((l) => el("option", { value: l }, l)));
+    levels.value = this.level;
+    levels.addEventListener("change", () => (this.level = levels.value));
+    this.node.replaceChildren(
+      el("p", {}, "Boundary elements solve the Stokes equations about this very design. They take seconds, and they judge the surrogate."),
+      el("div", { class: "ask" }, levels, el("button", { class: "primary", id: "ask-judge", onclick: () => this.ask() }, "Ask the judge")),
+      ...(this.result ? this.table(this.result.made, this.result.of === this.here) : []),
+    );
+  }
+
+  /** With the reference as the model that swims, a new design is judged when the hand rests. */
+  private again(): void {
+    window.clearTimeout(this.waiting);
+    const { design, model } = this.store;
+    if (model !== "bem" || this.store.snapshot || design.reference?.of === this.here) return;
+    this.waiting = window.setTimeout(() => {
+      this.stop?.abort();
+      this.level = "coarse";
+      void this.ask();
+    }, 350);
+  }
+
+  async ask(): Promise<void> {
+    const { design } = this.store;
+    const of = this.here;
+    const stop = (this.stop = new AbortController());
+    const bar = this.progress.firstElementChild as HTMLElement;
+    bar.style.width = "4%";
+    this.says.textContent = "meshing …";
+    this.node.replaceChildren(
+      el("div", { class: "working" }, this.progress, this.says,
+        el("button", { id: "cancel-judge", onclick: () => stop.abort() }, "Cancel")));
+    const told = (s: Status): void => {
+      bar.style.width = `${Math.max(4, (100 * s.done) / s.total)}%`;
+      this.says.textContent = `${s.done} of ${s.total} steps, ${s.seconds.toFixed(1)} s`;
+    };
+    const made = await attempt(() => job<JudgeAnswer>({ kind: "judge", tables: JSON.parse(of), level: this.level }, told, stop.signal));
+    if (this.stop !== stop) return;
+    this.stop = null;
+    if (made) {
+      this.result = { of, made };
+      design.reference = { answer: made.answer, of };
+    } else if (stop.signal.aborted) notice("The judge was sent away.");
+    this.store.tell("answer");
+    this.build();
+  }
+
+  private table(made: JudgeAnswer, fresh: boolean): HTMLElement[] {
+    const { dimensional } = this.store.design.answer;
+    const say = (r: Row, v: number): string => reading(r.name, v, dimensional).join(" ");
+    const grade = (e: number | null): string =>
+      e === null ? "" : Math.abs(e) < 0.05 ? "good" : Math.abs(e) < 0.2 ? "fair" : "poor";
+    const percent = (e: number | null): string =>
+      e === null ? "–" : `${e >= 0 ? "+" : "−"}${digits(Math.abs(100 * e), 2)} %`;
+    const rows = made.rows.map((r) =>
+      el("tr", { "data-row": r.name },
+        el("td", {}, NAMES[r.name].label), el("td", {}, say(r, r.surrogate)), el("td", {}, say(r, r.reference)),
+        el("td", { class: grade(r.error) }, percent(r.error))));
+    const fit = made.calibration;
+    const about = `${made.unknowns} unknowns, ${made.phases === 1 ? "one phase" : `${made.phases} phases`}, ${made.level}`;
+    const parts: HTMLElement[] = [
+      el("table", { id: "verdict", class: fresh ? "" : "stale" },
+        el("thead", {}, el("tr", {}, ...["", "surrogate", "reference", "error"].map((h) => el("th", {}, h)))),
+        el("tbody", {}, ...rows)),
+      el("p", { class: "fine" }, fresh ? about : "The design has changed since the judge was asked."),
+    ];
+    if (fit.error) parts.push(el("p", { class: "fine" }, `No calibration here: ${fit.error}`));
+    else if (fresh) {
+      const names = Object.entries(fit.coefficients).map(([k, v]) => `${k} ${digits(v)}`).join(",  ");
+      parts.push(
+        el("button", { class: "primary wide", id: "calibrate", title: names, onclick: () => this.calibrate(made) }, "Calibrate the surrogate here"),
+        el("p", { class: "fine" }, `Would set ${names}`),
+        ...fit.warnings.map((w) => el("p", { class: "fine warn" }, w)));
+    }
+    return parts;
+  }
+
+  private calibrate(made: JudgeAnswer): void {
+    const { store } = this;
+    store.replace(made.calibration.tables);
+    const marked = store.design;
+    marked.calibrated = JSON.stringify(made.calibration.tables);
+    this.result = { of: marked.calibrated, made: { ...made, rows: made.calibration.rows } };
+    marked.reference = { answer: made.answer, of: marked.calibrated };
+    notice("Calibrated: the surrogate now agrees with the judge at this design.");
+  }
+}
+
+/** The flow about the design, from boundary elements. */
+export function askFlow(store: Store, told: (s: Status) => void, stop: AbortSignal): Promise<FlowAnswer | null> {
+  return job<FlowAnswer>({ kind: "flow", tables: store.design.answer.tables }, told, stop);
+}

@@ -1,0 +1,240 @@
+// The studio's page: puts the parts together and lets the swimmers swim, sixty times a second.
+
+import "./style.css";
+import * as THREE from "three";
+import { Actor, LOOKS } from "./actor";
+import { Answers } from "./answers";
+import { call } from "./api";
+import { TopBar, Transport, type View } from "./bars";
+import { Controls } from "./controls";
+import { el } from "./dom";
+import { Driver } from "./drive";
+import { Flow } from "./flow";
+import { Judge, askFlow } from "./judge";
+import { SpeedMap } from "./map";
+import { Stage } from "./stage";
+import { Store, attempt, notice } from "./store";
+import type { Answer } from "./types";
+
+const store = new Store();
+const view: View = { paused: false, pace: 0.6, arrows: false };
+const stage = new Stage(document.getElementById("stage")!);
+let actors: Actor[] = [];
+const flow = new Flow();
+let flowing: AbortController | null = null;
+let fitted: unknown = null;
+
+const controls = new Controls(store);
+const answers = new Answers(store);
+const map = new SpeedMap(store, controls);
+const judge = new Judge(store);
+const driver = new Driver(store, restart);
+
+function restart(): void {
+  driver.restart();
+  for (const actor of actors) actor.restart();
+  frame(true);
+}
+
+/** As many actors as designs, side by side. */
+function cast(): void {
+  for (const actor of actors.slice(store.designs.length)) actor.dispose();
+  actors = actors.slice(0, store.designs.length);
+  store.designs.forEach((design, i) => {
+    actors[i] ??= new Actor(stage.world, LOOKS[i]);
+    actors[i].update(store.shown(design));
+  });
+  const { answer } = store.designs[0];
+  const { shape } = answer;
+  const length = shape.length + 2 * shape.semi_axes[0];
+  if (fitted !== store.designs[0]) {
+    fitted = store.designs[0];
+    stage.fit(length, 2 * shape.semi_axes[1] || shape.length / 4);
+    restart();
+    stage.reset(store.designs.length > 1 ? 3.3 : 2.75);
+  }
+  actors.forEach((actor, i) => actor.offset.set(0, 0, store.designs.length > 1 ? (0.5 - i) * 0.46 * length : 0));
+  if (store.designs.length > 1) restart();
+}
+
+function dress(): void {
+  store.designs.forEach((design, i) => actors[i]?.update(store.shown(design)));
+  for (const actor of actors) actor.forget();
+  stopFlow();
+}
+
+function stopFlow(): void {
+  flowing?.abort();
+  flowing = null;
+  flow.clear();
+  toggles.flow.setAttribute("aria-pressed", "false");
+}
+
+async function showFlow(): Promise<void> {
+  if (flow.shown || flowing) return stopFlow();
+  const stop = (flowing = new AbortController());
+  toggles.flow.setAttribute("aria-pressed", "true");
+  const text = toggles.flow.textContent!;
+  const told = (s: { done: number; total: number }): void => {
+    toggles.flow.textContent = `Flow ${Math.round((100 * s.done) / s.total)} %`;
+  };
+  const made = await attempt(() => askFlow(store, told, stop.signal));
+  toggles.flow.textContent = text;
+  if (flowing !== stop) return;
+  flowing = null;
+  if (!made) return stopFlow();
+  actors[store.active].sqr.add(flow.group);
+  flow.show(made);
+  stage.reset(stage.camera.position.distanceTo(stage.controls.target));
+}
+
+function toggle(id: string, text: string, title: string, act: (on: boolean) => void, on = false): HTMLButtonElement {
+  const b = el("button", { id, title, "aria-pressed": String(on) }, text);
+  b.onclick = () => {
+    const now = b.getAttribute("aria-pressed") !== "true";
+    b.setAttribute("aria-pressed", String(now));
+    act(now);
+  };
+  return b;
+}
+
+const legend = el("div", { class: "arrows", hidden: true },
+  ...["velocity", "drag", "thrust"].map((n) => el("span", { class: n }, el("i"), n)));
+const toggles = {
+  follow: toggle("follow", "Follow", "The camera follows the swimmer", (on) => {
+    stage.follow = on;
+    if (on) frame(true);
+  }, true),
+  arrows: toggle("arrows", "Forces", "Drag on the body, thrust of the tail, velocity", (on) => {
+    view.arrows = on;
+    legend.hidden = !on;
+  }),
+  flow: el("button", { id: "flow", "aria-pressed": "false", title: "Flow on a slice, by boundary elements", onclick: () => void showFlow() }, "Flow"),
+};
+toggles.flow.hidden = store.snapshot !== null;
+
+const transport = new Transport(store, view, { toggles: Object.values(toggles), restart });
+const top = new TopBar(store, stage, map, () => actors, view);
+
+/** Surrogate or reference: which gait swims. */
+function models(): HTMLElement {
+  const all: ["rft" | "bem", string][] = [["rft", "Surrogate"], ["bem", "Boundary elements"]];
+  const buttons = all.map(([model, text]) => el("button", { id: `model-${model}`, "aria-pressed": String(model === store.model), onclick: () => {
+    store.model = model;
+    buttons.forEach((b, i) => b.setAttribute("aria-pressed", String(all[i][0] === model)));
+    store.tell("answer", "rest");
+    if (model === "bem") tabs.open("judge");
+  } }, text));
+  return el("div", { class: "segments", "aria-label": "Model" }, ...buttons);
+}
+
+const tabs = (() => {
+  const parts: Record<string, HTMLElement> = store.snapshot ? { map: map.node, drive: driver.node } : { map: map.node, judge: judge.node, drive: driver.node };
+  if (store.snapshot && !store.snapshot.map) delete parts.map;
+  const names: Record<string, string> = { map: "Map", judge: "Judge", drive: "Drive" };
+  const heads = Object.keys(parts).map((key) => el("button", { id: `tab-${key}`, role: "tab", onclick: () => open(key) }, names[key]));
+  const body = el("div", { class: "tabbody" });
+  const open = (key: string): void => {
+    Object.keys(parts).forEach((k, i) => heads[i].setAttribute("aria-selected", String(k === key)));
+    body.replaceChildren(parts[key]);
+    map.visible = key === "map";
+    if (map.visible && store.designs.length) map.refresh();
+  };
+  return { node: el("div", { class: "tabs" }, el("nav", { role: "tablist" }, ...heads), body), open, first: Object.keys(parts)[0] };
+})();
+
+function frame(now: boolean): void {
+  if (!actors.length) return;
+  const centre = new THREE.Vector3();
+  for (const actor of actors) {
+    const { shape } = actor.answer;
+    const middle = new THREE.Vector3(0.5 * shape.length, 0, 0).applyQuaternion(actor.root.quaternion);
+    centre.addScaledVector(middle.add(actor.root.position), 1 / actors.length);
+  }
+  stage.look(centre, now);
+}
+
+let last = performance.now();
+let frames = 0;
+function tick(now: number): void {
+  const passed = Math.min(0.1, (now - last) / 1000);
+  last = now;
+  frames += 1;
+  if (actors.length) {
+    const { gait } = actors[0].answer;
+    const rate = driver.magnetic ? driver.fastest : Math.abs(gait.rate) || 1;
+    const time = view.paused ? 0 : (passed * view.pace * 2 * Math.PI) / rate;
+    for (const actor of actors) {
+      const drive = driver.driveOf(actor.answer.gait);
+      if (time) actor.advance(time, drive, driver.magnetic ? driver.fastest : Math.abs(actor.answer.gait.rate) || 1);
+      actor.draw(drive, view.arrows, 1 / stage.scale);
+    }
+    if (time) driver.watch(actors[store.active].pose);
+    flow.update(actors[store.active].pose.phase, time || 0);
+    frame(false);
+    transport.measure(stage.pixel);
+  }
+  stage.render();
+  requestAnimationFrame(tick);
+}
+
+document.addEventListener("keydown", (e) => {
+  const typing = e.target instanceof HTMLInputElement || e.target instanceof HTMLSelectElement;
+  if ((e.ctrlKey || e.metaKey) && e.key.toLowerCase() === "z") {
+    e.preventDefault();
+    if (e.shiftKey) store.redo();
+    else store.undo();
+  } else if ((e.ctrlKey || e.metaKey) && e.key.toLowerCase() === "y") store.redo();
+  else if (!typing && e.key === " ") {
+    e.preventDefault();
+    transport.toggle();
+  } else if (!typing && driver.key(e.key)) e.preventDefault();
+});
+
+window.addEventListener("error", (e) => notice(`The page stumbled: ${e.message}`, "error"));
+window.addEventListener("unhandledrejection", (e) => notice(`The page stumbled: ${e.reason}`, "error"));
+
+store.on("designs", cast);
+store.on("answer", dress);
+
+const left = el("div", { class: "side left" }, controls.node);
+const right = el("aside", { class: "panel right", "aria-label": "Answers" }, ...(store.snapshot ? [] : [models()]), answers.node, tabs.node);
+document.getElementById("app")!.append(top.node, left, right, legend,
+  el("div", { class: "below" }, transport.scale, transport.node));
+
+async function begin(): Promise<void> {
+  if (store.snapshot) {
+    document.body.classList.add("snapshot");
+    store.designs = store.snapshot.designs.map((d) => store.make(d.name, d.answer));
+    view.pace = Number(store.snapshot.view.pace ?? view.pace);
+  } else {
+    const { name, answer } = await call<{ name: string; answer: Answer }>("/api/start");
+    store.designs = [store.make(name, answer)];
+  }
+  store.tell("designs", "structure", "tables", "answer", "rest");
+  if (tabs.first) tabs.open(tabs.first);
+  map.refresh();
+  for (const input of document.querySelectorAll<HTMLInputElement>(".panel.left :is(input, select, button)")) {
+    if (store.snapshot) input.disabled = true;
+  }
+  requestAnimationFrame(tick);
+  document.body.dataset.ready = "yes";
+  if (!store.snapshot) void warming();
+}
+
+async function warming(): Promise<void> {
+  for (let i = 0; i < 200; i++) {
+    const { warm, doing } = await call<{ warm: boolean; doing: string }>("/api/status");
+    if (warm) {
+      document.body.dataset.warm = "yes";
+      return;
+    }
+    if (i === 1) notice(`Getting ready (${doing}); the first numbers may take a few seconds.`);
+    await new Promise((resolve) => setTimeout(resolve, 500));
+  }
+}
+
+void begin().catch((error: Error) => notice(error.message, "error"));
+
+// For tests and the curious.
+Object.assign(window, { studio: { store, stage, map, driver, actors: () => actors, frames: () => frames, view } });

@@ -1,0 +1,304 @@
+// The map: speed or efficiency over two numbers of the spec, the design as a dot that can be moved.
+
+import { Latest, call } from "./api";
+import { NAMES, digits, el, pretty, reading } from "./dom";
+import { SIZE, label, numbers, quantity, read, si, spoken } from "./fields";
+import type { Controls } from "./controls";
+import { attempt, notice, type Store } from "./store";
+import type { Axis, MapAnswer, MapAsk, Tables } from "./types";
+
+const OUTPUTS = ["swimming_speed", "efficiency", "mean_torque", "mean_power", "body_rate"];
+const STOPS: [number, number, number][] = [
+  [18, 28, 48], [27, 62, 92], [32, 104, 122], [58, 150, 130], [132, 190, 118], [226, 205, 106], [255, 236, 178],
+];
+
+export class SpeedMap {
+  readonly node = el("div", { class: "map" });
+  private canvas = el("canvas", { id: "map", width: 520, height: 340, tabindex: 0, "aria-label": "Map; click to move the design there" });
+  private tip = el("div", { class: "tip", hidden: true });
+  private field = { x: "tail.amplitude", y: "tail.waves" };
+  private output = "swimming_speed";
+  private answer: MapAnswer | null = null;
+  private asked: { tables: Tables; ask: MapAsk } | null = null;
+  private picture: HTMLCanvasElement | null = null;
+  private latest: Latest<{ tables: Tables; ask: MapAsk }, MapAnswer>;
+  private selects: Record<string, HTMLSelectElement> = {};
+  private foot = el("div", { class: "foot" });
+  visible = true;
+  /** answers so far, for the tests */
+  count = 0;
+
+  constructor(private store: Store, private controls: Controls) {
+    this.latest = new Latest(
+      (a) => call<MapAnswer>("/api/map", { tables: a.tables, ...a.ask }),
+      (made, a) => this.take(made, a),
+      (error) => {
+        this.answer = null;
+        this.draw();
+        if (this.visible && !this.store.design.problem) notice(error.message, "error");
+      },
+    );
+    const stored = store.snapshot?.map;
+    if (stored) {
+      this.field = { x: stored.ask.x.field, y: stored.ask.y.field };
+      this.output = stored.ask.output ?? this.output;
+    }
+    store.on("rest", () => this.refresh());
+    store.on("structure", () => this.options());
+    store.on("tables", () => this.draw());
+    this.build();
+  }
+
+  private build(): void {
+    for (const key of ["y", "x", "output"] as const) {
+      const select = el("select", { "aria-label": { x: "Across", y: "Up", output: "Shown" }[key], id: `map-${key}` });
+      select.addEventListener("change", () => {
+        if (key === "output") this.output = select.value;
+        else this.field[key] = select.value;
+        if (key === "output") this.paint();
+        else this.refresh();
+      });
+      this.selects[key] = select;
+    }
+    this.selects.output.append(...OUTPUTS.map((o) => el("option", { value: o }, NAMES[o].label)));
+    const best = el("button", { class: "primary", id: "optimum", title: "Move to the best design on this map", onclick: () => this.optimum() }, "Go to optimum");
+    if (this.store.snapshot) best.hidden = this.selects.x.disabled = this.selects.y.disabled = true;
+    this.canvas.addEventListener("pointerdown", (e) => {
+      if (this.store.snapshot) return;
+      this.canvas.setPointerCapture(e.pointerId);
+      this.go(e, false);
+    });
+    this.canvas.addEventListener("pointermove", (e) => {
+      this.hover(e);
+      if (e.buttons & 1 && !this.store.snapshot) this.go(e, false);
+    });
+    this.canvas.addEventListener("pointerup", () => {
+      this.store.commit();
+    });
+    this.canvas.addEventListener("pointerleave", () => (this.tip.hidden = true));
+    this.node.append(
+      el("div", { class: "mapbar" }, this.selects.output, el("span", {}, "over"), this.selects.x, el("span", {}, "×"), this.selects.y),
+      el("div", { class: "plot" }, this.canvas, this.tip), this.foot, best,
+    );
+  }
+
+  private options(): void {
+    const { tables } = this.store.design;
+    const known = numbers(tables).filter((f) => f !== "fluid.density" && !f.includes("coupling"));
+    if (!known.includes(this.field.y)) this.field.y = "tail.waves" in tables.tail ? "tail.waves" : this.field.y;
+    if (!known.includes(this.field.y)) this.field.y = known.includes("tail.waves") ? "tail.waves" : "tail.wavelength";
+    if (!known.includes(this.field.x)) this.field.x = "tail.amplitude";
+    for (const key of ["x", "y"] as const) {
+      const part = (f: string): string => (f.startsWith("tail.") ? "" : `${f.split(".")[0]}: `);
+      this.selects[key].replaceChildren(...known.map((f) => el("option", { value: f }, `${part(f)}${label(f).toLowerCase()}`)));
+      this.selects[key].value = this.field[key];
+    }
+    this.selects.output.value = this.output;
+  }
+
+  private axis(field: string, count: number): Axis | null {
+    const span = this.controls.span(field);
+    const q = quantity(read(this.store.design.tables, field));
+    if (!span || !q) return null;
+    const unit = SIZE[q.unit] ?? 1;
+    const low = span.low <= 0 && field !== "tail.frequency" ? span.high / 60 : span.low;
+    return { field, from: low * unit, to: span.high * unit, count };
+  }
+
+  private ask(): MapAsk | null {
+    const wave = this.store.design.answer.shape.kind !== "helix";
+    const x = this.axis(this.field.x, wave ? 18 : 40);
+    const y = this.axis(this.field.y, wave ? 14 : 30);
+    return x && y ? { x, y, output: this.output } : null;
+  }
+
+  refresh(): void {
+    const stored = this.store.snapshot?.map;
+    if (this.store.snapshot) {
+      if (stored && !this.answer) this.take(stored, { tables: this.store.design.tables, ask: stored.ask });
+      return;
+    }
+    if (!this.visible) return;
+    const ask = this.ask();
+    if (!ask) return;
+    if (ask.x.field === ask.y.field) return notice("Choose two different numbers for the map.", "error");
+    this.latest.send({ tables: structuredClone(this.store.design.tables), ask });
+  }
+
+  private take(made: MapAnswer, a: { tables: Tables; ask: MapAsk }): void {
+    this.answer = made;
+    this.asked = a;
+    this.count += 1;
+    this.node.dataset.milliseconds = made.milliseconds.toFixed(0);
+    this.paint();
+  }
+
+  /** What a snapshot takes along. */
+  get current(): MapAsk | null {
+    return this.asked && { ...this.asked.ask, output: this.output };
+  }
+
+  private values(): (number | null)[] {
+    return this.answer!.values[this.output].map((v) => (v === null ? null : Math.abs(v)));
+  }
+
+  /** Colours, bilinear between the designs, and lines of equal value. */
+  private paint(): void {
+    if (!this.answer) return;
+    const { width: w, height: h } = this.canvas;
+    const v = this.values();
+    const [nx, ny] = [this.answer.x.length, this.answer.y.length];
+    const known = v.filter((z): z is number => z !== null);
+    const top = Math.max(...known, 1e-300);
+    const low = Math.min(...known, top);
+    const picture = el("canvas", { width: w, height: h });
+    const g = picture.getContext("2d")!;
+    const image = g.createImageData(w, h);
+    const level = new Int8Array(w * h);
+    for (let py = 0; py < h; py++) {
+      const b = ((h - 1 - py) / (h - 1)) * (ny - 1);
+      const j = Math.min(ny - 2, Math.floor(b));
+      for (let px = 0; px < w; px++) {
+        const a = (px / (w - 1)) * (nx - 1);
+        const i = Math.min(nx - 2, Math.floor(a));
+        const c = [v[j * nx + i], v[j * nx + i + 1], v[(j + 1) * nx + i], v[(j + 1) * nx + i + 1]];
+        const at = 4 * (py * w + px);
+        if (c.some((z) => z === null)) {
+          const s = (px + py) % 14 < 2 ? 40 : 22;
+          image.data.set([s, s + 6, s + 14, 255], at);
+          level[py * w + px] = -1;
+          continue;
+        }
+        const z = c as number[];
+        const [u, t] = [a - i, b - j];
+        const value = (1 - t) * ((1 - u) * z[0] + u * z[1]) + t * ((1 - u) * z[2] + u * z[3]);
+        const f = top > low ? (value - low) / (top - low) : 0;
+        image.data.set([...colour(f), 255], at);
+        level[py * w + px] = Math.floor(f * 9.999);
+      }
+    }
+    for (let py = 0; py < h - 1; py++) {
+      for (let px = 0; px < w - 1; px++) {
+        const k = py * w + px;
+        if (level[k] < 0 || (level[k] === level[k + 1] && level[k] === level[k + w])) continue;
+        for (let n = 0; n < 3; n++) image.data[4 * k + n] = Math.min(255, image.data[4 * k + n] * 0.82 + 44);
+      }
+    }
+    g.putImageData(image, 0, 0);
+    this.picture = picture;
+    this.legend(low, top);
+    this.draw();
+  }
+
+  private legend(low: number, top: number): void {
+    const { dimensional } = this.store.design.answer;
+    const say = (x: number): string => reading(this.output, x, dimensional, 2).join(" ");
+    const end = (key: "x" | "y", i: number): string => {
+      const q = quantity(read(this.store.design.tables, this.field[key]));
+      const values = this.answer![key];
+      return digits(values[i ? values.length - 1 : 0] / (SIZE[q?.unit ?? ""] ?? 1), 2);
+    };
+    const unit = (key: "x" | "y"): string => {
+      const u = quantity(read(this.store.design.tables, this.field[key]))?.unit;
+      return u ? ` ${pretty(u)}` : "";
+    };
+    this.foot.replaceChildren(
+      el("span", {}, `${label(this.field.x).toLowerCase()} ${end("x", 0)}–${end("x", 1)}${unit("x")},  up: ${label(this.field.y).toLowerCase()} ${end("y", 0)}–${end("y", 1)}${unit("y")}`),
+      el("span", { class: "legend" }, say(low), el("i"), say(top)));
+  }
+
+  private place(): [number, number] | null {
+    if (!this.answer) return null;
+    const x = si(this.store.design.tables, this.field.x);
+    const y = si(this.store.design.tables, this.field.y);
+    if (x === null || y === null) return null;
+    const part = (values: number[], value: number): number => (value - values[0]) / (values[values.length - 1] - values[0]);
+    return [part(this.answer.x, x), part(this.answer.y, y)];
+  }
+
+  private draw(): void {
+    const { width: w, height: h } = this.canvas;
+    const g = this.canvas.getContext("2d")!;
+    g.fillStyle = "#141c27";
+    g.fillRect(0, 0, w, h);
+    if (this.picture && this.answer) g.drawImage(this.picture, 0, 0);
+    const at = this.place();
+    if (!at) return;
+    const [x, y] = [Math.min(1, Math.max(0, at[0])) * w, (1 - Math.min(1, Math.max(0, at[1]))) * h];
+    g.strokeStyle = "rgba(255,255,255,.22)";
+    g.lineWidth = 1.5;
+    g.beginPath();
+    g.moveTo(x, 0);
+    g.lineTo(x, h);
+    g.moveTo(0, y);
+    g.lineTo(w, y);
+    g.stroke();
+    g.beginPath();
+    g.arc(x, y, 9, 0, 7);
+    g.fillStyle = "rgba(8,12,18,.75)";
+    g.fill();
+    g.lineWidth = 4;
+    g.strokeStyle = "#fff";
+    g.stroke();
+  }
+
+  private pick(e: PointerEvent): { x: number; y: number; value: number | null } | null {
+    if (!this.answer) return null;
+    const box = this.canvas.getBoundingClientRect();
+    const u = Math.min(1, Math.max(0, (e.clientX - box.left) / box.width));
+    const t = Math.min(1, Math.max(0, 1 - (e.clientY - box.top) / box.height));
+    const { x, y } = this.answer;
+    const i = Math.round(u * (x.length - 1));
+    const j = Math.round(t * (y.length - 1));
+    const along = (values: number[], f: number): number => values[0] + f * (values[values.length - 1] - values[0]);
+    return { x: along(x, u), y: along(y, t), value: this.values()[j * x.length + i] };
+  }
+
+  private hover(e: PointerEvent): void {
+    const p = this.pick(e);
+    this.tip.hidden = !p;
+    if (!p) return;
+    const { dimensional } = this.store.design.answer;
+    const box = this.canvas.getBoundingClientRect();
+    this.tip.textContent = p.value === null ? "not possible" : reading(this.output, p.value, dimensional).join(" ");
+    this.tip.style.left = `${e.clientX - box.left}px`;
+    this.tip.style.top = `${e.clientY - box.top}px`;
+  }
+
+  private go(e: PointerEvent, commit: boolean): void {
+    const p = this.pick(e);
+    if (p) this.move(p.x, p.y, commit);
+  }
+
+  private move(x: number, y: number, commit: boolean): void {
+    const { tables } = this.store.design;
+    const say = (field: string, value: number) => {
+      const q = quantity(read(tables, field))!;
+      return spoken(Number((value / (SIZE[q.unit] ?? 1)).toPrecision(4)), q.unit);
+    };
+    this.store.edit({ [this.field.x]: say(this.field.x, x), [this.field.y]: say(this.field.y, y) }, commit);
+  }
+
+  private async optimum(): Promise<void> {
+    const ask = this.ask();
+    if (!ask) return;
+    const tables = structuredClone(this.store.design.tables);
+    const best = await attempt(() => call<{ x: number; y: number; value: number }>("/api/optimum", { tables, ...ask }));
+    if (!best) return;
+    this.move(best.x, best.y, true);
+    const { dimensional } = this.store.design.answer;
+    notice(`Best on this map: ${NAMES[this.output].label.toLowerCase()} ${reading(this.output, best.value, dimensional).join(" ")}`);
+  }
+
+  /** For a second design: nothing of the first may show. */
+  forget(): void {
+    this.answer = this.picture = null;
+    this.draw();
+  }
+}
+
+function colour(f: number): [number, number, number] {
+  const x = Math.min(1, Math.max(0, f)) * (STOPS.length - 1);
+  const i = Math.min(STOPS.length - 2, Math.floor(x));
+  return [0, 1, 2].map((k) => STOPS[i][k] + (x - i) * (STOPS[i + 1][k] - STOPS[i][k])) as [number, number, number];
+}

@@ -1,0 +1,148 @@
+// The stage: light, floor of the lab frame, camera, scale bar. Lengths are those of the swimmer times `scale`.
+
+import * as THREE from "three";
+import { OrbitControls } from "three/examples/jsm/controls/OrbitControls.js";
+
+const FLOOR = /* glsl */ `
+  varying vec3 place;
+  void main() {
+    vec4 world = modelMatrix * vec4(position, 1.0);
+    place = world.xyz;
+    gl_Position = projectionMatrix * viewMatrix * world;
+  }`;
+
+const GRID = /* glsl */ `
+  varying vec3 place;
+  uniform float cell;
+  uniform vec3 middle;
+  uniform float reach;
+  float lines(vec2 p, float width) {
+    vec2 d = abs(fract(p - 0.5) - 0.5) / fwidth(p);
+    return 1.0 - min(min(d.x, d.y) / width, 1.0);
+  }
+  void main() {
+    vec2 p = place.xy / cell;
+    float fine = lines(p, 1.1) * 0.30;
+    float coarse = lines(p / 5.0, 1.3) * 0.75;
+    float far = 1.0 - smoothstep(0.15 * reach, reach, distance(place.xy, middle.xy));
+    gl_FragColor = vec4(vec3(0.42, 0.58, 0.72), max(fine, coarse) * far * far * 0.55);
+  }`;
+
+export class Stage {
+  readonly renderer: THREE.WebGLRenderer;
+  readonly scene = new THREE.Scene();
+  readonly camera = new THREE.PerspectiveCamera(32, 1, 0.01, 400);
+  readonly controls: OrbitControls;
+  readonly world = new THREE.Group();
+  follow = true;
+  scale = 1;
+  private floor: THREE.Mesh;
+  private aim = new THREE.Vector3();
+
+  constructor(private host: HTMLElement) {
+    this.renderer = new THREE.WebGLRenderer({ antialias: true, powerPreference: "high-performance" });
+    this.renderer.setPixelRatio(Math.min(window.devicePixelRatio, 2));
+    this.renderer.toneMapping = THREE.ACESFilmicToneMapping;
+    this.renderer.toneMappingExposure = 1.0;
+    host.append(this.renderer.domElement);
+    this.scene.background = backdrop();
+    const key = new THREE.DirectionalLight("#fff3df", 3.1);
+    key.position.set(-3, 4, 6);
+    const rim = new THREE.DirectionalLight("#6fb7ff", 3.2);
+    rim.position.set(4, -6, 1.5);
+    const fill = new THREE.DirectionalLight("#8fd6d0", 0.7);
+    fill.position.set(-5, 3, -3);
+    this.scene.add(key, rim, fill, new THREE.HemisphereLight("#b3c9e2", "#1b2430", 0.9), this.world);
+    this.floor = new THREE.Mesh(new THREE.PlaneGeometry(80, 80), new THREE.ShaderMaterial({
+      vertexShader: FLOOR, fragmentShader: GRID, transparent: true, depthWrite: false, side: THREE.DoubleSide,
+      uniforms: { cell: { value: 0.2 }, middle: { value: new THREE.Vector3() }, reach: { value: 4.2 } },
+    }));
+    this.floor.position.z = -0.42;
+    this.scene.add(this.floor);
+    this.camera.up.set(0, 0, 1);
+    this.controls = new OrbitControls(this.camera, this.renderer.domElement);
+    this.controls.enableDamping = true;
+    this.controls.dampingFactor = 0.12;
+    this.controls.minDistance = 0.25;
+    this.controls.maxDistance = 30;
+    new ResizeObserver(() => this.resize()).observe(host);
+    this.resize();
+    this.reset();
+  }
+
+  /** Camera from ahead and above; the swimmer swims to the right. */
+  reset(distance = 2.75): void {
+    const way = new THREE.Vector3(-0.16, 0.9, 0.36).normalize().multiplyScalar(distance);
+    this.controls.target.copy(this.aim);
+    this.camera.position.copy(this.aim).add(way);
+    this.controls.update();
+  }
+
+  /** Longest length of the swimmer is one on the stage. */
+  fit(length: number, diameter: number): void {
+    this.scale = 1 / length;
+    this.world.scale.setScalar(this.scale);
+    (this.floor.material as THREE.ShaderMaterial).uniforms.cell.value = diameter * this.scale;
+  }
+
+  /** Where the camera looks, in units of the swimmer. */
+  look(centre: THREE.Vector3, now: boolean): void {
+    const wanted = centre.clone().multiplyScalar(this.scale);
+    const moved = wanted.sub(this.aim).multiplyScalar(now ? 1 : 0.12);
+    this.aim.add(moved);
+    if (!this.follow && !now) return;
+    this.controls.target.add(moved);
+    this.camera.position.add(moved);
+  }
+
+  render(): void {
+    const at = this.controls.target;
+    this.floor.position.set(at.x, at.y, this.floor.position.z);
+    const material = this.floor.material as THREE.ShaderMaterial;
+    material.uniforms.middle.value.copy(at);
+    material.uniforms.reach.value = 2.2 + 0.8 * this.camera.position.distanceTo(at);
+    this.controls.update();
+    this.renderer.render(this.scene, this.camera);
+  }
+
+  /** Length on the stage of a pixel at the target. */
+  get pixel(): number {
+    const height = 2 * this.camera.position.distanceTo(this.controls.target) * Math.tan((this.camera.fov * Math.PI) / 360);
+    return height / this.host.clientHeight / this.scale;
+  }
+
+  picture(): Promise<Blob> {
+    this.render();
+    return new Promise((resolve, reject) =>
+      this.renderer.domElement.toBlob((b) => (b ? resolve(b) : reject(new Error("no picture"))), "image/png"));
+  }
+
+  private resize(): void {
+    const { clientWidth: w, clientHeight: h } = this.host;
+    this.renderer.setSize(w, h);
+    this.camera.aspect = w / h;
+    this.camera.updateProjectionMatrix();
+  }
+}
+
+/** Dark water, a little lighter behind the swimmer. */
+function backdrop(): THREE.CanvasTexture {
+  const canvas = document.createElement("canvas");
+  canvas.width = canvas.height = 512;
+  const g = canvas.getContext("2d")!;
+  const light = g.createRadialGradient(256, 220, 10, 256, 240, 380);
+  light.addColorStop(0, "#1c2b3b");
+  light.addColorStop(0.45, "#121c28");
+  light.addColorStop(1, "#080c12");
+  g.fillStyle = light;
+  g.fillRect(0, 0, 512, 512);
+  const grain = g.getImageData(0, 0, 512, 512);
+  for (let i = 0; i < grain.data.length; i += 4) {
+    const d = (Math.random() - 0.5) * 3;
+    for (let j = 0; j < 3; j++) grain.data[i + j] += d;
+  }
+  g.putImageData(grain, 0, 0);
+  const texture = new THREE.CanvasTexture(canvas);
+  texture.colorSpace = THREE.SRGBColorSpace;
+  return texture;
+}

@@ -1,0 +1,192 @@
+// What the page holds: one or two designs with their histories, and who listens to changes.
+
+import { Latest, Refusal, call } from "./api";
+import { clone } from "./dom";
+import { write } from "./fields";
+import type { Answer, Snapshot, Tables, Value } from "./types";
+
+export interface Reference {
+  answer: Answer;
+  /** the tables that were judged */
+  of: string;
+}
+
+export interface Design {
+  name: string;
+  tables: Tables;
+  answer: Answer;
+  committed: Tables;
+  past: Tables[];
+  future: Tables[];
+  problem: string | null;
+  reference: Reference | null;
+  /** where the surrogate was calibrated, as text of the tables */
+  calibrated: string | null;
+  latest: Latest<Ask, Answer>;
+}
+
+interface Ask {
+  tables: Tables;
+  adopt: boolean;
+}
+
+export type Event = "tables" | "answer" | "structure" | "designs" | "problem" | "rest";
+
+export class Store {
+  designs: Design[] = [];
+  active = 0;
+  model: "rft" | "bem" = "rft";
+  readonly snapshot: Snapshot | null;
+  /** milliseconds from a slider's move to numbers on the page */
+  lag = 0;
+  private listeners: [Event, () => void][] = [];
+  private resting = 0;
+
+  constructor() {
+    const data = document.getElementById("snapshot");
+    this.snapshot = data ? (JSON.parse(data.textContent!) as Snapshot) : null;
+  }
+
+  on(event: Event, listener: () => void): void {
+    this.listeners.push([event, listener]);
+  }
+
+  tell(...events: Event[]): void {
+    for (const [event, listener] of this.listeners) if (events.includes(event)) listener();
+  }
+
+  get design(): Design {
+    return this.designs[this.active];
+  }
+
+  /** What is shown of a design: the surrogate's answer or the reference's. */
+  shown(design: Design): Answer {
+    const { reference } = design;
+    const fresh = reference && reference.of === JSON.stringify(design.answer.tables);
+    return this.model === "bem" && fresh ? { ...design.answer, ...reference.answer, tables: design.answer.tables } : design.answer;
+  }
+
+  make(name: string, answer: Answer): Design {
+    const tables = clone(answer.tables);
+    const design: Design = {
+      name, answer, tables, committed: clone(tables), past: [], future: [],
+      problem: null, reference: null, calibrated: null, latest: null as unknown as Design["latest"],
+    };
+    let sent = 0;
+    design.latest = new Latest<Ask, Answer>(
+      (ask) => {
+        sent = performance.now();
+        return call<Answer>("/api/solve", { tables: ask.tables, name: design.name });
+      },
+      (made, ask, newest) => {
+        this.lag = performance.now() - sent;
+        design.answer = made;
+        design.problem = null;
+        if (ask.adopt && newest) {
+          design.tables = clone(made.tables);
+          design.committed = clone(made.tables);
+          this.tell("structure");
+        }
+        this.tell("answer", "problem");
+      },
+      (error) => {
+        design.problem = error.message;
+        this.tell("problem");
+      },
+    );
+    return design;
+  }
+
+  /** Change one or more fields of the active design; `commit` ends the gesture. */
+  edit(changes: Record<string, Value>, commit: boolean, adopt = false): void {
+    const { design } = this;
+    for (const [path, value] of Object.entries(changes)) write(design.tables, path, value);
+    if (commit) this.commit();
+    this.solve(adopt);
+    this.tell("tables");
+  }
+
+  commit(): void {
+    const { design } = this;
+    if (JSON.stringify(design.tables) === JSON.stringify(design.committed)) return;
+    design.past.push(design.committed);
+    design.committed = clone(design.tables);
+    design.future = [];
+  }
+
+  /** Put other tables in place of the active design's, as one step that can be undone. */
+  replace(tables: Tables): void {
+    const { design } = this;
+    design.past.push(design.committed);
+    design.committed = clone(tables);
+    design.tables = clone(tables);
+    design.future = [];
+    this.solve(true);
+    this.tell("structure", "tables");
+  }
+
+  undo(): void {
+    this.travel("past", "future");
+  }
+
+  redo(): void {
+    this.travel("future", "past");
+  }
+
+  private travel(from: "past" | "future", to: "past" | "future"): void {
+    const { design } = this;
+    const tables = design[from].pop();
+    if (!tables) return;
+    design[to].push(design.committed);
+    design.committed = clone(tables);
+    design.tables = clone(tables);
+    this.solve();
+    this.tell("structure", "tables");
+  }
+
+  solve(adopt = false): void {
+    if (this.snapshot) return;
+    const { design } = this;
+    design.latest.send({ tables: clone(design.tables), adopt });
+    window.clearTimeout(this.resting);
+    this.resting = window.setTimeout(() => this.tell("rest"), 140);
+  }
+
+  open(name: string, answer: Answer): void {
+    this.designs[this.active] = this.make(name, answer);
+    this.tell("designs", "structure", "answer", "tables", "problem", "rest");
+  }
+
+  async load(name: string, text: string): Promise<void> {
+    this.open(name, await call<Answer>("/api/spec", text));
+  }
+}
+
+let shelf: HTMLElement | null = null;
+
+/** A readable notice that goes away by itself; errors stay longer. */
+export function notice(message: string, kind: "info" | "error" = "info"): void {
+  shelf ??= document.body.appendChild(Object.assign(document.createElement("div"), { id: "notices" }));
+  const node = document.createElement("div");
+  node.className = `notice ${kind}`;
+  node.setAttribute("role", kind === "error" ? "alert" : "status");
+  node.textContent = message;
+  const close = document.createElement("button");
+  close.textContent = "×";
+  close.title = "Dismiss";
+  close.onclick = () => node.remove();
+  node.append(close);
+  shelf.append(node);
+  while (shelf.children.length > 3) shelf.firstElementChild!.remove();
+  setTimeout(() => node.remove(), kind === "error" ? 12000 : 5000);
+}
+
+export async function attempt<T>(work: () => Promise<T>): Promise<T | undefined> {
+  try {
+    return await work();
+  } catch (error) {
+    const message = error instanceof Refusal || error instanceof Error ? error.message : String(error);
+    notice(message, "error");
+    return undefined;
+  }
+}

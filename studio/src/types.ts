@@ -1,0 +1,96 @@
+// What travels between server and page; see src/microswim/studio/answers.py.
+
+export type Value = string | number | boolean | Value[];
+export type Tables = Record<string, Record<string, Value>>;
+
+export interface Shape {
+  semi_axes: [number, number, number];
+  body: string;
+  kind: string;
+  length: number;
+  amplitude: number;
+  wavenumber: number;
+  ramp: number;
+  radius: number;
+  sign: number;
+  sheared: boolean;
+}
+
+export interface GaitData {
+  model: string;
+  rate: number;
+  free: boolean[];
+  series: number[][];
+  body: number[][] | null;
+}
+
+export type Readings = Record<string, number | null>;
+
+export interface Answer {
+  units: Record<string, string>;
+  dimensional: boolean;
+  shape: Shape;
+  gait: GaitData;
+  readings: Readings;
+  expected_error: unknown;
+  tables: Tables;
+  toml: string;
+  notes: string[];
+  milliseconds: number;
+}
+
+export interface Axis {
+  field: string;
+  from: number;
+  to: number;
+  count: number;
+}
+
+export interface MapAsk {
+  x: Axis;
+  y: Axis;
+  output: string;
+}
+
+export interface MapAnswer {
+  x: number[];
+  y: number[];
+  values: Record<string, (number | null)[]>;
+  milliseconds: number;
+}
+
+export interface Row {
+  name: string;
+  surrogate: number;
+  reference: number;
+  error: number | null;
+}
+
+export interface JudgeAnswer {
+  answer: Answer;
+  rows: Row[];
+  unknowns: number;
+  phases: number;
+  level: string;
+  calibration: {
+    error?: string;
+    tables: Tables;
+    coefficients: Record<string, number>;
+    rows: Row[];
+    warnings: string[];
+  };
+}
+
+export interface FlowAnswer {
+  s: [number, number];
+  q: [number, number];
+  shape: [number, number];
+  series: number[][];
+  scale: number;
+}
+
+export interface Snapshot {
+  designs: { name: string; answer: Answer }[];
+  view: Record<string, unknown>;
+  map?: { ask: MapAsk } & MapAnswer;
+}

@@ -30,8 +30,11 @@ bodies = st.one_of(
         ms.Ellipsoid, semi_axes=st.tuples(number(0.1, 1.0), number(0.1, 1.0), number(0.1, 1.0))
     ),
 )
+HANDS = st.sampled_from(["left", "right"])
 tails = st.one_of(
-    st.builds(lambda w, h: ms.HelicalTail(**w, handedness=h), waves, st.sampled_from(["left", "right"])),
+    st.builds(
+        lambda w, h: ms.HelicalTail(**w, handedness=h), waves, st.sampled_from(["left", "right"])
+    ),
     st.builds(lambda w: ms.PlaneWaveTail(**w), waves),
 )
 swimmers = st.builds(
@@ -75,9 +78,7 @@ def test_work_of_the_motor_is_what_the_fluid_dissipates(swimmer):
     gait = swimmer.gait()
     V, rate = gait.velocity(PHASE), gait.rate
     R, F, G = gait.resistance(PHASE), gait.propulsion(PHASE), gait.activity(PHASE)
-    dissipated = (
-        np.einsum("ni,nij,nj->n", V, R, V) + 2 * rate * np.sum(F * V, axis=1) + rate**2 * G
-    )
+    dissipated = np.einsum("ni,nij,nj->n", V, R, V) + 2 * rate * np.sum(F * V, axis=1) + rate**2 * G
     assert gait.power(PHASE) == pytest.approx(dissipated, rel=1e-9, abs=1e-12)
     assert (dissipated >= -1e-12 * np.abs(G).max() * rate**2).all()
 
@@ -168,12 +169,12 @@ def test_covariance_under_rotation_of_the_frame():
 
 def test_a_quarter_turn_of_the_helix_is_a_quarter_of_its_phase():
     """The closed series of the rotating helix against the quadrature at another phase."""
-    from microswim import rft
+    from microswim import kernels, rft
 
     swimmer = swimmer_of(ms.HelicalTail(**WAVE, handedness="right"))
     gait, p = swimmer.gait(), rft.parameters(swimmer)
     phase = 1.234
-    R, F, _ = rft.wave_tail(rft.HELIX, True, p, phase, *rft.rules(swimmer))
+    R, F, _ = kernels.wave_tail(kernels.HELIX, True, p, phase, *rft.rules(swimmer))
     body = swimmer.body.resistance(1.0)
     assert gait.resistance(phase) == pytest.approx(R + body, abs=1e-12)
     assert gait.propulsion(phase) == pytest.approx(F, abs=1e-12)
@@ -235,6 +236,8 @@ def test_held_degrees_of_freedom_do_not_move():
 
 def test_a_body_of_no_resistance_and_no_tail_is_refused():
     line = ms.HelicalTail(length=1.0, amplitude=0.0, waves=1, radius=0.01)
-    nothing = swimmer_of(line, ms.NoBody(), coefficients=ms.Constant(normal=1, tangential=1, spin=False))
+    nothing = swimmer_of(
+        line, ms.NoBody(), coefficients=ms.Constant(normal=1, tangential=1, spin=False)
+    )
     with pytest.raises(ms.MicroswimError, match="singular"):
         nothing.gait().velocity(0.0)

@@ -84,9 +84,7 @@ def test_order_four(helix):
         "flow": lambda t: 0.1 * turning(t),
     }
     times = np.array([0.0, 2.0])
-    ends = [
-        ms.trajectory(helix, times, max_step=h, **loads) for h in (0.1, 0.05, 0.025, 0.1 / 32)
-    ]
+    ends = [ms.trajectory(helix, times, max_step=h, **loads) for h in (0.1, 0.05, 0.025, 0.1 / 32)]
     for name in ("position", "quaternion"):
         error = [np.abs(e[name][-1] - ends[-1][name][-1]).max().item() for e in ends[:-1]]
         orders = np.log2(np.array(error[:-1]) / error[1:])
@@ -119,7 +117,9 @@ def test_flow_carries_and_turned_loads_turn_the_path(helix):
     plain = ms.trajectory(helix, times, force=(5.0, 0, 2.0))
     turned = ms.trajectory(helix, times, force=Q @ [5.0, 0, 2.0], quaternion=q)
     assert turned.position.values == pytest.approx(plain.position.values @ Q.T, abs=1e-10)
-    assert turned.quaternion.values == pytest.approx(multiply(q, plain.quaternion.values), abs=1e-10)
+    assert turned.quaternion.values == pytest.approx(
+        multiply(q, plain.quaternion.values), abs=1e-10
+    )
 
 
 def test_running_the_motor_back_undoes_the_path(wave):

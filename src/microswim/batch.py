@@ -13,9 +13,10 @@ from typing import Any
 import numpy as np
 
 from .errors import MicroswimError, SpecError
+from .gait import MIRROR_Q
+from .kernels import HELIX, PLANE_WAVE, gauss, node_numbers, solve_designs
 from .metrics import summary
-from .rft import HELIX, MIRROR_Q, PLANE_WAVE, body_resistance, gauss, node_numbers, parameters
-from .rft import solve_designs
+from .rft import body_resistance, parameters
 from .swimmer import Swimmer
 
 CHUNK = 8192
@@ -94,7 +95,9 @@ def _chunk(swimmer: Swimmer, arrays: dict[str, Any], tolerance: float) -> dict[s
     kind = HELIX if helix else PLANE_WAVE
     for rules, group in _groups(kind, p, good, tolerance):
         free = np.array(swimmer.motion.mask)
-        V[group], power[group] = solve_designs(kind, arc, p[group], body[group], phase, free, *rules)
+        V[group], power[group] = solve_designs(
+            kind, arc, p[group], body[group], phase, free, *rules
+        )
     return (_helix if helix else _plane_wave)(swimmer, V, power, body, rate)
 
 
@@ -172,7 +175,7 @@ def _plane_wave(swimmer: Swimmer, V: Any, power: Any, body: Any, rate: Any) -> d
     The motion is planar: heading ``int W_r dt``, displacement ``int R(heading) U dt``.
     """
     W = np.concatenate([V, V * MIRROR_Q], axis=1) * rate[:, None, None]
-    n, m, _ = W.shape
+    m = W.shape[1]
     mean = W.mean(axis=1)
     amplitude = _half_peak_to_peak(W)
     h = np.fft.rfftfreq(m, 1.0 / m)
@@ -182,7 +185,8 @@ def _plane_wave(swimmer: Swimmer, V: Any, power: Any, body: Any, rate: Any) -> d
     with np.errstate(invalid="ignore", divide="ignore"):
         heading = np.fft.irfft(hat, m, axis=1) / rate[:, None]
     c, s = np.cos(heading), np.sin(heading)
-    speed = np.hypot((c * W[..., 0] - s * W[..., 1]).mean(1), (s * W[..., 0] + c * W[..., 1]).mean(1))
+    ahead, aside = c * W[..., 0] - s * W[..., 1], s * W[..., 0] + c * W[..., 1]
+    speed = np.hypot(ahead.mean(axis=1), aside.mean(axis=1))
     total = power.mean(axis=1) * rate**2
     work = np.einsum("nj,nmj,nm->n", body[:, 0], W, W[..., 0]) / m
     return _results(mean, amplitude, speed, total, work, rate)
@@ -244,4 +248,6 @@ def set_numbers(swimmer: Swimmer, values: dict[str, float]) -> Swimmer:
         return made
     lifted = made.lifted(lists)
     names = {k.partition("[")[0] for k in lists}
-    return made.with_({k: getattr(getattr(lifted, k.split(".")[0]), k.split(".")[1]) for k in names})
+    return made.with_(
+        {k: getattr(getattr(lifted, k.split(".")[0]), k.split(".")[1]) for k in names}
+    )

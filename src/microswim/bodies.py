@@ -30,8 +30,8 @@ def ellipsoid_resistance(semi_axes: tuple[Any, Any, Any], viscosity: Any) -> tup
     .. math:: D_{N,i} = 16\pi\mu/(\chi + \alpha_i a_i^2), \quad
               D_{R,i} = 16\pi\mu (a_j^2+a_k^2) / (3(a_j^2\alpha_j + a_k^2\alpha_k))
 
-    with :math:`\chi = 2 R_F` and :math:`\alpha_i = \tfrac23 R_D` (Kim & Karrila, Microhydrodynamics,
-    1991, table 3.3; Carlson's integrals).
+    with :math:`\chi = 2 R_F` and :math:`\alpha_i = \tfrac23 R_D` (Kim & Karrila,
+    Microhydrodynamics, 1991, table 3.3; Carlson's integrals).
     """
     a2 = [np.asarray(a) ** 2 for a in semi_axes]
     chi = 2.0 * elliprf(*a2)

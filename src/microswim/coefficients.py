@@ -96,8 +96,8 @@ def _warn_lighthill(epsilon: Any, meaningless: Any) -> None:
         raise SpecError(
             "coefficients.law",
             "lighthill",
-            f"used for epsilon = 5.2 r_t alpha / lambda well below 1 (here {np.real(epsilon):.3g}): "
-            "its coefficients turn negative",
+            "used for epsilon = 5.2 r_t alpha / lambda well below 1 "
+            f"(here {np.real(epsilon):.3g}): its coefficients turn negative",
             mend,
         )
     if np.any(np.real(epsilon) > 0.5):
@@ -128,7 +128,7 @@ class GrayHancock(Coefficients):
     law: ClassVar[str] = "gray_hancock"
 
     def pair(self, tail: Tail, viscosity: Any) -> tuple[Any, Any]:
-        """``c_t = 2 pi mu / (ln(2 lambda/a) - 1/2)``, ``c_n = 4 pi mu / (ln(2 lambda/a) + 1/2)``."""
+        """``c_t = 2 pi mu/(ln(2 lambda/a) - 1/2)``, ``c_n = 4 pi mu/(ln(2 lambda/a) + 1/2)``."""
         _, wavelength = _wave(tail, self.law)
         return _logarithmic(viscosity, 2.0 * wavelength / tail.radius, 0.5, -0.5, "wavelength")
 
@@ -137,7 +137,8 @@ class GrayHancock(Coefficients):
 class Cox(Coefficients):
     """Cox (1970), a straight slender rod of the filament's arc length l and radius a.
 
-    ``c_t = 2 pi mu/(ln(2 l/a) - 3/2)``, ``c_n = 4 pi mu/(ln(2 l/a) - 1/2)``: J. Fluid Mech. 44, 791.
+    ``c_t = 2 pi mu/(ln(2 l/a) - 3/2)``, ``c_n = 4 pi mu/(ln(2 l/a) - 1/2)``
+    (J. Fluid Mech. 44, 791).
     Valid for l well above a; it knows the tail's length and not its wave.
 
     Examples

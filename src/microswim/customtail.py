@@ -17,7 +17,7 @@ from numpy.polynomial import chebyshev
 
 from . import checks
 from .errors import SpecError
-from .tails import SurfaceMotion, Sections, Tail
+from .tails import Sections, SurfaceMotion, Tail
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -203,7 +203,7 @@ def _sample(shape: Callable[[Any, Any], Any], s: np.ndarray, phase: np.ndarray) 
         raise SpecError(
             "tail.shape",
             getattr(shape, "__name__", "P"),
-            "a vectorised function that returns finite positions of shape broadcast(s, phase) + (3,)",
+            "vectorised, with finite positions of shape broadcast(s, phase) + (3,) as its result",
         )
     if np.abs(P - again).max() > 1e-9 * np.abs(P).max():
         raise SpecError("tail.shape", getattr(shape, "__name__", "P"), "2 pi-periodic in phase")

@@ -21,6 +21,9 @@ from .errors import MicroswimError
 
 ALL_FREE = (True,) * 6
 
+#: Signs that a mirror image in q gives the entries of a six-vector.
+MIRROR_Q = np.array([1.0, -1.0, 1.0, -1.0, 1.0, -1.0])
+
 
 def basis(phase: Any, terms: int) -> np.ndarray:
     """``[1, cos, sin, cos 2, sin 2, ...]``, shape phase.shape + (terms,)."""

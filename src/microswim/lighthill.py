@@ -134,7 +134,10 @@ def lighthill_integrals(alpha: Any, epsilon: Any) -> tuple[Any, Any]:
     0.423617
     """
     if not (isinstance(alpha, np.ndarray) or isinstance(epsilon, np.ndarray)):
-        for name, x, (lo, hi) in (("alpha", alpha, ALPHA_RANGE), ("epsilon", epsilon, EPSILON_RANGE)):
+        for name, x, (lo, hi) in (
+            ("alpha", alpha, ALPHA_RANGE),
+            ("epsilon", epsilon, EPSILON_RANGE),
+        ):
             if not lo <= x.real <= hi:
                 raise SpecError(name, x.real, f"from {lo} to {hi} for Lighthill's integrals")
         if isinstance(alpha, complex) or isinstance(epsilon, complex):

@@ -12,219 +12,26 @@ where ``X^ v = X x v`` and w_hat is the section's own rate of rotation. In Eq. (
 ``dl = |dP/ds| ds`` (the paper's ``ds`` is the option ``line_element = "apparent"``).
 
 Everything stays analytic, so that the complex-step derivative runs through the same kernels.
-Depends on numba and gait.
+Depends on kernels and gait.
 """
 
 from __future__ import annotations
 
-from functools import cache
 from typing import Any
 
 import numpy as np
-from numba import njit, prange
 
-from .gait import Gait, add, rotate, series_of
+from .gait import MIRROR_Q, Gait, add, rotate, series_of
+from .kernels import (
+    HELIX,
+    PLANE_WAVE,
+    centreline_tail,
+    gauss,
+    node_numbers,
+    wave_tail,
+    wave_tail_phases,
+)
 from .swimmer import Swimmer
-
-HELIX, PLANE_WAVE = 0, 1
-
-
-@cache
-def gauss(nodes: int) -> tuple[np.ndarray, np.ndarray]:
-    """Gauss-Legendre nodes and weights on [0, 1]; none for an empty panel."""
-    if nodes == 0:
-        return np.empty(0), np.empty(0)
-    xi, weight = np.polynomial.legendre.leggauss(nodes)
-    return (xi + 1.0) / 2.0, weight / 2.0
-
-
-def node_numbers(kind: int, waves: float, bk: float, ramp: float) -> tuple[int, int]:
-    """Nodes on the ramp and on the rest that reach rounding error (plane wave: about 1e-12).
-
-    The integrand of a helix holds products of two sines: Gauss-Legendre needs a little more than
-    ``pi`` nodes a wave, and some for the tail of its convergence. The arc length of a plane wave,
-    ``sqrt(1 + (bk cos)^2)``, is analytic only to ``arsinh(1/bk)/k`` off the axis, which takes
-    nodes in inverse proportion.
-    """
-    bk = min(bk, 12.0)
-    per_wave = 8.0 if kind == HELIX or bk == 0 else max(8.0, 40.0 / np.arcsinh(1.0 / bk))
-    on_ramp = int(14 + per_wave * waves * ramp + 4.0 * bk) if ramp > 0 else 0
-    return on_ramp, int(14 + per_wave * waves * (1.0 - ramp)) if ramp < 1 else 0
-
-
-@njit(cache=True)
-def wave_nodes(kind: int, x: Any, phase: Any, on_ramp: Any, p: Any) -> Any:
-    """Centreline, slope and velocity at ``s = x L`` [Tabak Eqs. 11, 12]; p as in `PARAMETERS`."""
-    L, b, k, ramp, sign = p[0], p[1], p[2], p[3], p[4]
-    s = x * L
-    if on_ramp:
-        amplitude, slope = b * x / ramp, b / (ramp * L)
-    else:
-        amplitude, slope = b + 0 * x, 0 * b
-    c, d = np.cos(k * s - phase), np.sin(k * s - phase)
-    q, q_s, q_phase = amplitude * c, slope * c - amplitude * k * d, amplitude * d
-    if kind == PLANE_WAVE:
-        return s, q, 0 * q, q_s, 0 * q, q_phase, 0 * q
-    r, r_s = -sign * amplitude * d, -sign * (slope * d + amplitude * k * c)
-    return s, q, r, q_s, r_s, q_phase, sign * amplitude * c
-
-
-@njit(cache=True)
-def add_segment(R: Any, F: Any, X: Any, T: Any, U: Any, dl: Any, c: Any, spin: float) -> Any:
-    """Add one segment of length dl to ``B_t`` and ``F_p``; returns its activity.
-
-    ``X`` position from the body's centre, ``T`` unit tangent, ``U`` velocity per unit phase rate;
-    ``c = (c_t, c_n, c_r)``. With ``m = X x t`` a rotation W moves the segment along t at ``m . W``:
-    B_t = c_n [I, -X^; X^, |X|^2 I - X X'] + (c_t - c_n) [t; m] [t; m]' + c_r [0; t] [0; t]'.
-    """
-    x, y, z = X
-    t0, t1, t2 = T
-    n = c[1] * dl
-    d = (c[0] - c[1]) * dl
-    w = c[2] * dl
-    g = np.empty(6, dtype=R.dtype)
-    g[0], g[1], g[2] = t0, t1, t2
-    g[3], g[4], g[5] = y * t2 - z * t1, z * t0 - x * t2, x * t1 - y * t0
-    for i in range(6):
-        for j in range(i + 1):
-            R[i, j] += d * g[i] * g[j]
-    for i in range(3):
-        R[i, i] += n
-        for j in range(i + 1):
-            R[3 + i, 3 + j] += w * g[i] * g[j]
-    R[3, 3] += n * (y * y + z * z)
-    R[4, 4] += n * (x * x + z * z)
-    R[5, 5] += n * (x * x + y * y)
-    R[4, 3] -= n * x * y
-    R[5, 3] -= n * x * z
-    R[5, 4] -= n * y * z
-    R[3, 1] -= n * z
-    R[3, 2] += n * y
-    R[4, 0] += n * z
-    R[4, 2] -= n * x
-    R[5, 0] -= n * y
-    R[5, 1] += n * x
-    along = d * (t0 * U[0] + t1 * U[1] + t2 * U[2])
-    f0, f1, f2 = n * U[0] + along * t0, n * U[1] + along * t1, n * U[2] + along * t2
-    twist = w * t0 * spin
-    F[0] += f0
-    F[1] += f1
-    F[2] += f2
-    F[3] += y * f2 - z * f1 + twist * t0
-    F[4] += z * f0 - x * f2 + twist * t1
-    F[5] += x * f1 - y * f0 + twist * t2
-    return f0 * U[0] + f1 * U[1] + f2 * U[2] + twist * t0 * spin
-
-
-PARAMETERS = ("L", "b", "k", "ramp", "sign", "c_t", "c_n", "c_r", "offset", "spin")
-
-
-@njit(cache=True)
-def wave_tail(kind: int, arc: bool, p: Any, phase: Any, ramp_rule: Any, rule: Any) -> Any:
-    """``(B_t, F_p, G)`` of a wave tail at one phase; p as in `PARAMETERS`."""
-    R = np.zeros((6, 6), dtype=p.dtype)
-    F = np.zeros(6, dtype=p.dtype)
-    G = 0 * p[0]
-    c = (p[5], p[6], p[7])
-    spin = p[9]
-    for panel in range(2):
-        xi, weight = ramp_rule if panel == 0 else rule
-        start = 0 * p[3] if panel == 0 else p[3]
-        width = p[3] if panel == 0 else 1.0 - p[3]
-        for i in range(xi.size):
-            s, q, r, q_s, r_s, u, v = wave_nodes(kind, start + width * xi[i], phase, panel == 0, p)
-            speed = np.sqrt(1.0 + q_s * q_s + r_s * r_s)
-            dl = weight[i] * width * p[0] * (speed if arc else 1.0)
-            T = (1.0 / speed, q_s / speed, r_s / speed)
-            G += add_segment(R, F, (s + p[8], q, r), T, (0 * u, u, v), dl, c, spin)
-    for i in range(6):
-        for j in range(i):
-            R[j, i] = R[i, j]
-    return R, F, G
-
-
-@njit(cache=True)
-def wave_tail_phases(
-    kind: int, arc: bool, p: Any, phases: Any, ramp_rule: Any, rule: Any
-) -> Any:
-    """`wave_tail` at several phases: shapes (n, 6, 6), (n, 6), (n,)."""
-    n = phases.size
-    R = np.empty((n, 6, 6), dtype=p.dtype)
-    F = np.empty((n, 6), dtype=p.dtype)
-    G = np.empty(n, dtype=p.dtype)
-    for j in range(n):
-        R[j], F[j], G[j] = wave_tail(kind, arc, p, phases[j], ramp_rule, rule)
-    return R, F, G
-
-
-@njit(cache=True)
-def centreline_tail(X: Any, P_s: Any, U: Any, ds: Any, arc: bool, c: Any, spin: float) -> Any:
-    """``(B_t, F_p, G)`` from a centreline on nodes: arrays (n, 3), quadrature weights ds (n,)."""
-    R = np.zeros((6, 6), dtype=X.dtype)
-    F = np.zeros(6, dtype=X.dtype)
-    G = 0 * X[0, 0]
-    for i in range(ds.size):
-        a, b, d = P_s[i, 0], P_s[i, 1], P_s[i, 2]
-        speed = np.sqrt(a * a + b * b + d * d)
-        T = (a / speed, b / speed, d / speed)
-        x = (X[i, 0], X[i, 1], X[i, 2])
-        u = (U[i, 0], U[i, 1], U[i, 2])
-        G += add_segment(R, F, x, T, u, ds[i] * (speed if arc else 1.0), c, spin)
-    for i in range(6):
-        for j in range(i):
-            R[j, i] = R[i, j]
-    return R, F, G
-
-
-@njit(cache=True)
-def solve(A: Any, V: Any, free: Any) -> None:
-    """Overwrite V with ``A^-1 V`` over the free degrees of freedom, zero on the others; A is lost.
-
-    LDL' without pivoting (A is positive definite for any physical swimmer), no conjugates; reads
-    the lower triangle of A.
-    """
-    for i in range(6):
-        if not free[i]:
-            for j in range(6):
-                A[i, j] = 0.0
-                A[j, i] = 0.0
-            A[i, i] = 1.0
-            V[i] = 0.0
-    for j in range(6):
-        inverse = 1.0 / A[j, j]
-        for i in range(j + 1, 6):
-            ratio = A[i, j] * inverse
-            for m in range(j + 1, i + 1):
-                A[i, m] -= ratio * A[m, j]
-            V[i] -= ratio * V[j]
-            A[j, i] = ratio
-        V[j] *= inverse
-    for j in range(4, -1, -1):
-        for i in range(j + 1, 6):
-            V[j] -= A[j, i] * V[i]
-
-
-@njit(cache=True, parallel=True)
-def solve_designs(
-    kind: int, arc: bool, p: Any, body: Any, phases: Any, free: Any, ramp_rule: Any, rule: Any
-) -> Any:
-    """Velocities and tail powers per unit rate of many designs, in parallel.
-
-    `p` (n, 10) as in `PARAMETERS`, `body` (n, 6, 6). Returns V (n, m, 6) and
-    ``F_p . V + G`` (n, m) over the m phases.
-    """
-    n, m = p.shape[0], phases.size
-    V = np.empty((n, m, 6), dtype=p.dtype)
-    power = np.empty((n, m), dtype=p.dtype)
-    for d in prange(n):
-        for j in range(m):
-            R, F, G = wave_tail(kind, arc, p[d], phases[j], ramp_rule, rule)
-            V[d, j] = -F
-            solve(R + body[d], V[d, j], free)
-            power[d, j] = G
-            for i in range(6):
-                power[d, j] += F[i] * V[d, j, i]
-    return V, power
 
 
 def parameters(swimmer: Swimmer) -> np.ndarray:
@@ -323,9 +130,6 @@ def _samples(swimmer: Swimmer, nodes: int | None, n: int) -> tuple[np.ndarray, .
     return tuple(np.concatenate(pair) for pair in zip((R, F, G), mirrored))
 
 
-MIRROR_Q = np.array([1.0, -1.0, 1.0, -1.0, 1.0, -1.0])
-
-
 def _custom_samples(
     swimmer: Swimmer, nodes: int | None, phases: np.ndarray
 ) -> tuple[np.ndarray, ...]:
@@ -344,8 +148,9 @@ def _custom_samples(
     c = tuple(np.asarray(v, dtype=kind)[()] for v in c)
     ds = (tail.length * w).astype(kind)
     arc = swimmer.motion.line_element == "arc"
+    nodes_at = [np.ascontiguousarray(v, dtype=kind) for v in (X, P_s, U)]
     results = [
-        centreline_tail(*(np.ascontiguousarray(v[j], dtype=kind) for v in (X, P_s, U)), ds, arc, c, tail.spin)
+        centreline_tail(*(v[j] for v in nodes_at), ds, arc, c, tail.spin)
         for j in range(len(phases))
     ]
     return tuple(np.array(part) for part in zip(*results))

@@ -219,7 +219,7 @@ def read_preset(name: str, overrides: dict[str, Any] | None = None) -> Swimmer:
 
 
 def override(tables: dict[str, Any], overrides: dict[str, Any]) -> dict[str, Any]:
-    """Tables with dotted fields or whole tables replaced; `waves` and `wavelength` replace each other."""
+    """Tables with fields or whole tables replaced; `waves` and `wavelength` replace each other."""
     new = {k: dict(v) if isinstance(v, dict) else v for k, v in tables.items()}
     for path, value in overrides.items():
         *parents, name = path.split(".")
@@ -270,9 +270,7 @@ def _build(spec: SpecTable, units: Literal["SI", "dimensionless"]) -> Swimmer:
             'coefficients: law = "constant" needs both normal and tangential; add the missing one'
         )
     if name != "constant" and law.keys() & {"normal", "tangential"}:
-        raise SpecError(
-            "coefficients.law", name, '"constant" when normal and tangential are given'
-        )
+        raise SpecError("coefficients.law", name, '"constant" when normal and tangential are given')
     return Swimmer(
         body=SHAPES[body.pop("shape")](**body),
         tail=TAILS[tail.pop("kind")](**tail),
@@ -299,9 +297,7 @@ def _import_shape(name: str) -> Any:
     try:
         return getattr(importlib.import_module(module), function)
     except (ImportError, AttributeError, ValueError):
-        raise SpecError(
-            "tail.shape", name, 'an importable function, "module:function"'
-        ) from None
+        raise SpecError("tail.shape", name, 'an importable function, "module:function"') from None
 
 
 def _sentence(error: ValidationError, tables: dict[str, Any]) -> SpecError:
@@ -310,7 +306,7 @@ def _sentence(error: ValidationError, tables: dict[str, Any]) -> SpecError:
     tags = {"sphere", "spheroid", "ellipsoid", "none", "helix", "plane_wave", "custom"}
     where = [p for i, p in enumerate(first["loc"]) if not (i == 1 and p in tags)]
     path = "".join(f"[{p}]" if isinstance(p, int) else f".{p}" for p in where).lstrip(".")
-    value = first["input"]
+    value, context = first["input"], first.get("ctx", {})
     match first["type"]:
         case "missing":
             return SpecError(f"{path}: missing; add it")
@@ -320,9 +316,9 @@ def _sentence(error: ValidationError, tables: dict[str, Any]) -> SpecError:
         case "value_error":
             return SpecError(f"{path} = {value!r}: {first['ctx']['error']}")
         case "union_tag_invalid" | "union_tag_not_found":
-            tag = first["ctx"]["discriminator"].strip("'")
-            shown = first["ctx"].get("tag")
-            expected = first["ctx"].get("expected_tags") or ", ".join(
+            tag = context["discriminator"].strip("'")
+            shown = context.get("tag")
+            expected = context.get("expected_tags") or ", ".join(
                 f"'{t}'" for t in (SHAPES if tag == "shape" else TAILS)
             )
             return SpecError(f"{path}.{tag}", shown, f"one of {expected}")
@@ -337,7 +333,8 @@ def _fields(tables: dict[str, Any]) -> Iterator[str]:
         options = getattr(info.annotation, "__args__", (info.annotation,))
         for table in options:
             tag = choose.get(name)
-            given = tables.get(name) if isinstance(tables.get(name), dict) else {}
+            given = tables.get(name)
+            given = given if isinstance(given, dict) else {}
             if tag and table.model_fields[tag].annotation.__args__[0] != given.get(tag):
                 continue
             yield from (f"{name}.{f}" for f in table.model_fields)

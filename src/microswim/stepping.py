@@ -1,4 +1,6 @@
-"""One step of a gait, compiled: phase, pose and loads in, pose out. Depends on kinematics, rft.
+"""One step of a gait, compiled: phase, pose and loads in, pose out.
+
+Depends on kinematics, mobility.
 
 The state is position x (lab), quaternion q (``wxyz``, body to lab) and phase. Order 4: see
 trajectory. Everything is analytic, so that complex-step derivatives run through it.
@@ -13,7 +15,7 @@ from numba import njit
 
 from .gait import Gait
 from .kinematics import to_lab, turn
-from .rft import solve
+from .mobility import solve
 
 LOWER = [(i, j) for i in range(6) for j in range(i + 1)]
 
@@ -124,7 +126,15 @@ def step(
 
 @njit(cache=True)
 def integrate(
-    packed: Any, free: Any, x: Any, q: Any, phase: Any, times: Any, counts: Any, rates: Any, loads: Any
+    packed: Any,
+    free: Any,
+    x: Any,
+    q: Any,
+    phase: Any,
+    times: Any,
+    counts: Any,
+    rates: Any,
+    loads: Any,
 ) -> Any:
     """States at `times`; between times[i-1] and times[i] there are counts[i] equal steps.
 

@@ -17,6 +17,7 @@ from .interaction import Interaction
 from .tails import Tail
 
 if TYPE_CHECKING:
+    from .correction import Correction
     from .gait import Gait
 
 DEGREES_OF_FREEDOM = ("us", "uq", "ur", "os", "oq", "or")
@@ -120,6 +121,8 @@ class Swimmer:
         `Motion`: free degrees of freedom and readings.
     units
         ``"dimensionless"`` (any consistent units) or ``"SI"``.
+    region
+        Region calibration that the surrogate uses, as `calibrate_region` makes it.
 
     Raises
     ------
@@ -145,6 +148,7 @@ class Swimmer:
     interaction: Interaction = field(default_factory=Interaction)
     motion: Motion = field(default_factory=Motion)
     units: Literal["dimensionless", "SI"] = "dimensionless"
+    region: Correction | None = None
 
     def __post_init__(self) -> None:
         parts = (Body, Tail, Fluid, Coefficients, Interaction, Motion)
@@ -159,7 +163,9 @@ class Swimmer:
             )
 
     @classmethod
-    def from_toml(cls, path: str | PathLike[str], overrides: dict[str, Any] | None = None) -> Swimmer:
+    def from_toml(
+        cls, path: str | PathLike[str], overrides: dict[str, Any] | None = None
+    ) -> Swimmer:
         """Read a spec file; `overrides` maps dotted fields to values, as ``--set`` does.
 
         Raises
@@ -195,6 +201,8 @@ class Swimmer:
         MicroswimError
             If the model's extra is not installed.
         """
+        if model == "rft" and self.region is not None and not options:
+            return self.region.gait(self)
         if model == "rft":
             from .rft import gait
         elif model == "bem":

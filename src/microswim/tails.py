@@ -10,7 +10,7 @@ the fields are checked on construction.
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Any, ClassVar, Literal
+from typing import Any, ClassVar, Literal, get_args
 
 import numpy as np
 
@@ -48,11 +48,8 @@ class Tail:
     def _check_filament(self) -> None:
         checks.positive("tail.radius", self.radius, "length")
         checks.number("tail.frequency", self.frequency, "a finite number")
-        checks.choice("tail.sections", self.sections, ("perpendicular", "sheared"))
-        checks.choice("tail.surface_motion", self.surface_motion, _MOTIONS)
-
-
-_MOTIONS = ("rigid", "translating", "bending")
+        checks.choice("tail.sections", self.sections, get_args(Sections))
+        checks.choice("tail.surface_motion", self.surface_motion, get_args(SurfaceMotion))
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -149,7 +149,7 @@ def _load(name: str, load: Any, times: np.ndarray) -> np.ndarray:
     values = np.asarray(load(times) if callable(load) else load, dtype=float)
     shape = (times.size, 3) if callable(load) else (3,)
     if values.shape != shape or not np.isfinite(values).all():
-        raise SpecError(name, load, f"finite, a vector (3,) or a function of times (n,) to (n, 3)")
+        raise SpecError(name, load, "finite, a vector (3,) or a function of times (n,) to (n, 3)")
     return values.reshape(-1, 3)
 
 

@@ -117,9 +117,7 @@ class Wave:
         """Distance over which w2 fades."""
         return min(self.width, 4.0 * self.outline.radius)
 
-    def _turned(
-        self, sigma: np.ndarray, offset: np.ndarray, curve: geometry.Curve
-    ) -> np.ndarray:
+    def _turned(self, sigma: np.ndarray, offset: np.ndarray, curve: geometry.Curve) -> np.ndarray:
         """(Q - 1) e, blended near the joint into the stretch of an oblique tube's section."""
         n1, n2 = geometry.section_axes(self.swimmer.tail, curve)
         T = curve.tangent

@@ -43,9 +43,7 @@ def _pyvista() -> Any:
     try:
         import pyvista
     except ImportError:
-        raise MicroswimError(
-            "pictures need PyVista; pip install microswim[viz]"
-        ) from None
+        raise MicroswimError("pictures need PyVista; pip install microswim[viz]") from None
     pyvista.OFF_SCREEN = True
     return pyvista
 

@@ -54,6 +54,8 @@ class Optimum:
         Whether it lies in the calibrated neighbourhood; None if there is none.
     evaluations, seconds
         What the search cost.
+    ranges
+        What each number was allowed.
     history
         Rounds of verification by a reference solver, see `verify`.
     """
@@ -70,7 +72,8 @@ class Optimum:
     inside: bool | None = None
     evaluations: int = 0
     seconds: float = 0.0
-    history: tuple[dict[str, Any], ...] = field(default=())
+    ranges: dict[str, tuple[float, float]] = field(default_factory=dict)
+    history: tuple[dict[str, Any], ...] = ()
 
     def as_dict(self) -> dict[str, Any]:
         """Everything as plain numbers and words."""
@@ -274,6 +277,7 @@ def outcome(
         None if "outside" not in gait.info else not gait.info["outside"],
         count,
         seconds,
+        dict(problem.ranges),
     )
 
 

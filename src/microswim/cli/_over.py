@@ -72,6 +72,18 @@ def bounds(texts: tuple[str, ...]) -> dict[str, Any]:
     return {name: _bounds(name, text) for name, text in split(texts).items()}
 
 
+def spreads(texts: tuple[str, ...]) -> dict[str, Any]:
+    """Uncertain numbers: ``5%`` as it stands, ``LOW:HIGH`` as a pair.
+
+    Raises
+    ------
+    SpecError
+        If a range is no range.
+    """
+    pieces = split(texts, "--uncertain").items()
+    return {k: text if text.endswith("%") else _bounds(k, text) for k, text in pieces}
+
+
 def _axis(name: str, text: str) -> Any:
     if ":" not in text:
         return [value(name, part) for part in text.split(",")]

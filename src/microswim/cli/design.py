@@ -1,0 +1,230 @@
+"""``microswim design``: optimum, trade-off or robust design of a swimmer."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Any
+
+import click
+
+from ..errors import SpecError
+from ._options import Given, change, example, json_option, out_option, print_json, swimmer_options
+
+
+@click.command(
+    epilog=example(
+        "microswim design robot.toml --over tail.amplitude=0.01:0.5,tail.waves=0.5:5 --maximize speed",
+        'microswim design robot.toml --over tail.amplitude=0.01:0.3 --maximize speed --subject-to "torque<=150"',
+        "microswim design robot.toml --over tail.waves=0.5:5 --maximize efficiency --verify bem",
+        "microswim design robot.toml --over tail.amplitude=0.01:0.3 --maximize speed --minimize torque --out front",
+        'microswim design robot.toml --over tail.waves=1:4 --maximize speed --uncertain tail.amplitude=5% --subject-to "speed>=0.03"',
+    )
+)
+@swimmer_options
+@click.option(
+    "--over",
+    multiple=True,
+    required=True,
+    metavar="NAME=LOW:HIGH",
+    help="What may vary: NAME=LOW:HIGH, or choices NAME=X,Y such as tail.handedness=left,right.",
+)
+@click.option("--maximize", multiple=True, metavar="EXPRESSION", help="Such as speed/torque.")
+@click.option("--minimize", multiple=True, metavar="EXPRESSION", help="Two wishes: Pareto front.")
+@click.option("--subject-to", default="", metavar="LIST", help='"torque<=150, body_rate<=0.5".')
+@click.option("--verify", type=click.Choice(["bem", "fem"]), help="Judge, calibrate, repeat.")
+@click.option("--tolerance", default=0.05, show_default=True, help="Miss accepted by --verify.")
+@click.option("--option", "options", multiple=True, metavar="NAME=VALUE", help="Of the reference.")
+@click.option(
+    "--uncertain",
+    multiple=True,
+    metavar="NAME=5%|LOW:HIGH",
+    help="Spread of made robots and of what is not known; the optimum becomes a robust one.",
+)
+@click.option("--quantile", default=0.1, show_default=True, help="Of robots that may be worse.")
+@click.option("--yield", "least_yield", default=0.95, show_default=True, help="Of good robots.")
+@click.option("--seed", default=0, show_default=True, help="Of the random starts.")
+@out_option
+@json_option
+def command(given: Given, as_json: bool, out: Path | None, **asked: Any) -> None:
+    """Find the best design in given ranges.
+
+    Wishes and constraints are arithmetic on speed, efficiency, power, torque, body_rate, wobble,
+    yaw, speed_per_torque, speed_per_power, distance_per_cycle, energy_per_distance,
+    amplitude_wavenumber, arc_length, length_over_amplitude, ... and the numbers of the spec.
+    """
+    from ._over import bounds
+
+    over = bounds(asked["over"])
+    wishes = (*asked["maximize"], *asked["minimize"])
+    if not wishes:
+        raise SpecError("give --maximize or --minimize, for example --maximize speed")
+    if len(wishes) > 1:
+        if asked["verify"] or asked["uncertain"]:
+            raise SpecError("--verify and --uncertain go with one wish; give one")
+        report = _front(given, over, asked, out)
+    elif asked["uncertain"]:
+        report = _robust(given, over, asked, out)
+    else:
+        report = _optimum(given, over, asked, out)
+    if as_json:
+        print_json(report)
+    else:
+        _print(report)
+
+
+def _one(asked: dict[str, Any]) -> dict[str, Any]:
+    names = ("maximize", "minimize")
+    return {k: asked[k][0] if asked[k] else None for k in names} | {
+        "subject_to": asked["subject_to"],
+        "seed": asked["seed"],
+    }
+
+
+def _optimum(given: Given, over: Any, asked: dict[str, Any], out: Path | None) -> dict[str, Any]:
+    from ..design import design
+
+    options = dict(change(text) for text in asked["options"])
+    best = design(
+        given.swimmer,
+        over,
+        verify=asked["verify"],
+        tolerance=asked["tolerance"],
+        progress=lambda text: click.echo(text, err=True),
+        **_one(asked),
+        **options,
+    )
+    _pictures(given, best, out)
+    return best.as_dict()
+
+
+def _pictures(given: Given, best: Any, out: Path | None) -> None:
+    if out is None:
+        return
+    from .. import plots_design
+    from ..sweep import sweep
+
+    out.mkdir(parents=True, exist_ok=True)
+    plots_design.sensitivity(best).savefig(out / "sensitivity.png")
+    ranges = [k for k, s in best.sensitivity.items() if s.varied][:2]
+    if len(ranges) == 2:
+        import numpy as np
+
+        axes = {k: np.linspace(*best.ranges[k], 41) for k in ranges}
+        merit = {"efficiency": "efficiency", "power": "mean_power", "torque": "mean_torque"}
+        shown = merit.get(best.objective, "swimming_speed")
+        result = sweep(best.swimmer, axes)
+        result.drop_attrs().to_netcdf(out / "map.nc")
+        plots_design.design_map(result, shown, optimum=best).savefig(out / "map.png")
+
+
+def _front(given: Given, over: Any, asked: dict[str, Any], out: Path | None) -> dict[str, Any]:
+    from ..pareto import pareto
+
+    result = pareto(
+        given.swimmer,
+        over,
+        asked["maximize"],
+        asked["minimize"],
+        subject_to=asked["subject_to"],
+        seed=asked["seed"],
+    )
+    if out is not None:
+        from ..plots_design import front
+
+        out.mkdir(parents=True, exist_ok=True)
+        result.to_netcdf(out / "front.nc")
+        front(result, given.swimmer).savefig(out / "front.png")
+    columns = {str(k): v.values.tolist() for k, v in result.variables.items() if v.ndim}
+    return {"objectives": result.attrs["objectives"], "front": columns}
+
+
+def _robust(given: Given, over: Any, asked: dict[str, Any], out: Path | None) -> dict[str, Any]:
+    from ..robust import robust_design, robustness, sobol_indices
+    from ._over import spreads
+
+    uncertain = spreads(asked["uncertain"])
+    more = {"quantile": asked["quantile"], "least_yield": asked["least_yield"]}
+    best = robust_design(given.swimmer, over, uncertain=uncertain, **more, **_one(asked))
+    made = robustness(best.swimmer, uncertain, subject_to=asked["subject_to"])
+    blame = sobol_indices(best.swimmer, uncertain, best.objective)
+    if out is not None:
+        from .. import plots_design
+
+        _pictures(given, best, out)
+        merit = best.objective if best.objective in made else "speed"
+        plots_design.robustness(made, merit, best.quantities[merit]).savefig(out / "yield.png")
+        plots_design.indices(blame).savefig(out / "indices.png")
+    shares = {
+        str(n): {"first": float(a), "total": float(b)}
+        for n, a, b in zip(blame.name.values, blame.first.values, blame.total.values)
+    }
+    return best.as_dict() | {
+        "yield": made.attrs["yield"],
+        "yield_error": made.attrs["yield_error"],
+        "sobol_indices": shares,
+    }
+
+
+def _print(report: dict[str, Any]) -> None:
+    from rich.console import Console
+    from rich.table import Table
+
+    console = Console(soft_wrap=True)
+    if "front" in report:
+        names = [text.split(" ", 1)[1] for text in report["objectives"]]
+        shown = [*names, *(k for k in report["front"] if "." in k)]
+        table = Table(*shown, title=", ".join(report["objectives"]))
+        n = len(report["front"][shown[0]])
+        for i in sorted({round(j * (n - 1) / min(14, max(1, n - 1))) for j in range(min(15, n))}):
+            table.add_row(*(_short(report["front"][k][i]) for k in shown))
+        console.print(table)
+        console.print(f"{n} designs; --json or --out has them all")
+        return
+    console.print(f"{report['objective']}: {_short(report['value'])}")
+    table = Table("", "optimum", "% per %", "at bound", "± for 1 % loss")
+    for name, s in report["sensitivity"].items():
+        if s["varied"]:
+            table.add_row(
+                name,
+                *(_short(s[k]) for k in ("value", "elasticity")),
+                s["bound"] or "",
+                _short(s["one_percent_range"]),
+            )
+    console.print(table)
+    for name, value in report["values"].items():
+        if isinstance(value, str):
+            console.print(f"{name} = {value}")
+    held = [(k, s) for k, s in report["sensitivity"].items() if not s["varied"]][:5]
+    console.print("held, % per %: " + ", ".join(f"{k} {_short(s['elasticity'])}" for k, s in held))
+    for text, margin in report["margins"].items():
+        console.print(f"{text}: {'active' if abs(margin or 0) < 1e-5 else f'margin {margin:.0%}'}")
+    shown = ("speed", "torque", "power", "efficiency", "body_rate")
+    console.print(", ".join(f"{k} {_short(report['quantities'].get(k))}" for k in shown))
+    for line in _notes(report):
+        console.print(line)
+
+
+def _notes(report: dict[str, Any]) -> list[str]:
+    lines = []
+    if report["inside_calibrated_neighbourhood"] is None:
+        lines.append("not calibrated: --verify bem tells how far the surrogate is off")
+    elif report["inside_calibrated_neighbourhood"]:
+        lines.append(f"calibrated here, expected error {100 * (report['expected_error'] or 0):.2g} %")
+    else:
+        lines.append("outside the calibrated neighbourhood: expect larger errors")
+    for i, r in enumerate(report["verification"], 1):
+        if "miss" in r:
+            lines.append(
+                f"round {i}: {r['surrogate']:.4g} by the surrogate, {r['reference']:.4g} by "
+                f"{r['model']}, {100 * r['miss']:.1f} % off{', agreed' if r['agreed'] else ''}"
+            )
+    if "yield" in report:
+        lines.append(f"yield {100 * report['yield']:.1f} ± {100 * report['yield_error']:.1f} %")
+        shares = sorted(report["sobol_indices"].items(), key=lambda item: -item[1]["total"])
+        blame = ", ".join(f"{k} {v['total']:.0%}" for k, v in shares)
+        lines.append(f"spread caused by: {blame}")
+    return lines
+
+
+def _short(value: Any) -> str:
+    return "" if value is None else value if isinstance(value, str) else f"{value:.4g}"

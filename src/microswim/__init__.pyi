@@ -28,6 +28,9 @@ from .swimmer import Motion as Motion
 from .swimmer import Swimmer as Swimmer
 from .tails import HelicalTail as HelicalTail
 from .tails import PlaneWaveTail as PlaneWaveTail
+from .track import Track as Track
+from .trackfit import identify_swimmer as identify_swimmer
+from .trackresult import Identification as Identification
 from .trajectory import screw as screw
 from .trajectory import trajectory as trajectory
 

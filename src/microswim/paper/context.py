@@ -98,7 +98,9 @@ class Context:
 
     def _solve(self, key: str, who: Swimmer) -> dict[str, np.ndarray]:
         if self.progress:
-            self.progress(f"{who.tail.kind} b = {who.tail.amplitude:g}, N = {who.tail.number_of_waves:g}")
+            self.progress(
+                f"{who.tail.kind} b = {who.tail.amplitude:g}, N = {who.tail.number_of_waves:g}"
+            )
         made = who.gait("bem", level=self.level)
         series = {f"{name}_series": getattr(made, f"{name}_series") for name in _KEPT}
         if self.store is not None:

@@ -1,9 +1,9 @@
 """Fig. 2: speed and body rate of seven specimens of Vibrio alginolyticus: model and measurement.
 
-The measured values (Goto et al. 2001) are in no text available to us. Four of them can be *inferred*
-from what the paper says of its errors, and are labelled so: the model is exact at specimen C; at G it
-errs by 8.2 % (corrected); at B by 47.2 % (uncorrected); at F by 6.5 % (corrected). Reading that
-fits: tail length along the filament, the tail's rate counted in the lab frame (docs/paper.md).
+The measured values (Goto et al. 2001) are in no text available to us. Four of them can be
+*inferred* from what the paper says of its errors, and are labelled so: the model is exact at specimen
+C; at G it errs by 8.2 % (corrected); at B by 47.2 % (uncorrected); at F by 6.5 % (corrected). The
+reading that fits: tail length along the filament, the tail's rate counted in the lab frame.
 Depends on presets, gait.
 """
 
@@ -79,8 +79,8 @@ def plot(result: dict[str, Any]) -> Figure:
                    hatch="////", label=r"model, $\Gamma_N = \Gamma_R = 1$", lw=0.8)  # fmt: skip
             ax.bar(x + 0.2, result["corrected"][:, i], 0.38, color=BLUE,
                    label=r"model, $\Gamma_N = 2.37$, $\Gamma_R = 1.49$")  # fmt: skip
-            ax.plot(x, result[key], ls="none", marker="D", ms=5.5, mfc="white", mec="black", zorder=4,
-                    label="measured (inferred from the paper's text)")  # fmt: skip
+            ax.plot(x, result[key], ls="none", marker="D", ms=5.5, mfc="white", mec="black",
+                    zorder=4, label="measured (inferred from the paper's text)")  # fmt: skip
             ax.set(xticks=x, xticklabels=SPECIMENS, xlabel="specimen", ylabel=label)
             letter(ax, "ab"[i])
         legend_above(figure, axes[0, 0])

@@ -12,7 +12,16 @@ import numpy as np
 from matplotlib.figure import Figure
 
 from .context import (
-    AMPLITUDE, PAPER_RANGE, SETS, WAVES, Context, circles, lines, observed, swimmer, sweep,
+    AMPLITUDE,
+    PAPER_RANGE,
+    SETS,
+    WAVES,
+    Context,
+    circles,
+    lines,
+    observed,
+    sweep,
+    swimmer,
 )  # fmt: skip
 from .style import LINES, REFERENCE, WIDE, legend_above, letter, look, panels
 
@@ -69,12 +78,39 @@ def peak_places(
     return peaks(x, lines(swimmer(tail, coefficients), {WAVES: x})[:, quantity])
 
 
+def peaks_both_ramps(
+    context: Context, tail: str, coefficients: str = "sbt", quantity: int = 1
+) -> np.ndarray:
+    """`peak_places` with the ramp and without it, shape (2, n)."""
+    x = np.linspace(2.0, 5.0, 241)
+    return np.array([
+        peaks(x, lines(swimmer(tail, coefficients, change), {WAVES: x})[:, quantity])
+        for change in ({}, {"tail.ramp": 0.0})
+    ])  # fmt: skip
+
+
+def errors_both_rates(context: Context, coefficients: str) -> np.ndarray:
+    """`error_at` of the body rate at b = 0.15, the tail's rate relative to body and in the lab."""
+    who = swimmer("helix", coefficients, {AMPLITUDE: 0.15})
+    reference = observed(context.reference(swimmer("helix", "constant", {AMPLITUDE: 0.15})))[2]
+    rates = [
+        observed(who.with_({"motion.frequency_frame": frame}).gait())[2]
+        for frame in ("body", "lab")
+    ]
+    return 100.0 * np.abs(np.array(rates) / reference - 1.0)
+
+
 def lateral_loss(context: Context, coefficients: str = "sbt") -> np.ndarray:
     """Lateral amplitude at its peaks near N = 1.5, 2.5, 3.5, 4.5, relative to the first."""
     x = np.linspace(1.0, 5.0, 321)
     y = lines(swimmer("helix", coefficients), {WAVES: x})[:, 1]
     tops = np.array([y[(x >= n) & (x <= n + 1)].max() for n in (1, 2, 3, 4)])
     return tops / tops[0]
+
+
+def last_peak(context: Context, coefficients: str = "sbt") -> float:
+    """Lateral amplitude at the peak near N = 4.5 over that near 1.5."""
+    return float(lateral_loss(context, coefficients)[-1])
 
 
 def spread(context: Context, coefficients: str = "sbt", quantity: int = 0) -> float:

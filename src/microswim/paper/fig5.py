@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 from matplotlib.figure import Figure
 
-from .context import WAVES, Context, circles, lines, swimmer, sweep
+from .context import WAVES, Context, circles, lines, sweep, swimmer
 from .fig4 import six_panels
 
 TITLE = "Fig. 5. Swimmer with a travelling plane wave"
@@ -47,3 +47,8 @@ def swing(context: Context, source: str = "sbt") -> float:
     else:
         y = lines(swimmer("plane_wave", source), {WAVES: x})[:, 2]
     return float(np.ptp(y) / (y.max() + y.min()))
+
+
+def swing_ratio(context: Context) -> float:
+    """`swing` of the model (constant pair) over that of the reference."""
+    return swing(context, "constant") / swing(context, "reference")

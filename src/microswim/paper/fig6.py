@@ -81,7 +81,9 @@ def readings(context: Context) -> list[dict[str, Any]]:
             maps = closed(c, b[:, None], n[None, :], frame)
             rows.append(_row("helix", f"closed form (20), {frame} rate", c, b, n, maps))
             who = swimmer("helix", c, {"motion.frequency_frame": frame})
-            rows.append(_row("helix", f"Eqs. (5), (14), ramp, {frame} rate", c, b, n, full(who, b, n)))
+            rows.append(
+                _row("helix", f"Eqs. (5), (14), ramp, {frame} rate", c, b, n, full(who, b, n))
+            )
         for line in ("apparent", "arc"):
             who = swimmer("plane_wave", c, {"motion.line_element": line})
             rows.append(_row("plane_wave", f"Eqs. (5), (14), {line} ds", c, b, n, full(who, b, n)))
@@ -141,7 +143,12 @@ def plot(result: dict[str, Any]) -> Figure:
             for i, factor in enumerate((1.0, 100.0)):
                 ax, values = axes[i, j], factor * result[tail][i]
                 mesh = ax.pcolormesh(
-                    result["n"], result["b"], values, cmap="cividis", shading="gouraud", rasterized=True
+                    result["n"],
+                    result["b"],
+                    values,
+                    cmap="cividis",
+                    shading="gouraud",
+                    rasterized=True,
                 )
                 ax.contour(result["n"], result["b"], values, 8, colors="white", linewidths=0.4)
                 _mark(ax, result, values, "%" if i else "")
@@ -149,7 +156,7 @@ def plot(result: dict[str, Any]) -> Figure:
                 bar.set_label(
                     r"$|\overline{u}_s|$ (body diameters / period)" if i == 0 else r"$\eta$ (%)"
                 )
-                ax.set(xlim=(0.5, 5), ylim=(0.01, 0.5))
+                ax.set(xlim=(0.5, 5), ylim=(result["b"][0], 0.5))
                 letter(ax, "abcd"[2 * i + j])
                 if i == 0:
                     ax.set_title(title)
@@ -169,3 +176,27 @@ def _mark(ax: Any, result: dict[str, Any], values: np.ndarray, unit: str) -> Non
         textcoords="offset points", color="black", fontsize=7,
         bbox={"fc": "white", "ec": "none", "alpha": 0.85, "pad": 1.5}, va="top",
     )  # fmt: skip
+
+
+def flatness(context: Context) -> float:
+    """Helical speed at (0.5, 1) over the largest of the map."""
+    return speed_at(context, "helix", 0.5, 1.0) / height(context, tail="helix")
+
+
+def ridge(context: Context, line: str = "arc", fewest: float = 1.0) -> float:
+    """Largest efficiency (percent) of the plane wave with the constant pair for N >= `fewest`."""
+    b, n = np.linspace(0.02, 0.5, 25), np.linspace(fewest, 5.0, 41)
+    who = swimmer("plane_wave", "constant", {"motion.line_element": line})
+    return float(100.0 * np.nanmax(full(who, b, n)[1]))
+
+
+def efficiency(context: Context, **which: Any) -> float:
+    """Largest efficiency of a map, percent."""
+    return 100.0 * height(context, quantity="efficiency", **which)
+
+
+def helix_leads(context: Context, quantity: str = "velocity") -> float:
+    """Largest value of the helix over that of the plane wave, constant pair."""
+    return height(context, tail="helix", quantity=quantity) / height(
+        context, tail="plane_wave", quantity=quantity
+    )

@@ -40,7 +40,12 @@ def plot(result: dict[str, Any]) -> Figure:
         for i, (colour, dash) in enumerate(((BLUE, "-"), (ORANGE, (0, (4, 2))))):
             ax.plot(x, result["base"][i], color=colour, ls=dash, label=f"$A_{i + 1}$, base case")
             ax.plot(
-                x, result["thin"][i], color=colour, ls=":", lw=1, label=rf"$A_{i + 1}$, $\epsilon\to 0$"
+                x,
+                result["thin"][i],
+                color=colour,
+                ls=":",
+                lw=1,
+                label=rf"$A_{i + 1}$, $\epsilon\to 0$",
             )
         ax.set(xlabel=r"$\alpha^2$", ylabel="$A_1$, $A_2$", xlim=(0, 1))
         ax.legend()

@@ -100,6 +100,11 @@ def held(context: Context) -> np.ndarray:
     return -gait.rate * tail[[0, 3]]
 
 
+def held_torque(context: Context) -> float:
+    """Axial torque by the fluid on the tail of the held swimmer (reference)."""
+    return float(held(context)[1])
+
+
 def held_pair(context: Context) -> np.ndarray:
     """``c_n, c_t`` that Eq. (20) gives for the reference's thrust and torque of the held tail."""
     tail = swimmer("helix", "constant").tail
@@ -122,13 +127,52 @@ def round_trip(context: Context) -> np.ndarray:
 
 def body_force(context: Context) -> float:
     """Mean axial drag on the body of the free swimmer (reference)."""
+    return float(body_forces(context)[0])
+
+
+def body_forces(context: Context) -> np.ndarray:
+    """`body_force` for the four ways in which the tail's surface may move."""
+    out = []
+    for sections, motion in MOTIONS:
+        who = swimmer("helix", "constant").with_(
+            {"tail.sections": sections, "tail.surface_motion": motion}
+        )
+        out.append(abs(context.reference(who).body_wrench(np.arange(8) * np.pi / 4)[:, 0].mean()))
+    return np.array(out)
+
+
+def body_lateral_force(context: Context) -> float:
+    """Amplitude of the lateral force on the body of the free swimmer (reference)."""
     gait = context.reference(swimmer("helix", "constant"))
-    return float(abs(gait.body_wrench(0.0)[0]))
+    return float(np.hypot(*gait.body_wrench(0.0)[1:3]))
 
 
-def force_consistency(context: Context) -> float:
-    """Drag factor that the paper's own force and velocity give: 81.7 / (942.5 x 0.038)."""
-    return float(81.7 / (resistances(context)[0] * 0.038))
+def ripple(context: Context, index: int) -> float:
+    """Variation of a velocity over the period, percent of its mean (reference)."""
+    gait = context.reference(swimmer("helix", "constant"))
+    V = gait.velocity(np.linspace(0.0, 2.0 * np.pi, 33))[:, index]
+    return float(100.0 * np.ptp(V) / abs(V.mean()))
+
+
+def waves_and_wavenumber(context: Context, which: str) -> float:
+    """Number of waves or wavenumber of the base case."""
+    tail = swimmer("helix", "constant").tail
+    return float(tail.number_of_waves if which == "waves" else tail.wavenumber)
+
+
+def seconds_of_a_rotation(context: Context) -> float:
+    """Wall time of one rotation of the helix, 64 poses in the lab frame, after compilation."""
+    from time import perf_counter
+
+    from ..trajectory import trajectory
+
+    gait = swimmer("helix", "sbt").gait()
+    taken = []
+    for _ in range(3):
+        start = perf_counter()
+        trajectory(swimmer("helix", "sbt").gait(), np.linspace(0.0, gait.period, 65))
+        taken.append(perf_counter() - start)
+    return min(taken)
 
 
 def plot(result: dict[str, Any]) -> Figure:

@@ -57,6 +57,25 @@ def ratio(context: Context, tail: str, index: int) -> float:
     return float(ratios(context, tail)[index])
 
 
+def plane_wave_drag(context: Context) -> np.ndarray:
+    """``gamma_N,s`` by direct ratio for three ways in which the plane wave's surface may move."""
+    out = []
+    ways = (
+        ("sheared", "translating"),
+        ("perpendicular", "translating"),
+        ("perpendicular", "bending"),
+    )
+    for sections, motion in ways:
+        start = swimmer("plane_wave", "constant").with_(
+            {"tail.sections": sections, "tail.surface_motion": motion}
+        )
+        gait = context.reference(start)
+        phase = 2.0 * np.pi * np.arange(48) / 48
+        drag = -gait.body_wrench(phase)[:, 0].mean() / gait.velocity(phase)[:, 0].mean()
+        out.append(drag / start.body.diagonal(start.fluid.viscosity)[0])
+    return np.array(out)
+
+
 def drag_ratio_of_printed(context: Context) -> float:
     """Drag factor from the printed drag and velocity, ``81.7 / (6 pi mu r_b 0.038)``."""
     return float(81.7 / (swimmer("helix", "constant").body.diagonal(100.0)[0] * 0.038))
@@ -67,9 +86,21 @@ def lateral_ratio_of_printed(context: Context) -> float:
     return float(7.235 / (swimmer("helix", "constant").body.diagonal(100.0)[1] * 0.015))
 
 
-def lateral_gamma(context: Context) -> float:
-    """``gamma_N,q`` of the inverse problem for the printed CFD and the constant pair."""
-    return float(from_printed_cfd(context, "constant")[1])
+def one(context: Context, source: str, index: int, coefficients: str, tail: str = "helix") -> float:
+    """One coefficient by the inverse problem for the printed velocities or our reference."""
+    if source == "cfd":
+        return float(from_printed_cfd(context, coefficients)[index])
+    return float(from_reference(context, tail, coefficients)[index])
+
+
+def base_component(context: Context, index: int, coefficients: str) -> float:
+    """One entry of `base_case`."""
+    return float(base_case(context, coefficients)[index])
+
+
+def sign_of_turn(context: Context, coefficients: str) -> float:
+    """Sign of the plane wave's ``gamma_R,r`` by the inverse problem for our reference."""
+    return float(np.sign(from_reference(context, "plane_wave", coefficients)[2]))
 
 
 def base_case(context: Context, coefficients: str) -> np.ndarray:
@@ -109,6 +140,7 @@ def plot(result: dict[str, Any]) -> Figure:
     labels = {"s": r"$\gamma_{N,s}$", "q": r"$\gamma_{N,q}$",
               "turn": r"$\gamma_{R,s}$ (helix), $\gamma_{R,r}$ (plane wave)"}  # fmt: skip
     sources = (("paper", "the paper", GREY, "s"), ("from its CFD", "ours, for its CFD", ORANGE, "D"),
+              
                ("from our reference", "ours, for our reference", BLUE, "o"))  # fmt: skip
     with look():
         figure, axes = panels(1, 3, (WIDE, 2.6))
@@ -116,7 +148,9 @@ def plot(result: dict[str, Any]) -> Figure:
         for ax, (axis, label), name in zip(axes[0], labels.items(), "abc"):
             for j, (key, text, colour, mark) in enumerate(sources):
                 y = [row[f"γ_{axis} {key}"] for row in result["rows"]]
-                ax.plot(x + 0.2 * (j - 1), y, ls="none", marker=mark, color=colour, label=text, ms=5)
+                ax.plot(
+                    x + 0.2 * (j - 1), y, ls="none", marker=mark, color=colour, label=text, ms=5
+                )
             ax.axhline(1.0, color="black", lw=0.5, ls=":")
             ax.axhline(0.0, color="black", lw=0.7)
             ax.set(xticks=x, ylabel=label)

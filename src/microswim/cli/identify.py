@@ -1,0 +1,89 @@
+"""``microswim identify``: wave shape and rate of a swimmer from its track."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Any
+
+import click
+
+from ._options import Given, example, json_option, out_option, print_json, swimmer_options
+
+EXAMPLES = example(
+    "microswim identify track.csv sperm.toml",
+    "microswim identify track.csv --preset tabak/helix --unknown tail.amplitude",
+    "microswim identify track.csv sperm.toml --sigma 0.002 --json",
+)
+
+
+@click.command(epilog=EXAMPLES)
+@click.argument("track", type=click.Path(path_type=Path))
+@swimmer_options
+@click.option(
+    "--unknown", "unknowns", multiple=True, metavar="NAME",
+    help="What to find: a number of the spec, or translation.s and the like (repeatable). "
+    "Default: tail.amplitude, tail.waves, tail.frequency.",
+)  # fmt: skip
+@click.option("--sigma", type=float, help="Noise of each coordinate; default: from the fit.")
+@click.option("--sigma-attitude", type=float, help="Noise of the attitude (rad); default 0.02.")
+@click.option("--starts", type=int, default=8, show_default=True, help="First guesses to follow.")
+@out_option
+@json_option
+def command(
+    track: Path,
+    given: Given,
+    unknowns: tuple[str, ...],
+    sigma: float | None,
+    sigma_attitude: float | None,
+    starts: int,
+    out: Path | None,
+    as_json: bool,
+) -> None:
+    """Identify a swimmer from its TRACK: wave shape and rate, with uncertainty.
+
+    TRACK is a CSV with the columns time, x, y and, if known, z and the attitude qw, qx, qy, qz
+    (body to lab) of the body's centre. Two coordinates are the projection onto the image. SPEC or
+    --preset says what is known of the swimmer; what is not unknown stays as it is.
+    """
+    from ..track import Track
+    from ..trackfit import SHAPE, identify_swimmer
+
+    swimmer = given.swimmer
+    read = Track.from_csv(track, si=swimmer.units == "SI")
+    found = identify_swimmer(
+        swimmer, read, unknowns or SHAPE, sigma=sigma, sigma_attitude=sigma_attitude, starts=starts
+    )
+    result = {"swimmer": given.name, "units": swimmer.units, **found.as_dict()}
+    if out is not None:
+        out.mkdir(parents=True, exist_ok=True)
+        _draw(read, found.path, out / "track.png")
+        result["picture"] = str(out / "track.png")
+    if as_json:
+        print_json(result)
+    else:
+        _print(found)
+
+
+def _print(found: Any) -> None:
+    """Values with their 95 % intervals, then what cannot be determined."""
+    for name, value, (low, high) in zip(found.names, found.values, found.interval()):
+        click.echo(f"{name:22s} {value:12.6g}   95 %: {low:.6g} to {high:.6g}")
+    click.echo(f"{'residual':22s} {found.residual:12.3g}   (root mean square, per coordinate)")
+    for other in found.alternatives:
+        values = ", ".join(f"{n} = {v:.4g}" for n, v in zip(found.names, other))
+        click.echo(f"fits as well: {values}")
+    for sentence in found.warnings:
+        click.echo(f"note: {sentence}")
+
+
+def _draw(track: Any, path: Any, file: Path) -> None:
+    """Track and fitted path in the image plane."""
+    from matplotlib.figure import Figure
+
+    figure = Figure(figsize=(5.0, 4.0), layout="constrained")
+    axes = figure.subplots()
+    axes.plot(*track.position[:, :2].T, ".", color="#6E6E6E", ms=3, label="track")
+    axes.plot(*path[:, :2].T, color="#D55E00", lw=1.0, label="fit")
+    axes.set(xlabel="x", ylabel="y", aspect="equal")
+    axes.legend(frameon=False)
+    figure.savefig(file, dpi=200)

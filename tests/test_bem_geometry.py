@@ -5,7 +5,7 @@ import pytest
 
 import microswim as ms
 from microswim.errors import SpecError
-from microswim.reference import bem, geometry
+from microswim.reference import bem, geometry, joint
 from microswim.reference.bem.mesh import swimmer_surface
 
 BODY = ms.Sphere(radius=0.5)
@@ -32,7 +32,9 @@ def test_rounded_ramp_is_the_sharp_one_outside_and_smooth_inside():
 def test_smooth_centreline_is_the_tails_own_away_from_the_kink(tail):
     s = np.r_[np.linspace(0, 0.14, 20), np.linspace(0.26, 2.0, 50)]
     mine = geometry.smooth_centreline(tail, s, 0.7)
-    for computed, given in zip((mine.P, mine.P_s, mine.P_phi), tail.centreline(s, 0.7), strict=True):
+    for computed, given in zip(
+        (mine.P, mine.P_s, mine.P_phi), tail.centreline(s, 0.7), strict=True
+    ):
         assert np.allclose(computed, given, atol=1e-12)
     h = 1e-5
     ahead, behind = (geometry.smooth_centreline(tail, s + d, 0.7) for d in (h, -h))
@@ -59,14 +61,14 @@ def test_sections_are_orthonormal_and_do_not_wind_after_untwisting():
     ids=["base", "steep", "plane wave", "base, ellipsoid", "plane wave, ellipsoid"],
 )
 def test_joint_lies_on_body_and_tube(tail, body):
-    joint = geometry.trace_joint(body, tail, 0.6)
+    curve = joint.trace_joint(body, tail, 0.6)
     psi = np.linspace(0.1, 6.2, 57)
-    s, untwisted = joint.section(psi)
-    X = body.centre + np.asarray(body.semi_axes3) * joint.sphere_point(joint.angle(psi), psi)
-    assert np.abs(geometry.level_set(body, X)).max() < 1e-12
+    s, untwisted = curve.section(psi)
+    X = body.centre + np.asarray(body.semi_axes3) * curve.sphere_point(curve.angle(psi), psi)
+    assert np.abs(joint.level_set(body, X)).max() < 1e-12
     grid = np.linspace(s.min() - 0.01, s.max() + 0.01, 2001)
     twist = geometry.section_twist(tail, grid, 0.6)
-    theta = untwisted - np.interp(s, grid, twist) + np.interp(joint.s, grid, twist)
+    theta = untwisted - np.interp(s, grid, twist) + np.interp(curve.s, grid, twist)
     on_tube = geometry.tube_point(tail, s, theta, 0.6)
     assert np.abs(on_tube - X).max() < 2e-3 * tail.radius
 
@@ -89,21 +91,33 @@ def test_surface_is_closed_and_faces_the_fluid(body, tail):
     assert np.abs(normal.sum(axis=(0, 1))).max() < 1e-4 * area.sum()
     a, b, c = body.semi_axes3
     volume = np.sum(surface.normals * surface.nodes, axis=-1) * surface.areas
-    arc = np.linalg.norm(np.diff(tail.centreline(np.linspace(0, 2, 4001) * tail.length / 2, 0.6)[0], axis=0), axis=-1).sum()
+    arc = np.linalg.norm(
+        np.diff(tail.centreline(np.linspace(0, 2, 4001) * tail.length / 2, 0.6)[0], axis=0), axis=-1
+    ).sum()
     length = tail.length if tail.sections == "sheared" else arc
     ends = 1 if a > 0 else 2
-    expected = 4 / 3 * np.pi * a * b * c + np.pi * tail.radius**2 * (length + ends * 2 / 3 * tail.radius)
+    expected = 4 / 3 * np.pi * a * b * c + np.pi * tail.radius**2 * (
+        length + ends * 2 / 3 * tail.radius
+    )
     assert volume.sum() / 3 == pytest.approx(expected, rel=2e-3)
-    assert np.allclose(arm.sum(axis=(0, 1)), (surface.nodes * surface.areas[..., None]).sum((0, 1)), rtol=0.02, atol=1e-3)
+    assert np.allclose(
+        arm.sum(axis=(0, 1)),
+        (surface.nodes * surface.areas[..., None]).sum((0, 1)),
+        rtol=0.02,
+        atol=1e-3,
+    )
 
 
 def test_surface_velocities():
-    """Rigid: omega x X. Translating: P_phi. Bending keeps the distance to the centreline's section."""
+    """Rigid: omega x X. Translating: P_phi. Bending keeps the distance to the centreline's
+    section."""
     s, theta = np.linspace(0.3, 1.9, 9), np.linspace(0, 6, 9)
     X = geometry.tube_point(BASE, s, theta, 0.5)
     assert np.allclose(geometry.surface_velocity(BASE, X, s, 0.5), np.cross([1.0, 0, 0], X))
     h = 1e-6
-    bending = ms.HelicalTail(length=2.0, amplitude=0.1, waves=3, radius=0.05, surface_motion="bending")
+    bending = ms.HelicalTail(
+        length=2.0, amplitude=0.1, waves=3, radius=0.05, surface_motion="bending"
+    )
     u = geometry.surface_velocity(bending, X, s, 0.5)
     now, later = (geometry.smooth_centreline(bending, s, 0.5 + d) for d in (0.0, h))
     moved = X + h * u - later.P
@@ -138,16 +152,20 @@ def test_touching_turns_are_refused():
 def test_tail_beside_the_body_is_refused():
     tail = ms.HelicalTail(length=2.0, amplitude=0.6, waves=1, radius=0.05, ramp=0.0)
     with pytest.raises(SpecError, match=r"tail\.amplitude = 0\.6"):
-        geometry.trace_joint(BODY, tail)
+        joint.trace_joint(BODY, tail)
 
 
 def test_tube_along_the_body_is_refused():
     with pytest.raises(SpecError, match="lies along the body"):
-        geometry.trace_joint(POINTED, STEEP, 0.6)
+        joint.trace_joint(POINTED, STEEP, 0.6)
 
 
 def test_legitimate_corners_of_the_design_range_are_accepted():
-    for amplitude, waves, radius, length in [(0.2, 4.5, 0.3, 3.0), (0.2, 0.8, 0.7, 1.2), (0.13, 4.5, 0.6, 1.3)]:
+    for amplitude, waves, radius, length in [
+        (0.2, 4.5, 0.3, 3.0),
+        (0.2, 0.8, 0.7, 1.2),
+        (0.13, 4.5, 0.6, 1.3),
+    ]:
         tail = ms.HelicalTail(length=length, amplitude=amplitude, waves=waves, radius=0.05)
         geometry.check(ms.Sphere(radius=radius), tail)
 

@@ -2,13 +2,13 @@
 
 import numpy as np
 import pytest
-from oracles.slender_body import slender_torus
 
 import microswim as ms
 from microswim.errors import MicroswimError, SpecError
 from microswim.reference import bem
 from microswim.reference.bem import system
 from microswim.reference.bem.surface import Surface
+from oracles.slender_body import slender_torus
 
 EXACT_RULE = bem.Quadrature(points=7, near=3.0, far=1e6, radial=10, angular=14)
 
@@ -40,7 +40,8 @@ def test_ellipsoids_against_oberbeck_and_perrin(body):
 def test_observed_order(order, expected):
     """Drag and torque of a spheroid converge at least with the expected power of the patch size.
 
-    Piecewise polynomials of degree p - 1 approximate the density to order p; integrals of it are better.
+    Piecewise polynomials of degree p - 1 approximate the density to order p; integrals of it are
+    better.
     """
     body = ms.Spheroid(semi_axes=(1.5, 1.0))
     exact = body.resistance(1.0).diagonal()
@@ -54,7 +55,8 @@ def test_observed_order(order, expected):
 
 
 def test_slender_torus_approaches_johnson_and_wu():
-    """The difference is of order ratio^2 log(ratio): less than its 1/3 when the ratio halves twice."""
+    """The difference is of order ratio^2 log(ratio): less than its 1/3 when the ratio halves
+    twice."""
     differences = []
     for ratio in (0.1, 0.025):
         R = bem.resistance(bem.torus(1.0, ratio, 10, 4, 3), 1.0)
@@ -100,9 +102,35 @@ def test_velocity_near_and_far_of_a_sphere_is_stokes_solution():
         assert np.abs(layer.velocity(r * n, density) - exact).max() < 4e-4
 
 
-# Sphere of radius 1, centre at height h = cosh(alpha) over the wall, in units of 6 pi mu a and 8 pi mu a^3:
-# across the wall the exact series of Brenner (1961) Chem. Eng. Sci. 16, 242, summed below; along it
-# F, T of Goldman, Cox & Brenner (1967) Chem. Eng. Sci. 22, 637, tables 1 and 2.
+def test_outer_traction_leaves_the_inner_fluid_out():
+    """Rigid motion: all of it acts outside. Strain E x on a sphere: 2 mu E:E V inside, 3/2 of it
+    outside.
+
+    Together 5/2 of it, Einstein's stresslet 20/3 pi mu a^3 E : E (Batchelor 1970).
+    """
+    surface = bem.ellipsoid((1.0, 1.0, 1.0), 2, 3)
+    layer = bem.Layer(surface, 1.0)
+    strain = np.diag([1.0, 1.0, -2.0])
+    motions = np.stack(
+        [surface.nodes @ strain, np.broadcast_to([1.0, 0, 0], surface.nodes.shape)], -1
+    )
+    density = system.solve_density(layer, motions).density
+    straining, rigid = (
+        np.ascontiguousarray(density[:, i]).reshape(surface.nodes.shape) for i in (0, 1)
+    )
+    outer = layer.outer_traction(straining)
+    power = [
+        np.sum(np.sum(f * motions[..., 0], axis=-1) * surface.areas)
+        for f in (straining - outer, outer)
+    ]
+    inside = 2 * 6 * 4 / 3 * np.pi
+    assert power == pytest.approx([inside, 1.5 * inside], rel=1e-3)
+    assert np.abs(layer.outer_traction(rigid) - rigid).max() < 5e-3 * np.abs(rigid).max()
+
+
+# Sphere of radius 1, centre at height h = cosh(alpha) over the wall, in units of 6 pi mu a and 8
+# pi mu a^3: across the wall the exact series of Brenner (1961) Chem. Eng. Sci. 16, 242, summed
+# below; along it F, T of Goldman, Cox & Brenner (1967) Chem. Eng. Sci. 22, 637, tables 1 and 2.
 ALONG_WALL = {3.7622: (1.1738, 1.0059), 1.5431: (1.5675, 1.0998)}
 
 
@@ -111,7 +139,9 @@ def brenner(height):
     n = np.arange(1, 60)
     top = 2 * np.sinh((2 * n + 1) * a) + (2 * n + 1) * np.sinh(2 * a)
     bottom = 4 * np.sinh((n + 0.5) * a) ** 2 - (2 * n + 1) ** 2 * np.sinh(a) ** 2
-    return 4 / 3 * np.sinh(a) * np.sum(n * (n + 1) / ((2 * n - 1) * (2 * n + 3)) * (top / bottom - 1))
+    return (
+        4 / 3 * np.sinh(a) * np.sum(n * (n + 1) / ((2 * n - 1) * (2 * n + 3)) * (top / bottom - 1))
+    )
 
 
 @pytest.mark.parametrize("height", sorted(ALONG_WALL))
@@ -126,7 +156,8 @@ def test_sphere_near_a_wall(height):
 
 
 def test_far_wall_gives_faxens_correction():
-    """Drag along a far wall: 1 / (1 - 9/16 a/h + 1/8 (a/h)^3), across it 1 / (1 - 9/8 a/h + 1/2 (a/h)^3)."""
+    """Drag along a far wall: 1 / (1 - 9/16 a/h + 1/8 (a/h)^3), across it 1 / (1 - 9/8 a/h + 1/2
+    (a/h)^3)."""
     h = 8.0
     plane = np.array([0, 0, -h, 0, 0, 1.0])
     R = bem.resistance(bem.ellipsoid((1.0, 1.0, 1.0), 1, 3), 1.0, wall=plane) / (6 * np.pi)

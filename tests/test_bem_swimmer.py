@@ -4,12 +4,12 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from oracles.slender_body import helix, lighthill_resistance
 
 import microswim as ms
 from microswim.errors import SpecError
 from microswim.reference import bem
 from microswim.reference.bem import phases
+from oracles.slender_body import helix, lighthill_resistance
 
 BASE = {"length": 2.0, "amplitude": 0.1, "waves": 3, "radius": 0.05}
 FOUR = ("us", "uq", "ur", "os")
@@ -33,8 +33,8 @@ def rough():
     return bem.solve(swimmer(ms.HelicalTail(**BASE)), level=ROUGH)
 
 
-# The base case as two independent solvers, boundary elements and Taylor-Hood finite elements, gave it:
-# docs/accuracy-bem.md. Values are known to their last digit, half of which adds to the 0.3 %.
+# The base case as two independent solvers, boundary elements and Taylor-Hood finite elements, gave
+# it: docs/accuracy-bem.md. Values are known to their last digit, half of which adds to the 0.3 %.
 
 
 def test_base_case_free(base):
@@ -78,7 +78,8 @@ def test_plane_wave_base_case():
 
 
 def test_stationary_thrust_and_torque(base):
-    """Thrust 85.0, torque 155.8 of the same computation; the torque drifts with the mesh at the joint."""
+    """Thrust 85.0, torque 155.8 of the same computation; the torque drifts with the mesh at the
+    joint."""
     thrust, torque = base.stationary_wrench()
     assert thrust == pytest.approx(85.0, rel=3e-3)
     assert torque == pytest.approx(155.8, rel=1e-2)
@@ -101,7 +102,8 @@ def test_resistance_is_symmetric_and_positive(base):
 
 
 def test_lorentz_reciprocity(base):
-    """F_p . V = int f_V . u_hat: the rigid densities know the propulsion. To the symmetry's accuracy."""
+    """F_p . V = int f_V . u_hat: the rigid densities know the propulsion. To the symmetry's
+    accuracy."""
     weights = base.surface.moments[3].reshape(-1)
     by_rigid = weights @ base.density[:, :6]
     scale = np.sqrt(base.raw_resistance.diagonal() * base.activity)
@@ -144,7 +146,9 @@ def test_right_handed_tail_is_the_mirror_image(rough):
 )
 def test_half_period_symmetry(tail, body, signs):
     now, later = (bem.solve(swimmer(tail, body), p, level=ROUGH) for p in (0.4, 0.4 + np.pi))
-    assert np.allclose(later.propulsion, signs * now.propulsion, atol=2e-3 * np.abs(now.propulsion).max())
+    assert np.allclose(
+        later.propulsion, signs * now.propulsion, atol=2e-3 * np.abs(now.propulsion).max()
+    )
     R, carried = later.resistance, now.resistance * np.outer(signs, signs)
     scale = np.sqrt(np.outer(R.diagonal(), R.diagonal()))
     assert np.abs((R - carried) / scale).max() < 2e-3
@@ -158,7 +162,9 @@ def test_sampled_gait_of_an_ellipsoid_passes_through_a_phase_between():
     gait = phases.gait(one, level=level, progress=lambda n, of: done.append((n, of)))
     assert done == [(n, 6) for n in range(1, 7)]
     between = bem.solve(one, 0.25, level=ROUGH)
-    assert np.allclose(gait.velocity(0.25), between.twist, atol=0.01 * np.abs(between.twist[:3]).max())
+    assert np.allclose(
+        gait.velocity(0.25), between.twist, atol=0.01 * np.abs(between.twist[:3]).max()
+    )
 
 
 def test_error_estimate_covers_the_error():
@@ -191,9 +197,7 @@ def test_custom_tail_is_the_helix_it_describes():
 
     options = {"length": 2.0, "radius": 0.05, "surface_motion": "rigid"}
     custom = ms.CustomTail(shape=shape, **options)
-    named = ms.HelicalTail(
-        amplitude=b, wavelength=2 * np.pi / k, ramp=0.0, **options
-    )
+    named = ms.HelicalTail(amplitude=b, wavelength=2 * np.pi / k, ramp=0.0, **options)
     first, second = (
         bem.solve(swimmer(t, ms.NoBody()), level=ROUGH).raw_resistance for t in (custom, named)
     )
@@ -208,7 +212,8 @@ def test_tail_without_ramp_starts_on_the_body():
 
 
 def test_no_slip_on_the_swimmer_and_rest_far_away(rough):
-    """Half a patch off the collocation points the boundary condition holds to the mesh's accuracy."""
+    """Half a patch off the collocation points the boundary condition holds to the mesh's
+    accuracy."""
     s = rough.surface
     bend = np.abs(rough.surface_velocity()).max()
     off = 1e-3 * 0.05

@@ -1,4 +1,5 @@
-"""Slender-body theory of Lighthill, written for these tests alone, and closed forms for a slender torus.
+"""Slender-body theory of Lighthill, written for these tests alone, and closed forms for a slender
+torus.
 
 Lighthill (1976) SIAM Review 18, 161: on the centreline of a filament of radius a,
 
@@ -14,7 +15,8 @@ def lighthill_resistance(position, tangent, length, radius, viscosity=1.0, order
     """Resistance matrix (6, 6) about the origin of a rigid filament.
 
     position(x), tangent(x): arrays (n, 3) of the centreline at arc lengths x in [0, length].
-    The force is constant on segments of length 2 delta, so that the excluded stretch is the own segment.
+    The force is constant on segments of length 2 delta, so that the excluded stretch is the own
+    segment.
     """
     n = round(length / (radius * np.sqrt(np.e)))
     h = length / n
@@ -60,8 +62,8 @@ def helix(axial_length, amplitude, wavelength):
 def slender_torus(ratio):
     """Axial drag, lateral drag, axial torque of a torus with ring radius and viscosity one.
 
-    ratio = tube over ring radius; errors of order ratio^2 log(ratio). Johnson & Wu (1979) J. Fluid Mech. 95,
-    263 (the leading terms in E = log(8 / ratio)).
+    ratio = tube over ring radius; errors of order ratio^2 log(ratio). Johnson & Wu (1979) J. Fluid
+    Mech. 95, 263 (the leading terms in E = log(8 / ratio)).
     """
     E = np.log(8 / ratio)
     axial = 8 * np.pi**2 / (E + 0.5)

@@ -1,13 +1,13 @@
-"""The swimmer's surface before any mesh: smooth centreline, frames, joint, senseless shapes.
+"""The swimmer's surface before any mesh: smooth centreline, sections, motion, senseless shapes.
 
 Shared by the boundary elements and the finite elements. A point of the tail's tube is
 
     X(s, theta) = P(s) + r_t (cos(theta) n1(s) + sin(theta) n2(s)),
 
 with `n1, n2` normal to the centreline (perpendicular sections) or the fixed `e_q, e_r` (sheared
-sections). The kink of the ramp [Tabak Sec. 2] is rounded over +-r_t, and the centreline is continued
-to s < 0 (analytically for helix and plane wave, straight for other tails) so that the tube grows out
-of the body without a gap.
+sections). The kink of the ramp [Tabak Sec. 2] is rounded over +-r_t, and the centreline is
+continued to s < 0 (analytically for helix and plane wave, straight for other tails) so that the
+tube grows out of the body without a gap.
 
 Depends on: numpy, microswim.errors.
 """
@@ -106,7 +106,9 @@ def _wave(tail: Any, s: Array, phase: float, second: float) -> Curve:
 
 
 def _general(tail: Any, s: Array, phase: float) -> Curve:
-    """Any other tail, from its own centreline; derivatives by differences, straight beyond the ends."""
+    """Any other tail, from its own centreline; derivatives by differences, straight beyond the
+    ends.
+    """
     length = tail.apparent_length
     step = 1e-4 * length
     inside = np.clip(s, step, length - step)
@@ -194,193 +196,6 @@ def surface_velocity(tail: Any, X: Array, s: Array, phase: float = 0.0) -> Array
     return curve.P_phi + np.cross(turning, X - curve.P)
 
 
-def level_set(body: Any, X: Array) -> Array:
-    """Ellipsoid's level function: negative inside the body, zero on it."""
-    scaled = (X - body.centre) / np.asarray(body.semi_axes3)
-    return np.sum(scaled**2, axis=-1) - 1.0
-
-
-def _last_crossing(values: Array) -> int:
-    """Index of the last sample that lies inside (value < 0), -1 if none."""
-    inside = np.nonzero(values < 0)[0]
-    return int(inside[-1]) if inside.size else -1
-
-
-def piercing(body: Any, tail: Any, phase: float = 0.0) -> float:
-    """s at which the centreline leaves the body for the last time.
-
-    Raises
-    ------
-    SpecError
-        If the tail never touches the body or ends inside it.
-    """
-    reach = max(body.semi_axes3) + tail.apparent_length
-    s = np.linspace(-2 * body.semi_axes3[0], min(reach, tail.apparent_length), 4001)
-    value = level_set(body, smooth_centreline(tail, s, phase).P)
-    last = _last_crossing(value)
-    if last < 0:
-        raise SpecError(
-            "tail.amplitude",
-            getattr(tail, "amplitude", None),
-            "less than the body's half width where no ramp leads the tail to the body",
-            "use a smaller amplitude or a ramp",
-        )
-    if last == s.size - 1:
-        raise SpecError(
-            "tail.length", tail.apparent_length, "long enough to leave the body", "make it longer"
-        )
-    low, high = s[last], s[last + 1]
-    for _ in range(60):
-        mid = 0.5 * (low + high)
-        inside = level_set(body, smooth_centreline(tail, np.array(mid), phase).P) < 0
-        low, high = (mid, high) if inside else (low, mid)
-    return float(0.5 * (low + high))
-
-
-def _section_coordinates(tail: Any, X: Array, s: Array, phase: float) -> tuple[Array, Array]:
-    """Distance from the centreline, in the section through X, and that section's s.
-
-    Perpendicular: the closest point, (X - P) . P' = 0, by Newton's method from `s`.
-    Sheared: the section of X is the one with P_s(s) = X_s.
-    """
-    if tail.sections == "sheared":
-        for _ in range(1 if tail.kind != "custom" else 4):
-            c = smooth_centreline(tail, s, phase)
-            s = s + (X[..., 0] - c.P[..., 0]) / c.P_s[..., 0]
-    else:
-        for _ in range(3):
-            c = smooth_centreline(tail, s, phase)
-            d = X - c.P
-            slope = np.sum(d * c.P_ss, axis=-1) - np.sum(c.P_s**2, axis=-1)
-            step = np.sum(d * c.P_s, axis=-1) / np.minimum(slope, -0.05)
-            s = s - np.clip(step, -tail.radius, tail.radius)
-    return np.linalg.norm(X - smooth_centreline(tail, s, phase).P, axis=-1), s
-
-
-@dataclass(frozen=True)
-class Joint:
-    """Closed curve in which the tube meets the body, by the azimuth psi about the piercing point.
-
-    The body is the image of the unit sphere under its semi-axes; `pole`, `first`, `second` are an
-    orthonormal frame of that sphere with the piercing point as its pole.
-
-    Parameters
-    ----------
-    s : float
-        Where the centreline leaves the body.
-    pole, first, second : (3,)
-        Frame on the unit sphere.
-    series : (3, n)
-        Fourier coefficients (rfft, divided by n) of the polar angle, of s - s(pole) and of Theta - psi,
-        Theta = theta + beta(s) - beta(s(pole)) the angle of the generator that does not wind.
-    """
-
-    s: float
-    pole: Array
-    first: Array
-    second: Array
-    series: NDArray[np.complex128]
-
-    @property
-    def depth(self) -> float:
-        """Largest |s - s(pole)| of the curve."""
-        turn = np.linspace(0.0, 2 * np.pi, 64)
-        return float(np.abs(self._evaluate(1, turn)).max())
-
-    def _evaluate(self, row: int, psi: Array) -> Array:
-        c = self.series[row]
-        result = np.full(np.shape(psi), c[0].real)
-        turn = np.exp(1j * np.asarray(psi))
-        power = np.ones_like(turn)
-        for coefficient in c[1:]:
-            power = power * turn
-            result = result + 2 * (coefficient * power).real
-        return result
-
-    def angle(self, psi: Array) -> Array:
-        """Polar angle of the curve on the unit sphere."""
-        return self._evaluate(0, psi)
-
-    def section(self, psi: Array) -> tuple[Array, Array]:
-        """(s, Theta) of the tube's section and generator through the curve."""
-        return self.s + self._evaluate(1, psi), psi + self._evaluate(2, psi)
-
-    def sphere_point(self, angle: Array, psi: Array) -> Array:
-        """Unit-sphere point at polar angle and azimuth about the pole."""
-        radial = np.cos(psi)[..., None] * self.first + np.sin(psi)[..., None] * self.second
-        return np.cos(angle)[..., None] * self.pole + np.sin(angle)[..., None] * radial
-
-
-def _lies_on_body(tail: Any) -> SpecError:
-    return SpecError(
-        "tail.radius",
-        tail.radius,
-        "thin enough for the tube to leave the body in one smooth closed curve",
-        "the tube lies along the body: use a thinner filament, a smaller amplitude or a longer ramp",
-    )
-
-
-def _crossing(tail: Any, excess: Any, step: float, psi: Array) -> Array:
-    """Polar angle at which `excess` (negative at the pole) first turns positive; Illinois method."""
-    low, high = np.zeros_like(psi), np.full_like(psi, np.nan)
-    f_low, f_high = excess(low), np.ones_like(psi)
-    for angle in np.arange(step, 0.45 * np.pi, step):
-        f = excess(np.full_like(psi, angle))
-        open_ = np.isnan(high)
-        low, f_low = np.where(open_ & (f <= 0), angle, low), np.where(open_ & (f <= 0), f, f_low)
-        high, f_high = np.where(open_ & (f > 0), angle, high), np.where(open_ & (f > 0), f, f_high)
-        if not np.isnan(high).any():
-            break
-    else:
-        raise _lies_on_body(tail)
-    for _ in range(14):
-        middle = np.clip(low + (high - low) * f_low / (f_low - f_high), low, high)
-        f = excess(middle)
-        out = f > 0
-        f_low, f_high = np.where(out, 0.5 * f_low, f), np.where(out, f, 0.5 * f_high)
-        low, high = np.where(out, low, middle), np.where(out, middle, high)
-    return middle
-
-
-def trace_joint(body: Any, tail: Any, phase: float = 0.0, points: int = 96) -> Joint:
-    """Intersection of the tube with the body: where the distance to the centreline is r_t.
-
-    Seen from the piercing point the curve is smooth even where the tube leans on the body, which its
-    generators are not.
-    """
-    axes, centre = np.asarray(body.semi_axes3, float), np.asarray(body.centre, float)
-    start = piercing(body, tail, phase)
-    curve = smooth_centreline(tail, np.array(start), phase)
-    pole = (curve.P - centre) / axes
-    pole = pole / np.linalg.norm(pole)
-    first = section_axes(tail, curve)[0]
-    first = first - first @ pole * pole
-    first = first / np.linalg.norm(first)
-    psi = 2 * np.pi * np.arange(points) / points
-    bare = Joint(start, pole, first, np.cross(pole, first), np.zeros((3, 1), complex))
-    s = np.full(points, start)
-
-    def excess(angle: Array) -> Array:
-        nonlocal s
-        X = centre + axes * bare.sphere_point(angle, psi)
-        found, s = _section_coordinates(tail, X, s, phase)
-        return found - tail.radius
-
-    angle = _crossing(tail, excess, 0.3 * tail.radius / axes.max(), psi)
-    at = smooth_centreline(tail, s, phase)
-    n1, n2 = section_axes(tail, at)
-    arm = centre + axes * bare.sphere_point(angle, psi) - at.P
-    theta = np.arctan2(np.sum(arm * n2, axis=-1), np.sum(arm * n1, axis=-1))
-    grid = np.linspace(s.min() - 1e-9, s.max() + 1e-9, 201)
-    twist = section_twist(tail, grid, phase)
-    theta = theta + np.interp(s, grid, twist) - np.interp(start, grid, twist)
-    ahead = np.angle(np.exp(1j * (theta - psi)))
-    series = np.fft.rfft(np.stack([angle, s - start, ahead]), axis=-1)[:, : points // 2] / points
-    if np.abs(series[:2, -6:]).max(axis=-1) @ [axes.max(), 1.0] > 0.01 * tail.radius:
-        raise _lies_on_body(tail)
-    return Joint(start, pole, first, bare.second, series)
-
-
 def check(body: Any, tail: Any, phase: float = 0.0) -> list[str]:
     """Refuse geometry that cannot be built; return remarks on geometry that is merely extreme.
 
@@ -405,8 +220,8 @@ def check(body: Any, tail: Any, phase: float = 0.0) -> list[str]:
                 radius,
                 f"less than {radius / fold:.4g}, the centreline's radius of curvature at "
                 f"s = {s[outside.argmax()]:.3g}",
-                "the tube would fold into itself: use a thinner filament, a smaller amplitude, fewer "
-                "waves or a longer ramp",
+                "the tube would fold into itself: use a thinner filament, a smaller amplitude, "
+                "fewer waves or a longer ramp",
             )
         if fold > 0.7:
             remarks.append(f"curvature x radius reaches {fold:.2f}")

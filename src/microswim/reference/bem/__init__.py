@@ -1,7 +1,8 @@
 """Boundary-element Stokes solver: the judge in free space and beside a wall.
 
-`gait` gives the gait of a swimmer, `solve` the flow at one phase, `resistance` the matrix of any closed
-surface. Depends on swimmer, bodies, tails, gait, errors; see docs/decisions/boundary-elements.md.
+`gait` gives the gait of a swimmer, `solve` the flow at one phase, `resistance` the matrix of any
+closed surface. Depends on swimmer, bodies, tails, gait, errors; see
+docs/decisions/boundary-elements.md.
 """
 
 from __future__ import annotations
@@ -23,16 +24,17 @@ def gait(swimmer: Any, **options: Any) -> Any:
 
 
 def body_resistance(body: Any, viscosity: float, level: str = "standard") -> Any:
-    """Resistance (6, 6) of a body alone about its centre, at a level's resolution.
+    """Resistance (6, 6) of a body alone about its centre, with a level's order and quadrature.
 
     A check against the exact `body.resistance(viscosity)`.
     """
     chosen = get_level(level)
     r = chosen.resolution
-    return resistance(ellipsoid(body.semi_axes3, r.body, r.order), viscosity, rule=chosen.rule)
+    return resistance(ellipsoid(body.semi_axes3, r.body + 1, r.order), viscosity, rule=chosen.rule)
 
 
 __all__ = [
-    "LEVELS", "Layer", "Level", "Quadrature", "Solution", "Surface", "Wall", "body_resistance", "ellipsoid", "gait", "get_level",
+    "LEVELS", "Layer", "Level", "Quadrature", "Solution", "Surface", "Wall",
+    "body_resistance", "ellipsoid", "gait", "get_level",
     "resistance", "solve", "torus",
 ]  # fmt: skip

@@ -1,7 +1,8 @@
 """Reference square [-1, 1]^2 of the boundary elements: nodes, interpolation, Duffy rules.
 
 A patch holds its geometry as a polynomial through q x q Chebyshev nodes of the exact map, and its
-density as a polynomial through p x p Gauss nodes, which are the collocation points. Depends on numpy.
+density as a polynomial through p x p Gauss nodes, which are the collocation points. Depends on
+numpy.
 """
 
 from __future__ import annotations
@@ -24,7 +25,9 @@ def chebyshev_nodes(q: int = GEOMETRY_NODES) -> Array:
 
 
 def lagrange(nodes: Array, x: Array) -> tuple[Array, Array]:
-    """Lagrange polynomials through `nodes` and their derivatives at x, each (x.size, nodes.size)."""
+    """Lagrange polynomials through `nodes` and their derivatives at x, each (x.size,
+    nodes.size).
+    """
     x = np.atleast_1d(x)
     n = nodes.size
     value, slope = np.ones((x.size, n)), np.zeros((x.size, n))

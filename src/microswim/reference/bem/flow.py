@@ -48,7 +48,9 @@ def _lines(values: Array) -> str:
 
 
 def write_surface(solution: Solution, path: str | Path, side: int = 6) -> Path:
-    """Write the surface with traction, velocity and part (0 body, 1 tail) as legacy VTK polydata."""
+    """Write the surface with traction, velocity and part (0 body, 1 tail) as legacy VTK
+    polydata.
+    """
     s = solution.surface
     points = positions(s, side).reshape(-1, 3)
     traction = sampled(s, solution.traction(), side).reshape(-1, 3)
@@ -141,6 +143,8 @@ def picture(
     figure.colorbar(speed, ax=ax, label="speed")
     outline = positions(solution.surface, 9)[..., [i, j]].reshape(-1, 2)
     shadow = outline[_quads(solution.surface.patches, 9)]
-    ax.add_collection(PolyCollection(shadow, facecolor="0.75", edgecolor="0.75", linewidth=0.3, zorder=3))
+    ax.add_collection(
+        PolyCollection(shadow, facecolor="0.75", edgecolor="0.75", linewidth=0.3, zorder=3)
+    )
     ax.set(xlabel=plane[0], ylabel=plane[1], xlim=extent[:2], ylim=extent[2:], aspect="equal")
     return figure

@@ -4,7 +4,7 @@
 
 Far patches take the plain Gauss rule, nearer ones a finer rule on cells that are halved until each
 lies `near` half lengths from the target. Cells of a patch are evaluated once and kept for all
-targets. The blocks are 1/(8 pi mu) free: the caller scales. Depends on numba.
+targets. Everything here is without the factor 1/(8 pi mu). Depends on numba.
 """
 
 from __future__ import annotations
@@ -17,8 +17,10 @@ CELLS = 2**LEVELS - 1
 
 
 @njit(cache=True, fastmath=True)
-def _evaluate_cell(C, V, D, W, a, b, out):
-    """Points and weighted areas (4, g*g) of the cell (a, b) of a patch with geometry C (q, q, 3)."""
+def evaluate_cell(C, V, D, W, a, b, out):
+    """Points and weighted areas (4, g*g) of the cell (a, b) of a patch with geometry C (q, q,
+    3).
+    """
     g, q = V.shape[1], V.shape[2]
     for m in range(g):
         for n in range(g):
@@ -50,7 +52,7 @@ def _evaluate_cell(C, V, D, W, a, b, out):
 
 
 @njit(cache=True, fastmath=True)
-def _frame_cell(C, M, S, half, a, b, out):
+def frame_cell(C, M, S, half, a, b, out):
     """Centre and half lengths (5,) of the cell (a, b)."""
     q = M.shape[1]
     out[:] = 0.0
@@ -68,7 +70,7 @@ def _frame_cell(C, M, S, half, a, b, out):
 
 
 @njit(cache=True, fastmath=True)
-def _add_free(x, P, Ba, Bb, K, acc):
+def add_free(x, P, Ba, Bb, K, acc):
     """Add the free-space integral over one cell to acc (p*p, 9): rows i, columns j of G."""
     n = P.shape[1]
     for k in range(n):
@@ -96,7 +98,7 @@ def _add_free(x, P, Ba, Bb, K, acc):
 
 
 @njit(cache=True, fastmath=True)
-def _add_image(x, wall, P, Ba, Bb, acc):
+def add_image(x, wall, P, Ba, Bb, acc):
     """Add Blake's image integral over one cell; wall = (point, unit normal into the fluid).
 
     With R = x - y', y' the mirror image of y at height h, n the normal, Delta_jk = delta - 2 n n:
@@ -133,10 +135,38 @@ def _add_image(x, wall, P, Ba, Bb, acc):
 
 
 @njit(cache=True, fastmath=True)
-def _add_patch(
+def add_stress(x, wall, P, Ba, Bb, acc):
+    """Add the integral of r_i r_j (r . n) / r^5 over one cell, n the target's normal in
+    wall[3:6].
+    """
+    g, p = Ba.shape
+    for m in range(g):
+        for q in range(g):
+            k = m * g + q
+            d0, d1, d2 = x[0] - P[0, k], x[1] - P[1, k], x[2] - P[2, k]
+            i2 = 1.0 / (d0 * d0 + d1 * d1 + d2 * d2)
+            along = d0 * wall[3] + d1 * wall[4] + d2 * wall[5]
+            w = P[3, k] * along * i2 * i2 * np.sqrt(i2)
+            for bu in range(p):
+                for bv in range(p):
+                    phi = w * Ba[m, bu] * Bb[q, bv]
+                    row = acc[bu * p + bv]
+                    row[0] += phi * d0 * d0
+                    row[1] += phi * d0 * d1
+                    row[2] += phi * d0 * d2
+                    row[3] += phi * d1 * d1
+                    row[4] += phi * d1 * d2
+                    row[5] += phi * d2 * d2
+
+
+@njit(cache=True, fastmath=True)
+def add_patch(
     x, y, wall, image, near, C, V, D, M, S, B, W, half, frames, points, known, K, stack, acc
 ):
-    """Add one patch's integral for the target x; y = x or, for the image, x mirrored at the wall."""
+    """Add one patch's integral for the target x; y = x or, for the image, x mirrored at the wall.
+
+    image: 0 free space, 1 Blake's image, 2 stress on the plane through x with normal wall[3:6].
+    """
     top = 1
     stack[0, :] = 0
     while top > 0:
@@ -145,7 +175,7 @@ def _add_patch(
         a, b = (1 << lu) - 1 + iu, (1 << lv) - 1 + iv
         cell = a * CELLS + b
         if known[cell] == 0:
-            _frame_cell(C, M, S, half, a, b, frames[cell])
+            frame_cell(C, M, S, half, a, b, frames[cell])
             known[cell] = 1
         f = frames[cell]
         d0, d1, d2 = y[0] - f[0], y[1] - f[1], y[2] - f[2]
@@ -154,12 +184,14 @@ def _add_patch(
         cut_v = distance < near * f[4] and lv < LEVELS - 1
         if not (cut_u or cut_v):
             if known[cell] == 1:
-                _evaluate_cell(C, V, D, W, a, b, points[cell])
+                evaluate_cell(C, V, D, W, a, b, points[cell])
                 known[cell] = 2
             if image == 1:
-                _add_image(x, wall, points[cell], B[a], B[b], acc)
+                add_image(x, wall, points[cell], B[a], B[b], acc)
+            elif image == 2:
+                add_stress(x, wall, points[cell], B[a], B[b], acc)
             else:
-                _add_free(x, points[cell], B[a], B[b], K, acc)
+                add_free(x, points[cell], B[a], B[b], K, acc)
             continue
         for cu in range(2 if cut_u else 1):
             for cv in range(2 if cut_v else 1):
@@ -169,7 +201,7 @@ def _add_patch(
 
 
 @njit(cache=True, fastmath=True)
-def _add_nodal(x, X, A, acc):
+def add_nodal(x, X, A, acc):
     """Add the plain rule: nodes X (p*p, 3) with areas A (p*p,), in free space."""
     for b in range(A.size):
         d0, d1, d2 = x[0] - X[b, 0], x[1] - X[b, 1], x[2] - X[b, 2]
@@ -182,120 +214,3 @@ def _add_nodal(x, X, A, acc):
         acc[b, 3] += w + t * d1 * d1
         acc[b, 4] += t * d1 * d2
         acc[b, 5] += w + t * d2 * d2
-
-
-@njit(cache=True, nogil=True)
-def layer_blocks(
-    start, step, targets, own, wall, mode, near, far,
-    controls, nodes, areas, V, D, M, S, B, W, half, out,
-):  # fmt: skip
-    """Fill out[3 i + k, 3 b + j] with the integrals of G_kj phi_b for every target i.
-
-    Parameters
-    ----------
-    start, step : the patches start, start + step, ... are done; columns of others are left alone,
-        so threads may share `out` (the interpreter's lock is released).
-    targets : (t, 3); own : (t,) patch that holds the target, which is left out, or -1.
-    wall : (6,) point and normal; mode 0: free space alone, 1: with Blake's image added.
-    near, far : half lengths away at which a cell is whole, at which the plain rule serves.
-    controls (e, q, q, 3), nodes (e, p*p, 3), areas (e, p*p): the patches.
-    V, D, M, S, B, W, half : tables of the cells.
-    out : (>= 3 t, 3 e p^2), Fortran order.
-    """
-    patches, p2 = areas.shape
-    free = np.int64(0) * mode
-    g = V.shape[1]
-    frames = np.empty((CELLS * CELLS, 5))
-    points = np.empty((CELLS * CELLS, 4, g * g))
-    known = np.empty(CELLS * CELLS, dtype=np.uint8)
-    K = np.empty((6, g * g))
-    stack = np.empty((256, 4), dtype=np.int64)
-    acc = np.empty((p2, 9))
-    y = np.empty(3)
-    for e in range(start, patches, step):
-        known[:] = 0
-        C = controls[e]
-        _frame_cell(C, M, S, half, free, free, frames[0])
-        known[0] = 1
-        f = frames[0].copy()
-        reach = far * max(f[3], f[4])
-        for i in range(targets.shape[0]):
-            x = targets[i]
-            row = 3 * i
-            if own[i] != e:
-                acc[:] = 0.0
-                d0, d1, d2 = x[0] - f[0], x[1] - f[1], x[2] - f[2]
-                if d0 * d0 + d1 * d1 + d2 * d2 > reach * reach:
-                    _add_nodal(x, nodes[e], areas[e], acc)
-                else:
-                    _add_patch(
-                        x, x, wall, free, near, C, V, D, M, S, B, W, half,
-                        frames, points, known, K, stack, acc,
-                    )  # fmt: skip
-                for b in range(p2):
-                    col = 3 * (e * p2 + b)
-                    out[row, col] = acc[b, 0]
-                    out[row + 1, col] = acc[b, 1]
-                    out[row + 2, col] = acc[b, 2]
-                    out[row, col + 1] = acc[b, 1]
-                    out[row + 1, col + 1] = acc[b, 3]
-                    out[row + 2, col + 1] = acc[b, 4]
-                    out[row, col + 2] = acc[b, 2]
-                    out[row + 1, col + 2] = acc[b, 4]
-                    out[row + 2, col + 2] = acc[b, 5]
-            if mode == 1:
-                acc[:] = 0.0
-                height = 0.0
-                for c in range(3):
-                    height += (x[c] - wall[c]) * wall[3 + c]
-                for c in range(3):
-                    y[c] = x[c] - 2.0 * height * wall[3 + c]
-                _add_patch(
-                    x, y, wall, mode, near, C, V, D, M, S, B, W, half,
-                    frames, points, known, K, stack, acc,
-                )  # fmt: skip
-                for b in range(p2):
-                    for k in range(3):
-                        for j in range(3):
-                            out[row + k, 3 * (e * p2 + b) + j] += acc[b, 3 * k + j]
-
-
-@njit(cache=True, fastmath=True)
-def own_blocks(patches, nodes, points, areas, basis, p2, out):
-    """Fill the blocks of each node on its own patch by the singular rule.
-
-    Parameters
-    ----------
-    patches : (n,) indices of the patches; nodes : (n, p*p, 3) their collocation points.
-    points : (n, p*p, m, 3), areas : (n, p*p, m) the rule's points and weighted areas.
-    basis : (p*p, m, p*p) densities at the points.
-    """
-    acc = np.empty((p2, 6))
-    for n in range(patches.size):
-        for i in range(p2):
-            x = nodes[n, i]
-            acc[:] = 0.0
-            for k in range(points.shape[2]):
-                d0 = x[0] - points[n, i, k, 0]
-                d1 = x[1] - points[n, i, k, 1]
-                d2 = x[2] - points[n, i, k, 2]
-                inverse = 1.0 / np.sqrt(d0 * d0 + d1 * d1 + d2 * d2)
-                w = areas[n, i, k] * inverse
-                t = w * inverse * inverse
-                k0, k1, k2 = w + t * d0 * d0, t * d0 * d1, t * d0 * d2
-                k3, k4, k5 = w + t * d1 * d1, t * d1 * d2, w + t * d2 * d2
-                for b in range(p2):
-                    phi = basis[i, k, b]
-                    acc[b, 0] += phi * k0
-                    acc[b, 1] += phi * k1
-                    acc[b, 2] += phi * k2
-                    acc[b, 3] += phi * k3
-                    acc[b, 4] += phi * k4
-                    acc[b, 5] += phi * k5
-            row = 3 * (patches[n] * p2 + i)
-            for b in range(p2):
-                col = 3 * (patches[n] * p2 + b)
-                for j in range(3):
-                    for c in range(3):
-                        low, high = min(c, j), max(c, j)
-                        out[row + c, col + j] += acc[b, low * (5 - low) // 2 + high]

@@ -31,7 +31,17 @@ _BY_NAME = {
     ),
     "standard": Level(
         "standard",
-        Resolution(order=3, panel=5.0, stretch=6.0, bend=1.0, wave=1.6, around=3, root=1.0),
+        Resolution(
+            order=3,
+            panel=5.0,
+            stretch=6.5,
+            bend=1.2,
+            wave=1.6,
+            around=3,
+            root=1.0,
+            growth=2.5,
+            body=1,
+        ),
         Quadrature(),
         12,
     ),

@@ -1,9 +1,9 @@
 """Patches of a swimmer: body with a hole, tube that grows out of it, hemispherical tip.
 
-The body is the image of the unit sphere under its semi-axes. Around the piercing point of the tail the
-sphere carries rings that grow geometrically from the joint curve to the equator; the far hemisphere is
-half a cubed sphere. The tube's panels follow arc length and curvature, its first edges bend into the
-joint curve. Depends on numpy, geometry, surface.
+The body is the image of the unit sphere under its semi-axes. Around the piercing point of the tail
+the sphere carries rings that grow geometrically from the joint curve to the equator; the far
+hemisphere is half a cubed sphere. The tube's panels follow arc length and curvature, its first
+edges bend into the joint curve. Depends on numpy, geometry, surface.
 """
 
 from __future__ import annotations
@@ -15,6 +15,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from .. import geometry
+from ..joint import Joint, trace_joint
 from .surface import Surface, cube_face, grid_boxes, sample, sample_parameters
 
 Array = NDArray[np.float64]
@@ -98,13 +99,13 @@ def tube_edges(tail: Any, phase: float, start: float, r: Resolution, root: float
     return np.interp(np.concatenate(edges), share, s)
 
 
-def _rows_bent(edges: Array, joint: geometry.Joint) -> int:
+def _rows_bent(edges: Array, joint: Joint) -> int:
     """Number of panel rows over which the joint's displacement fades: 2.5 times its size."""
     room = max(2.5 * joint.depth, 1e-9)
     return min(max(1, int(np.searchsorted(edges - edges[0], room))), edges.size - 1)
 
 
-def _bent(edges: Array, joint: geometry.Joint, v: Array, psi: Array) -> tuple[Array, Array]:
+def _bent(edges: Array, joint: Joint, v: Array, psi: Array) -> tuple[Array, Array]:
     """(s, Theta) at panel coordinate v, bent at the root so that v = 0 is the joint curve."""
     s_joint, theta_joint = joint.section(psi)
     last = _rows_bent(edges, joint)
@@ -170,7 +171,7 @@ def _ring_radii(hole: float, step: float, growth: float, quarter: float) -> Arra
     return edges / edges[-1]
 
 
-def _body(body: Any, joint: geometry.Joint, r: Resolution) -> Array:
+def _body(body: Any, joint: Joint, r: Resolution) -> Array:
     """Positions of the body's patches."""
     axes, centre = np.asarray(body.semi_axes3, float), body.centre
 
@@ -204,7 +205,7 @@ def swimmer_surface(body: Any, tail: Any, phase: float, r: Resolution) -> Surfac
     """Closed surface of a swimmer at one phase, with the tail's velocity per unit phase rate."""
     alone = not np.any(np.asarray(body.semi_axes3, float) > 0)
     length = tail.apparent_length
-    joint = None if alone else geometry.trace_joint(body, tail, phase)
+    joint = None if alone else trace_joint(body, tail, phase)
     start = 0.0 if joint is None else joint.s
     root = None
     if joint is not None:

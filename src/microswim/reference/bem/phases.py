@@ -1,8 +1,9 @@
 """Gait of a swimmer: how many phases must be solved, and what symmetry gives for free.
 
-A rigid helix on a body of revolution turns as a whole: one phase gives all. A plane wave mirrors after half
-a period, P(phase + pi) = mirror_q P(phase); a helix on an ellipsoid turns by pi into itself. Near a wall,
-and for other tails, the full period is sampled. Depends on solution, levels, gait.
+A rigid helix on a body of revolution turns as a whole: one phase gives all. A plane wave mirrors
+after half a period, P(phase + pi) = mirror_q P(phase); a helix on an ellipsoid turns by pi into
+itself. Near a wall, and for other tails, the full period is sampled. Depends on solution, levels,
+gait.
 """
 
 from __future__ import annotations
@@ -70,9 +71,7 @@ def _carried(sample: dict[str, Any], signs: Array) -> dict[str, Any]:
 
 
 def _info(solutions: list[Solution], level: str, wall: Wall | None) -> dict[str, Any]:
-    seconds = {
-        k: sum(s.seconds[k] for s in solutions) for k in ("geometry", "assembly", "solve")
-    }
+    seconds = {k: sum(s.seconds[k] for s in solutions) for k in ("geometry", "assembly", "solve")}
     first = solutions[0]
     return {
         "level": level,
@@ -83,8 +82,8 @@ def _info(solutions: list[Solution], level: str, wall: Wall | None) -> dict[str,
         "seconds": seconds,
         "asymmetry": max(s.asymmetry for s in solutions),
         "wall": wall,
-        "joint": "torque and lateral force on the body alone drift with the logarithm of the mesh size; "
-        "R, F_p and velocities converge",
+        "joint": "torque and lateral force on the body alone drift with the logarithm of the mesh "
+        "size; R, F_p and velocities converge",
     }
 
 
@@ -133,8 +132,10 @@ def gait(
     if not estimate_error:
         return result
     below = coarser(chosen.name)
-    info["error"] = None if below is None else _difference(
-        result, gait(swimmer, level=below, order=order, wall=wall), below
+    info["error"] = (
+        None
+        if below is None
+        else _difference(result, gait(swimmer, level=below, order=order, wall=wall), below)
     )
     return _assembled(swimmer, solutions, count, signs, info)
 
@@ -169,7 +170,9 @@ def _framed(swimmer: Any, made: Gait) -> Gait:
 
 
 def _difference(fine: Gait, rough: Gait, below: str) -> dict[str, Any]:
-    """Differences from the coarser level: of mean velocity and of R and F_p, the latter relative."""
+    """Differences from the coarser level: of mean velocity and of R and F_p, the latter
+    relative.
+    """
     change = np.abs(fine.mean_velocity - rough.mean_velocity)
     scale = np.abs(fine.mean_velocity)
     R, S = fine.resistance_series[0], rough.resistance_series[0]

@@ -1,11 +1,12 @@
 """The flow about a swimmer at one phase: densities, wrenches, velocities, traction.
 
-    R = [force; torque] of the six rigid motions,  F_p = the same of the tail's motion at unit phase rate,
-    G = int f . u_hat dS
+    R = [force; torque] of the six rigid motions,  F_p = the same of the tail's motion at unit
+    phase rate, G = int f . u_hat dS
 
-Force and torque are by the surface on the fluid, about the body's centre. Where the tail turns against the
-body the velocity jumps at the joint: the torque and the lateral force *on the body alone* then drift with
-the logarithm of the mesh size; R, F_p and the velocities converge. Depends on mesh, system, levels, wall.
+Force and torque are by the surface on the fluid, about the body's centre. Where the tail turns
+against the body the velocity jumps at the joint: the torque and the lateral force *on the body
+alone* then drift with the logarithm of the mesh size; R, F_p and the velocities converge. Depends
+on mesh, system, levels, wall.
 """
 
 from __future__ import annotations
@@ -42,7 +43,8 @@ class Solution:
     layer : Layer
         Surface, viscosity, quadrature, wall.
     density : (3 e p^2, 7)
-        Columns: three translations, three rotations about the body's centre, the tail at unit phase rate.
+        Columns: three translations, three rotations about the body's centre, the tail at unit
+        phase rate.
     seconds : dict
         Wall time of geometry, assembly, solve.
     """
@@ -96,10 +98,23 @@ class Solution:
         """F_p (6,) per unit phase rate."""
         return self._wrenches[:, 6]
 
+    @cached_property
+    def _outer(self) -> Array:
+        """Densities with the share of the fluid inside the deforming tail taken out (column 6).
+
+        Rigid motions and a rigid tail leave the fluid inside without stress. Beside a wall the
+        share is left in: the image's stress is not evaluated.
+        """
+        density = self.density.copy()
+        if self.swimmer.tail.surface_motion != "rigid" and self.layer.wall is None:
+            own = self.density[:, 6].reshape(self.surface.nodes.shape)
+            density[:, 6] = self.layer.outer_traction(np.ascontiguousarray(own)).reshape(-1)
+        return density
+
     @property
     def activity(self) -> float:
-        """G = int f . u_hat dS at unit phase rate, body held."""
-        return float(self.surface.moments[3].reshape(-1) @ self.density[:, 6])
+        """G = int f . u_hat dS at unit phase rate, body held; f acts on the fluid outside."""
+        return float(self.surface.moments[3].reshape(-1) @ self._outer[:, 6])
 
     @property
     def body_resistance(self) -> Array:
@@ -121,7 +136,9 @@ class Solution:
 
     @cached_property
     def twist(self) -> Array:
-        """Velocity V (6,) of the free swimmer at the motor's rate: R V = -F_p rate on the free axes."""
+        """Velocity V (6,) of the free swimmer at the motor's rate: R V = -F_p rate on the free
+        axes.
+        """
         free = np.nonzero(self.free)[0]
         V = np.zeros(6)
         if free.size:
@@ -135,12 +152,14 @@ class Solution:
         return self.density @ np.append(V, self.rate if rate is None else rate)
 
     def traction(self, twist: Array | None = None, rate: float | None = None) -> Array:
-        """Force per area by the surface on the fluid at the collocation points, (e, p*p, 3).
+        """Force per area by the surface on the fluid outside, at the collocation points, (e, p*p,
+        3).
 
-        Of the single layer, so the stress of the fluid that fills the swimmer is included: none where
-        body and tail move rigidly, some in a tail that deforms and near the joint.
+        Up to a constant pressure, which has no resultant.
         """
-        return self.combined(twist, rate).reshape(self.surface.nodes.shape)
+        V = self.twist if twist is None else np.asarray(twist, float)
+        total = self._outer @ np.append(V, self.rate if rate is None else rate)
+        return total.reshape(self.surface.nodes.shape)
 
     def wrench(
         self, part: str = "all", twist: Array | None = None, rate: float | None = None
@@ -152,13 +171,14 @@ class Solution:
         return -parts[part] @ np.append(V, self.rate if rate is None else rate)
 
     def stationary_wrench(self) -> tuple[float, float]:
-        """Thrust and torque [Tabak Sec. 3.2.1] that the turning tail of the held swimmer exerts on the fluid.
+        """Thrust and torque [Tabak Sec. 3.2.1] that the turning tail of the held swimmer exerts
+        on the fluid.
 
         Returns
         -------
         thrust, torque : float
-            Along s, by the tail on the fluid, at the motor's rate. The torque holds a share at the joint
-            that grows with the logarithm of the mesh size.
+            Along s, by the tail on the fluid, at the motor's rate. The torque holds a share at the
+            joint that grows with the logarithm of the mesh size.
         """
         wrench = -self.wrench("tail", twist=np.zeros(6))
         return float(wrench[0]), float(wrench[3])
@@ -166,7 +186,8 @@ class Solution:
     def implied_coefficients(self) -> tuple[float, float]:
         """(c_n, c_t) that Eq. 20 implies from the stationary tail's thrust and torque (helix only).
 
-        With u_s = 0:  F = alpha L b^2 omega k (c_n - c_t),  T = alpha L b^2 omega (c_n + b^2 k^2 c_t).
+        With u_s = 0:  F = alpha L b^2 omega k (c_n - c_t),  T = alpha L b^2 omega (c_n + b^2 k^2
+        c_t).
         """
         tail = self.swimmer.tail
         k, b, rate = float(tail.wavenumber), float(tail.amplitude), self.rate
@@ -176,11 +197,13 @@ class Solution:
         c_n, c_t = np.linalg.solve(matrix, [abs(thrust), abs(torque)])
         return float(c_n), float(c_t)
 
-    def velocity(self, points: Array, twist: Array | None = None, rate: float | None = None) -> Array:
+    def velocity(
+        self, points: Array, twist: Array | None = None, rate: float | None = None
+    ) -> Array:
         """Velocity (..., 3) of the fluid, at rest at infinity, at points of the frame sqr.
 
-        Near the surface the same adaptive quadrature keeps it accurate; inside the swimmer it is the
-        flow of the fluid that fills it.
+        Near the surface the same adaptive quadrature keeps it accurate; inside the swimmer it is
+        the flow of the fluid that fills it.
         """
         points = np.asarray(points, float)
         flat = self.layer.velocity(points.reshape(-1, 3), self.combined(twist, rate))
@@ -193,7 +216,9 @@ class Solution:
         return rigid_modes(self.surface.nodes, self.centre) @ V + self.surface.node_motion * rate
 
     def to_vtk(self, path: str | Path, side: int = 6) -> Path:
-        """Write the surface with traction and velocity as VTK; see `flow.write_field` for the fluid."""
+        """Write the surface with traction and velocity as VTK; see `flow.write_field` for the
+        fluid.
+        """
         return flow.write_surface(self, path, side)
 
     def field_to_vtk(

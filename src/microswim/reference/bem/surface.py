@@ -1,7 +1,7 @@
 """A surface of curved quadrilateral patches, and simple closed ones (ellipsoid, torus).
 
-Every patch is a smooth map from [-1, 1]^2, sampled at q x q Chebyshev nodes, with X_u x X_v pointing
-into the fluid. Depends on numpy and element.
+Every patch is a smooth map from [-1, 1]^2, sampled at q x q Chebyshev nodes, with X_u x X_v
+pointing into the fluid. Depends on numpy and element.
 """
 
 from __future__ import annotations
@@ -58,6 +58,12 @@ class Surface:
         return np.ascontiguousarray(self._at_nodes(0, self.controls))
 
     @cached_property
+    def half_lengths(self) -> tuple[Array, Array]:
+        """Mean half lengths of the patches in u and in v, (e,) each."""
+        along, across = (self._at_nodes(i, self.controls) for i in (1, 2))
+        return tuple(np.linalg.norm(a, axis=-1).mean(axis=1) for a in (along, across))
+
+    @cached_property
     def area_vectors(self) -> Array:
         """X_u x X_v at the collocation points, (e, p*p, 3)."""
         return np.cross(self._at_nodes(1, self.controls), self._at_nodes(2, self.controls))
@@ -103,7 +109,9 @@ class Surface:
 
 
 def sample_parameters(boxes: Array) -> tuple[Array, Array]:
-    """Chart coordinates u, v (e, q, q) of the geometry nodes of rectangles (e, 4): u0, u1, v0, v1."""
+    """Chart coordinates u, v (e, q, q) of the geometry nodes of rectangles (e, 4): u0, u1, v0,
+    v1.
+    """
     x = 0.5 * (chebyshev_nodes() + 1.0)
     u = boxes[:, 0, None] + (boxes[:, 1] - boxes[:, 0])[:, None] * x
     v = boxes[:, 2, None] + (boxes[:, 3] - boxes[:, 2])[:, None] * x

@@ -11,6 +11,7 @@ from __future__ import annotations
 
 import os
 import time
+from collections.abc import Iterator
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass, field
 
@@ -21,8 +22,8 @@ from scipy.linalg import lu_factor, lu_solve
 
 from microswim.errors import MicroswimError
 
+from .assembly import layer_blocks, own_blocks, stress_sums
 from .element import cell_tables, own_rule
-from .kernels import layer_blocks, own_blocks
 from .surface import Surface
 
 Array = NDArray[np.float64]
@@ -37,7 +38,8 @@ class Quadrature:
     points : int
         Gauss points a side of a cell.
     near, far : float
-        A cell is whole from `near` half lengths away; from `far` on the density's own Gauss nodes serve.
+        A cell is whole from `near` half lengths away; from `far` on the density's own Gauss nodes
+        serve.
     radial, angular : int
         Points of the singular rule, per triangle.
     """
@@ -51,7 +53,9 @@ class Quadrature:
 
 @dataclass(frozen=True)
 class Layer:
-    """A surface with its quadrature and, if any, a wall (point, normal): applies the single layer."""
+    """A surface with its quadrature and, if any, a wall (point, normal): applies the single
+    layer.
+    """
 
     surface: Surface
     viscosity: float
@@ -87,23 +91,55 @@ class Layer:
         A *= 1.0 / (8.0 * np.pi * self.viscosity)
         return A
 
-    def _fill_own(self, A: Array) -> None:
+    def _own_points(self) -> Iterator[tuple[NDArray[np.int64], Array, Array, Array]]:
+        """Singular rules on the own patches: patches, points (n, p*p, m, 3), areas, basis."""
         s, p2 = self.surface, self.surface.order**2
         q2 = s.controls.shape[1] ** 2
-        along = np.linalg.norm(s._at_nodes(1, s.controls), axis=-1).mean(axis=1)
-        across = np.linalg.norm(s._at_nodes(2, s.controls), axis=-1).mean(axis=1)
+        along, across = s.half_lengths
         steps = np.clip(np.round(2 * np.log2(along / across)), -8, 8).astype(int)
         flat = s.controls.reshape(s.patches, q2, 3)
         for step in np.unique(steps):
             r = own_rule(s.order, int(step), self.rule.radial, self.rule.angular)
-            for some in np.array_split(np.nonzero(steps == step)[0], 1 + np.sum(steps == step) // 64):
+            alike = np.nonzero(steps == step)[0]
+            for some in np.array_split(alike, 1 + alike.size // 64):
                 C = flat[some].transpose(1, 0, 2).reshape(q2, -1)
                 shape = (p2, -1, some.size, 3)
                 X, U, V = ((m @ C).reshape(shape) for m in (r.value, r.along_u, r.along_v))
                 J = np.linalg.norm(np.cross(U, V), axis=-1) * r.weight[:, :, None]
                 points = np.ascontiguousarray(X.transpose(2, 0, 1, 3))
-                areas = np.ascontiguousarray(J.transpose(2, 0, 1))
-                own_blocks(some, s.nodes[some], points, areas, r.basis, p2, A)
+                yield some, points, np.ascontiguousarray(J.transpose(2, 0, 1)), r.basis
+
+    def _fill_own(self, A: Array) -> None:
+        s = self.surface
+        for some, points, areas, basis in self._own_points():
+            own_blocks(some, s.nodes[some], points, areas, basis, s.order**2, A)
+
+    def outer_traction(self, density: Array) -> Array:
+        """Part of a density (e, p*p, 3) that acts on the fluid outside, (e, p*p, 3).
+
+        f = f_out + f_in, the rest drives the fluid that fills the surface;
+        f_out = f/2 + 3/(4 pi) int r (r . f) (r . n) / r^5 dS,  r = x - y     (principal value)
+        """
+        s, r = self.surface, self.rule
+        t = cell_tables(s.order, r.points)
+        x, n = s.nodes.reshape(-1, 3), np.ascontiguousarray(s.normals.reshape(-1, 3))
+        owner = np.repeat(np.arange(s.patches), s.order**2)
+        threads = min(get_num_threads(), s.patches)
+        sums = np.zeros((threads, *x.shape))
+        tables = (t.value, t.slope, t.middle, t.middle_slope, t.basis, t.weight, t.half)
+        common = (x, n, owner, r.near, r.far, s.controls, s.nodes, s.areas, density, *tables)
+        with ThreadPoolExecutor(threads) as pool:
+            work = [pool.submit(stress_sums, k, threads, *common, sums[k]) for k in range(threads)]
+            for done in work:
+                done.result()
+        total = sums.sum(axis=0).reshape(density.shape)
+        for some, points, areas, basis in self._own_points():
+            d = s.nodes[some][:, :, None, :] - points
+            f = np.einsum("imb,nbc->nimc", basis, density[some], optimize=True)
+            weight = areas * np.einsum("nimc,nic->nim", d, s.normals[some]) * np.sum(d * f, axis=-1)
+            weight /= np.sum(d * d, axis=-1) ** 2.5
+            total[some] += np.einsum("nim,nimc->nic", weight, d)
+        return 0.5 * density + 3 / (4 * np.pi) * total
 
     def velocity(self, points: Array, density: Array) -> Array:
         """Velocity (t, 3) at points of the fluid for densities (3 e p^2,)."""

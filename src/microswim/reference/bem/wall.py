@@ -1,7 +1,7 @@
 """A plane no-slip wall beside the swimmer, by Blake's image tensor.
 
-Blake, J. R. (1971) Proc. Camb. Phil. Soc. 70, 303-310. The wall is fixed in the swimmer's frame: a gait
-beside a wall holds at that pose. Depends on numpy, errors.
+Blake, J. R. (1971) Proc. Camb. Phil. Soc. 70, 303-310. The wall is fixed in the swimmer's frame: a
+gait beside a wall holds at that pose. Depends on numpy, errors.
 """
 
 from __future__ import annotations

@@ -22,6 +22,12 @@ from .gait import Gait as Gait
 from .interaction import Interaction as Interaction
 from .kinematics import ScrewMotion as ScrewMotion
 from .metrics import summary as summary
+from .design import Optimum as Optimum
+from .design import design as design
+from .pareto import pareto as pareto
+from .robust import robust_design as robust_design
+from .robust import robustness as robustness
+from .robust import sobol_indices as sobol_indices
 from .sweep import sweep as sweep
 from .swimmer import Fluid as Fluid
 from .swimmer import Motion as Motion

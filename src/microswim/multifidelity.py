@@ -23,8 +23,8 @@ from .swimmer import Swimmer
 ROUNDS = 6
 # What the reference is asked, and what of the surrogate answers for it.
 ASKED = {
-    "helix": ("propulsion.us", "propulsion.os", "mean.us", "mean.os"),
-    "plane_wave": ("propulsion.us", "mean.us", "amplitude.or"),
+    "helix": ("tail_propulsion.us", "tail_propulsion.os", "mean.us", "mean.os"),
+    "plane_wave": ("tail_propulsion.us", "mean.us", "amplitude.or"),
 }
 UNKNOWN = {
     "helix": {"tail.t": "", "tail.n": "", "translation.s": "us", "rotation.s": "os"},

@@ -1,0 +1,225 @@
+r"""Gaussian processes over designs whose answers also turn with the end phase of the wave.
+
+Matern 5/2 with one length per feature, times the phasors of the tail's tip,
+
+.. math:: k(x, x') = M_{5/2}(|x - x'|)\,\Bigl(1 + \sum_m a_m e^{-2\pi i m (N - N')}\Bigr),
+
+for complex targets (lateral vectors, harmonics of a beat); real targets take the real part. Targets of
+a group share lengths, phasors and noise; each has its own mean and variance, both in closed form. The
+lengths come from the marginal likelihood, leave-one-out residuals from the inverse [Rasmussen &
+Williams 2006, Eqs. 2.30, 5.12]. Depends on numba, scipy.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import cached_property
+from typing import Any
+
+import numpy as np
+from numba import njit
+from scipy.optimize import minimize
+
+PHASORS = 3
+NOISE = (1e-11, 1e-2)  # variance of the noise over that of the signal
+
+
+@njit(cache=True)
+def matern(r2: Any) -> Any:
+    """Matern 5/2 of the squared scaled distance."""
+    q = np.sqrt(5.0 * r2)
+    return (1.0 + q + q * q / 3.0) * np.exp(-q)
+
+
+def covariance(A: Any, NA: Any, B: Any, NB: Any, lengths: Any, phasors: Any, real: bool) -> Any:
+    """Prior covariance of two sets of designs, features (n, f) and numbers of waves (n,)."""
+    d = (A[:, None, :] - B[None, :, :]) / lengths
+    turn = 2.0 * np.pi * (NA[:, None] - NB[None, :])
+    wave: Any = 1.0
+    for m, a in enumerate(phasors, 1):
+        if a > 0:
+            wave = wave + a * (np.cos(m * turn) if real else np.exp(-1j * m * turn))
+    return matern(np.sum(d * d, axis=-1)) * wave
+
+
+@dataclass(frozen=True, eq=False)
+class Kriging:
+    """One group of targets.
+
+    Parameters
+    ----------
+    Z, N
+        Features (n, f) and number of waves (n,) of the designs.
+    lengths, phasors, noise
+        Of the kernel: (f,), (3,), relative variance of the noise.
+    alpha, mean
+        Weights (n, m) and means (m,), complex for complex targets.
+    variance
+        Prior variance of each target (m,).
+    """
+
+    Z: np.ndarray
+    N: np.ndarray
+    lengths: np.ndarray
+    phasors: np.ndarray
+    noise: float
+    alpha: np.ndarray
+    mean: np.ndarray
+    variance: np.ndarray
+
+    @property
+    def real(self) -> bool:
+        """Whether the targets are real."""
+        return not np.iscomplexobj(self.alpha)
+
+    @cached_property
+    def _inverse(self) -> tuple[np.ndarray, np.ndarray]:
+        """Inverse of the covariance, without and with the mean projected out."""
+        return _inverses(self._own(self.Z, self.N) + self.noise * np.eye(len(self.Z)))
+
+    def _own(self, Z: np.ndarray, N: np.ndarray) -> np.ndarray:
+        return covariance(Z, N, self.Z, self.N, self.lengths, self.phasors, self.real)
+
+    def __call__(self, Z: np.ndarray, N: np.ndarray) -> np.ndarray:
+        """Targets (k, m) of other designs."""
+        return self._own(Z, N) @ self.alpha + self.mean
+
+    def doubt(self, Z: np.ndarray, N: np.ndarray) -> np.ndarray:
+        """Variance (k,) at other designs, in units of the prior's."""
+        inverse, _ = self._inverse
+        cross = self._own(Z, N)
+        top = 1.0 + self.phasors.sum() + self.noise
+        miss = 1.0 - cross @ inverse.sum(axis=1)
+        gained = np.einsum("ki,ij,kj->k", cross, inverse, cross.conj()).real
+        return np.maximum(top - gained + np.abs(miss) ** 2 / inverse.sum().real, self.noise)
+
+    def left_out(self) -> tuple[np.ndarray, np.ndarray]:
+        """Leave-one-out residuals (n, m), truth less prediction, and their doubt (n,)."""
+        _, Q = self._inverse
+        own = np.diag(Q).real
+        return self.alpha / own[:, None], 1.0 / own
+
+
+def _inverses(K: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    inverse = np.linalg.inv(K)
+    ones = inverse.sum(axis=1)
+    return inverse, inverse - np.outer(ones, ones.conj()) / ones.sum()
+
+
+def fit(Z: np.ndarray, N: np.ndarray, Y: np.ndarray, phasors: int, start: Any = None) -> Kriging:
+    """Fit a group of targets Y (n, m) by the marginal likelihood.
+
+    Parameters
+    ----------
+    Z, N
+        Features, of about unit spread, and number of waves of the designs.
+    Y
+        Targets, real or complex.
+    phasors
+        How many turns of the tip they may follow, 0 to 3.
+    start
+        A former fit of the same group to start from.
+    """
+    scale = np.sqrt(np.mean(np.abs(Y - Y.mean(axis=0)) ** 2, axis=0)) + 1e-300
+    y, real, n = Y / scale, not np.iscomplexobj(Y), len(Z)
+    flat = np.ptp(np.abs(y - y[0]), axis=0) < 1e-14
+    use = y[:, ~flat]
+
+    def unpack(x: np.ndarray) -> tuple[np.ndarray, np.ndarray, float]:
+        a = np.zeros(PHASORS)
+        a[:phasors] = np.exp(x[Z.shape[1] : -1])
+        return np.exp(x[: Z.shape[1]]), a, float(np.exp(x[-1]))
+
+    def solved(x: np.ndarray, y: np.ndarray) -> Any:
+        lengths, a, noise = unpack(x)
+        K = covariance(Z, N, Z, N, lengths, a, real) + noise * np.eye(n)
+        L = np.linalg.cholesky(K)
+        half = np.linalg.solve(L, np.concatenate([y, np.ones((n, 1))], axis=1))
+        w, one = half[:, :-1], half[:, -1]
+        weight = np.vdot(one, one).real
+        mean = (one.conj() @ w) / weight
+        w = w - np.outer(one, mean)
+        spread = np.sum(np.abs(w) ** 2, axis=0) / (n - 1)
+        return L, w, mean, spread, weight
+
+    def misfit(x: np.ndarray) -> float:
+        try:
+            L, _, _, spread, weight = solved(x, use)
+        except np.linalg.LinAlgError:
+            return 1e12
+        log_det = 2.0 * np.sum(np.log(np.diag(L).real)) + np.log(weight)
+        return 0.5 * ((n - 1) * np.sum(np.log(spread + 1e-300)) + use.shape[1] * log_det)
+
+    first = np.concatenate([np.full(Z.shape[1], 1.5), np.zeros(phasors), [np.log(1e-7)]])
+    if start is not None:
+        a = np.maximum(start.phasors[:phasors], 1e-3)
+        first = np.concatenate([np.log(start.lengths), np.log(a), [np.log(start.noise)]])
+    bounds = [(-1.5, 5.0)] * Z.shape[1] + [(-8.0, 4.0)] * phasors + [tuple(np.log(NOISE))]
+    best = minimize(
+        misfit, first, method="L-BFGS-B", bounds=bounds, options={"maxiter": 60, "ftol": 1e-7}
+    ).x
+    L, w, mean, spread, _ = solved(best, y)
+    lengths, a, noise = unpack(best)
+    alpha = np.linalg.solve(L.conj().T, w) * scale
+    return Kriging(Z, N, lengths, a, noise, alpha, mean * scale, spread * scale**2)
+
+
+@njit(cache=True)
+def predict(
+    out: Any, z: Any, waves: Any, Z: Any, tips: Any, lengths: Any, phasors: Any, cut: Any, alpha: Any
+) -> None:
+    """Add the targets of one design to `out` (m,), which holds the means.
+
+    Group g has the columns ``cut[g] .. cut[g + 1]`` of `alpha` (n, m); complex targets take two
+    columns each, real and imaginary parts, and are told by ``phasors[g, 3] > 0``. `tips` (n, 2) is
+    cosine and sine of ``2 pi N``.
+    """
+    c0, s0 = np.cos(2.0 * np.pi * waves), np.sin(2.0 * np.pi * waves)
+    for t in range(Z.shape[0]):
+        c1 = c0 * tips[t, 0] + s0 * tips[t, 1]
+        s1 = s0 * tips[t, 0] - c0 * tips[t, 1]
+        c2, s2 = c1 * c1 - s1 * s1, 2.0 * s1 * c1
+        c3, s3 = c2 * c1 - s2 * s1, s2 * c1 + c2 * s1
+        for g in range(lengths.shape[0]):
+            r2 = 0 * z[0]
+            for f in range(Z.shape[1]):
+                d = (z[f] - Z[t, f]) * lengths[g, f]
+                r2 += d * d
+            k = matern(r2)
+            a, b, c = phasors[g, 0], phasors[g, 1], phasors[g, 2]
+            even = k * (1.0 + a * c1 + b * c2 + c * c3)
+            if phasors[g, 3] == 0.0:
+                for j in range(cut[g], cut[g + 1]):
+                    out[j] += even * alpha[t, j]
+            else:
+                odd = k * (a * s1 + b * s2 + c * s3)
+                for j in range(cut[g], cut[g + 1], 2):
+                    out[j] += even * alpha[t, j] + odd * alpha[t, j + 1]
+                    out[j + 1] += even * alpha[t, j + 1] - odd * alpha[t, j]
+
+
+@dataclass(frozen=True, eq=False)
+class Surfaces:
+    """Several groups over the same designs, packed for the compiled evaluation."""
+
+    groups: tuple[Kriging, ...]
+
+    @cached_property
+    def packed(self) -> tuple[np.ndarray, ...]:
+        """Arguments of `predict` after the number of waves, and the means."""
+        first = self.groups[0]
+        tips = np.stack([np.cos(2.0 * np.pi * first.N), np.sin(2.0 * np.pi * first.N)], axis=-1)
+        lengths = np.array([1.0 / g.lengths for g in self.groups])
+        phasors = np.array([[*g.phasors, 0.0 if g.real else 1.0] for g in self.groups])
+        columns = [_interleaved(g.alpha) for g in self.groups]
+        cut = np.cumsum([0, *(c.shape[1] for c in columns)])
+        mean = np.concatenate([_interleaved(g.mean[None])[0] for g in self.groups])
+        alpha = np.ascontiguousarray(np.concatenate(columns, axis=1))
+        return np.ascontiguousarray(first.Z), tips, lengths, phasors, cut, alpha, mean
+
+
+def _interleaved(values: np.ndarray) -> np.ndarray:
+    """Complex columns as pairs of real ones."""
+    if not np.iscomplexobj(values):
+        return values
+    return np.stack([values.real, values.imag], axis=-1).reshape(len(values), -1)

@@ -73,12 +73,12 @@ export class Actor {
     scene.add(this.root, this.path);
     for (const [name, tint] of [["thrust", "#5fd0a0"], ["drag", "#ff8a70"], ["velocity", "#ffffff"]]) {
       this.arrows[name] = arrow(tint);
-      this.root.add(this.arrows[name]);
+      scene.add(this.arrows[name]);
     }
   }
 
   dispose(): void {
-    this.scene.remove(this.root, this.path);
+    this.scene.remove(this.root, this.path, ...Object.values(this.arrows));
   }
 
   update(answer: Answer): void {
@@ -166,15 +166,20 @@ export class Actor {
     const wrench = drive.moment ? [0, 0, 0, ...torqueOf(drive, this.pose)] : null;
     const V = twist(gait, this.pose.phase, drive.rate, wrench);
     const F = bodyWrench(gait, this.pose.phase, drive.rate, V);
+    const { q, x } = this.pose;
     const speed = Math.hypot(V[0], V[1], V[2]);
     const [a, b] = shape.semi_axes;
-    const reach = 0.34 * size;
-    aim(this.arrows.velocity, [-a * 1.1, 0, b * 1.25], V.slice(0, 3), speed > 0 ? reach : 0);
+    const reach = 0.24 * size;
+    const up = 1.3 * Math.max(b, shape.amplitude + shape.radius);
+    const middle = rotate(q, [a + 0.5 * shape.length, 0, 0]);
+    const place = (from: number[], lift: number): number[] =>
+      [x[0] + from[0] + this.offset.x, x[1] + from[1] + this.offset.y, x[2] + from[2] + this.offset.z + lift];
+    const lab = (v: number[]): number[] => rotate(q, v.slice(0, 3));
+    aim(this.arrows.velocity, place([0, 0, 0], up), lab(V), speed > 0 ? reach : 0);
     const force = F ? Math.hypot(F[0], F[1], F[2]) : 0;
-    const lift = -1.25 * Math.max(b, shape.amplitude + shape.radius);
-    aim(this.arrows.drag, [0, 0, lift], F ?? [0, 0, 0], force > 0 ? reach : 0);
+    aim(this.arrows.drag, place([0, 0, 0], -up), lab(F ?? [0, 0, 0]), force > 0 ? reach : 0);
     const back = F ? [-F[0], -F[1], -F[2]] : [0, 0, 0];
-    aim(this.arrows.thrust, [a + 0.5 * shape.length, 0, lift], back, force > 0 ? reach : 0);
+    aim(this.arrows.thrust, place(middle, -up), lab(back), force > 0 ? reach : 0);
   }
 }
 

@@ -130,7 +130,7 @@ export class Controls {
     const options = CHOICES[path];
     const { store } = this;
     const set = (value: string): void => this.choose(path, value);
-    if (options.length > 3) {
+    if (options.length > 2) {
       const select = el("select", { "data-field": path, "aria-label": label(path) }, ...options.map(([v, t]) => el("option", { value: v }, t)));
       select.addEventListener("change", () => set(select.value));
       this.rows.push(() => (select.value = String(read(store.design.tables, path))));

@@ -14,8 +14,10 @@ export class Driver {
   strength = 1;
   azimuth = 0;
   elevation = 0;
-  private chart = el("canvas", { width: 520, height: 190, id: "stepout" });
+  private chart = el("canvas", { width: 536, height: 170, id: "stepout" });
   private state = el("div", { class: "trust open", id: "step" }, el("i"), "");
+  private figure = el("div", { class: "figure", id: "driven-speed" });
+  private went: Vec[] = [];
   private turned: [number, number][] = [];
   private before: Vec | null = null;
   private angle = 0;
@@ -89,11 +91,12 @@ export class Driver {
     const buttons = modes.map(([mode, text]) =>
       el("button", { id: `drive-${mode}`, "aria-pressed": String((mode === "field") === this.magnetic), onclick: () => this.choose(mode === "field") }, text));
     const sliders = el("div", { hidden: !this.magnetic },
+      el("div", { class: "hero" }, el("div", { class: "caption" }, "Speed along its path"), this.figure),
+      this.state, this.chart,
       this.slider("Field frequency", "share", 0, 2, () => this.frequency(this.rate)),
       this.slider("Field strength", "power", 0.1, 3, () => `${digits(this.strength / this.unit, 2)} × ${this.torque()}`),
       this.slider("Heading, sideways", "azimuth", -180, 180, () => `${Math.round(this.azimuth)}°`),
       this.slider("Heading, up", "elevation", -80, 80, () => `${Math.round(this.elevation)}°`),
-      this.state, this.chart,
       el("p", { class: "fine" }, "Arrow keys steer, + and − change the frequency. The tail is rigid, the moment lies across the body."));
     this.node.replaceChildren(el("div", { class: "segments" }, ...buttons), sliders,
       el("p", { class: "fine", hidden: this.magnetic }, "The motor turns the tail against the body. Choose the field to drive a rigid, magnetised swimmer from outside and see it step out."));
@@ -135,6 +138,7 @@ export class Driver {
     this.hold();
     this[name] = value;
     this.turned = [];
+    this.went = [];
     for (const show of this.shows) show();
   }
 
@@ -148,6 +152,7 @@ export class Driver {
 
   choose(magnetic: boolean): void {
     this.magnetic = magnetic;
+    document.body.classList.toggle("magnetic", magnetic);
     this.restart();
     this.shows = [];
     this.build();
@@ -159,6 +164,7 @@ export class Driver {
     this.phase = this.clock = this.time = this.angle = this.measured = 0;
     this.before = null;
     this.turned = [];
+    this.went = [];
   }
 
   key(name: string): boolean {
@@ -183,9 +189,16 @@ export class Driver {
     if (this.before) this.angle += Math.atan2(dot(cross(this.before, m), axis), dot(this.before, m));
     this.before = m;
     this.turned.push([pose.time, this.angle]);
+    this.went.push([...pose.x]);
     if (this.turned.length > HISTORY) this.turned.shift();
+    if (this.went.length > this.turned.length) this.went.splice(0, this.went.length - this.turned.length);
     const [t0, a0] = this.turned[0];
-    if (pose.time > t0) this.measured = Math.abs((this.angle - a0) / (pose.time - t0));
+    if (pose.time > t0) {
+      this.measured = Math.abs((this.angle - a0) / (pose.time - t0));
+      const speed = Math.hypot(...pose.x.map((v, i) => v - this.went[0][i])) / (pose.time - t0);
+      const [n, unit] = this.store.design.answer.dimensional ? withPrefix(speed, "m/s") : [digits(speed), ""];
+      this.figure.replaceChildren(n, el("small", {}, unit));
+    }
     const follows = this.measured > 0.97 * this.rate || this.turned.length < 30;
     this.state.className = `trust ${this.rate === 0 ? "open" : follows ? "good" : "poor"}`;
     this.state.lastChild!.textContent = this.rate === 0 ? "The field stands still"
@@ -200,15 +213,15 @@ export class Driver {
     const g = this.chart.getContext("2d")!;
     const top = Math.max(2 * this.unit * spinMobility(this.store.design.answer.gait), 1.2 * this.stepOut);
     const X = (v: number): number => 14 + (v / top) * (w - 28);
-    const Y = (v: number): number => h - 34 - (v / (1.12 * this.stepOut)) * (h - 52);
+    const Y = (v: number): number => h - 30 - (v / (1.12 * this.stepOut)) * (h - 46);
     g.clearRect(0, 0, w, h);
     g.strokeStyle = "rgba(255,255,255,.10)";
     g.lineWidth = 1.5;
-    g.strokeRect(14, 12, w - 28, h - 46);
+    g.strokeRect(14, 12, w - 28, h - 42);
     g.setLineDash([5, 6]);
     g.beginPath();
     g.moveTo(X(this.stepOut), 12);
-    g.lineTo(X(this.stepOut), h - 34);
+    g.lineTo(X(this.stepOut), h - 30);
     g.stroke();
     g.setLineDash([]);
     g.beginPath();

@@ -121,7 +121,7 @@ export function sensible(path: string, q: Quantity, answer: Answer): Range {
     case "tail.waves": return linear(0.5, 8);
     case "tail.wavelength": return linear(nice(q.n / 4), nice(3 * q.n));
     case "tail.radius": return linear(nice(q.n / 5), nice(2.5 * q.n));
-    case "tail.frequency": return linear(Math.min(0, -nice(-q.n)), nice(2 * Math.abs(q.n || 1)));
+    case "tail.frequency": return linear(q.n < 0 ? -nice(-2 * q.n) : 0, nice(2 * Math.abs(q.n || 1)));
     case "tail.ramp": return linear(0, 1);
     case "fluid.viscosity": return { low: nice(q.n / 20), high: nice(20 * q.n), log: true };
     case "fluid.density": return linear(0, nice(Math.max(2 * q.n, 1)));

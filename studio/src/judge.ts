@@ -54,11 +54,12 @@ export class Judge {
     const levels = el("select", { "aria-label": "Resolution", id: "level" }, ...["coarse", "standard", "fine"].map((l) => el("option", { value: l }, l)));
     levels.value = this.level;
     levels.addEventListener("change", () => (this.level = levels.value));
-    this.node.replaceChildren(
-      el("p", {}, "Boundary elements solve the Stokes equations about this very design. They take seconds, and they judge the surrogate."),
+    const children = [
+      this.result ? null : el("p", {}, "Boundary elements solve the Stokes equations about this very design. They take seconds, and they judge the surrogate."),
       el("div", { class: "ask" }, levels, el("button", { class: "primary", id: "ask-judge", onclick: () => this.ask() }, "Ask the judge")),
       ...(this.result ? this.table(this.result.made, this.result.of === this.here) : []),
-    );
+    ];
+    this.node.replaceChildren(...children.filter((c) => c !== null));
   }
 
   /** With the reference as the model that swims, a new design is judged when the hand rests. */
@@ -105,7 +106,7 @@ export class Judge {
       e === null ? "" : Math.abs(e) < 0.05 ? "good" : Math.abs(e) < 0.2 ? "fair" : "poor";
     const percent = (e: number | null): string =>
       e === null ? "–" : `${e >= 0 ? "+" : "−"}${digits(Math.abs(100 * e), 2)} %`;
-    const rows = made.rows.map((r) =>
+    const rows = made.rows.filter((r) => r.name !== "forward_velocity").map((r) =>
       el("tr", { "data-row": r.name },
         el("td", {}, NAMES[r.name].label), el("td", {}, say(r, r.surrogate)), el("td", {}, say(r, r.reference)),
         el("td", { class: grade(r.error) }, percent(r.error))));
@@ -115,16 +116,16 @@ export class Judge {
       el("table", { id: "verdict", class: fresh ? "" : "stale" },
         el("thead", {}, el("tr", {}, ...["", "surrogate", "reference", "error"].map((h) => el("th", {}, h)))),
         el("tbody", {}, ...rows)),
-      el("p", { class: "fine" }, fresh ? about : "The design has changed since the judge was asked."),
     ];
     if (fit.error) parts.push(el("p", { class: "fine" }, `No calibration here: ${fit.error}`));
     else if (fresh) {
       const names = Object.entries(fit.coefficients).map(([k, v]) => `${k} ${digits(v)}`).join(",  ");
       parts.push(
         el("button", { class: "primary wide", id: "calibrate", title: names, onclick: () => this.calibrate(made) }, "Calibrate the surrogate here"),
-        el("p", { class: "fine" }, `Would set ${names}`),
+        el("p", { class: "fine" }, `Sets ${names}.`),
         ...fit.warnings.map((w) => el("p", { class: "fine warn" }, w)));
     }
+    parts.push(el("p", { class: "fine" }, fresh ? about : "The design has changed since the judge was asked."));
     return parts;
   }
 

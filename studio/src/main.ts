@@ -137,6 +137,7 @@ const tabs = (() => {
   const open = (key: string): void => {
     Object.keys(parts).forEach((k, i) => heads[i].setAttribute("aria-selected", String(k === key)));
     body.replaceChildren(parts[key]);
+    document.body.dataset.tab = key;
     map.visible = key === "map";
     if (map.visible && store.designs.length) map.refresh();
   };

@@ -14,7 +14,7 @@ const STOPS: [number, number, number][] = [
 
 export class SpeedMap {
   readonly node = el("div", { class: "map" });
-  private canvas = el("canvas", { id: "map", width: 520, height: 340, tabindex: 0, "aria-label": "Map; click to move the design there" });
+  private canvas = el("canvas", { id: "map", width: 536, height: 290, tabindex: 0, "aria-label": "Map; click to move the design there" });
   private tip = el("div", { class: "tip", hidden: true });
   private field = { x: "tail.amplitude", y: "tail.waves" };
   private output = "swimming_speed";
@@ -61,7 +61,7 @@ export class SpeedMap {
       this.selects[key] = select;
     }
     this.selects.output.append(...OUTPUTS.map((o) => el("option", { value: o }, NAMES[o].label)));
-    const best = el("button", { class: "primary", id: "optimum", title: "Move to the best design on this map", onclick: () => this.optimum() }, "Go to optimum");
+    const best = el("button", { class: "primary", id: "optimum", title: "Move to the best design on this map", onclick: () => this.optimum() }, "Optimum");
     if (this.store.snapshot) best.hidden = this.selects.x.disabled = this.selects.y.disabled = true;
     this.canvas.addEventListener("pointerdown", (e) => {
       if (this.store.snapshot) return;
@@ -77,8 +77,8 @@ export class SpeedMap {
     });
     this.canvas.addEventListener("pointerleave", () => (this.tip.hidden = true));
     this.node.append(
-      el("div", { class: "mapbar" }, this.selects.output, el("span", {}, "over"), this.selects.x, el("span", {}, "×"), this.selects.y),
-      el("div", { class: "plot" }, this.canvas, this.tip), this.foot, best,
+      el("div", { class: "mapbar" }, this.selects.output, best, this.selects.x, el("span", {}, "×"), this.selects.y),
+      el("div", { class: "plot" }, this.canvas, this.tip), this.foot,
     );
   }
 

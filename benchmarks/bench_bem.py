@@ -127,7 +127,9 @@ def rodenborn(order=3):
     level = bem.get_level("standard", order)
     level = replace(level, resolution=replace(level.resolution, stretch=12.0, bend=0.6, wave=0.7))
     table = load("rodenborn2013-helix")
-    for pitch, *measured in zip(*(np.asarray(table[c]) for c in list(table)), strict=True):
+    for pitch, *measured in zip(
+        table["lambda_over_R"].values, *(table[c].values for c in table.data_vars), strict=True
+    ):
         tail = ms.HelicalTail(
             length=length / radius,
             amplitude=1.0,

@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 
 import microswim as ms
+from microswim.data import load
 from microswim.errors import SpecError
 from microswim.reference import bem
 from microswim.reference.bem import phases
@@ -257,3 +258,41 @@ def test_gait_beside_a_wall_is_sampled_over_the_full_period():
 def test_unknown_level_is_refused():
     with pytest.raises(SpecError, match="level = 'best'"):
         bem.solve(swimmer(ms.HelicalTail(**BASE)), level="best")
+
+
+def rodenborn(pitch):
+    """Thrust, torque, drag in units of mu Omega R^2, mu Omega R^3, mu U R (R = 6.3 mm)."""
+    tail = ms.HelicalTail(
+        length=130 / 6.3, amplitude=1.0, wavelength=pitch, radius=0.397 / 6.3, ramp=0.0
+    )
+    alone = ms.Swimmer(body=ms.NoBody(), tail=tail, fluid=ms.Fluid(viscosity=1.0))
+    level = bem.get_level("standard", 2)
+    level = replace(level, resolution=replace(level.resolution, stretch=12.0, bend=0.6, wave=0.7))
+    R = bem.solve(alone, level=level).resistance
+    return np.array([abs(R[0, 3]), R[3, 3], R[0, 0]])
+
+
+def test_rodenborns_helix_against_published_slender_body_theory():
+    """Rodenborn et al. (2013) give Lighthill's and Johnson's theories at pitch 9.811 R."""
+    table = load("rodenborn2013-methods")
+    columns = list(table.data_vars)
+    computed = rodenborn(9.811)
+    lighthill, measured = (
+        np.array([float(table[c].sel(model=m)) for c in columns])
+        for m in ("Lighthill SBT", "experiment(digitised)")
+    )
+    assert np.abs(computed / lighthill - 1).max() < 0.02
+    assert np.abs(computed / measured - 1).max() < 0.06
+
+
+@pytest.mark.slow
+def test_rodenborns_helix_at_all_pitches():
+    """Digitised to a few per cent; at the longest pitch all three measured lie 8 to 12 % high."""
+    table = load("rodenborn2013-helix")
+    names = ("thrust_over_eta_Omega_R2", "torque_over_eta_Omega_R3", "drag_over_eta_U_R")
+    measured = np.stack([table[n].values for n in names], axis=-1)
+    pitches = table["lambda_over_R"].values
+    computed = np.stack([rodenborn(float(p)) for p in pitches])
+    difference = np.abs(computed / measured - 1)
+    assert difference[:4].max() < 0.06
+    assert difference[4].max() < 0.13

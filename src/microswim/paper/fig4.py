@@ -28,9 +28,9 @@ from .style import LINES, REFERENCE, WIDE, legend_above, letter, look, panels
 TITLE = "Fig. 4. Swimmer with a helical tail"
 AXES = {AMPLITUDE: "amplitude, $b$ / body diameter", WAVES: r"number of waves, $N_\lambda$"}
 ROWS = (
-    r"$\overline{u}_s$ (body diameters / period)",
-    r"$v_{q,\,\mathrm{max}}$ (body diameters / period)",
-    r"$\overline{\Omega}_s$ (revolutions / period)",
+    r"$\overline{u}_s$ ($D_b$ / period)",
+    r"$v_{q,\,\mathrm{max}}$ ($D_b$ / period)",
+    r"$\overline{\Omega}_s$ (rev / period)",
 )
 
 

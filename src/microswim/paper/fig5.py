@@ -15,9 +15,9 @@ from .fig4 import six_panels
 
 TITLE = "Fig. 5. Swimmer with a travelling plane wave"
 ROWS = (
-    r"$\overline{u}_s$ (body diameters / period)",
-    r"$v_{q,\,\mathrm{max}}$ (body diameters / period)",
-    r"$\Omega_{r,\,\mathrm{max}}$ (revolutions / period)",
+    r"$\overline{u}_s$ ($D_b$ / period)",
+    r"$v_{q,\,\mathrm{max}}$ ($D_b$ / period)",
+    r"$\Omega_{r,\,\mathrm{max}}$ (rev / period)",
 )
 
 

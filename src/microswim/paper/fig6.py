@@ -74,7 +74,7 @@ def compute(context: Context) -> dict[str, Any]:
 
 def readings(context: Context) -> list[dict[str, Any]]:
     """Fastest and most efficient design of every reading, on a coarser grid."""
-    b, n = np.linspace(0.02, 0.5, 25), np.linspace(0.5, 5.0, 91)
+    b, n = np.linspace(0.02, 0.5, 13), np.linspace(0.5, 5.0, 46)
     rows = []
     for c in ("constant", "sbt"):
         for frame in ("lab", "body"):
@@ -108,10 +108,14 @@ def optimum(context: Context, tail: str, quantity: str = "velocity", coefficient
     Helix: closed form; plane wave: the model.
     """
     b, n = np.linspace(0.02, 0.5, 25), np.linspace(0.5, 5.0, 91)
-    if tail == "helix":
-        maps = closed(coefficients, b[:, None], n[None, :], frame)
-    else:
-        maps = full(swimmer(tail, coefficients), b, n)
+    maps = context.once(
+        ("map", tail, coefficients, frame),
+        lambda: (
+            closed(coefficients, b[:, None], n[None, :], frame)
+            if tail == "helix"
+            else full(swimmer(tail, coefficients), b, n)
+        ),
+    )
     values = maps[0 if quantity == "velocity" else 1]
     i, j = np.unravel_index(np.nanargmax(values), values.shape)
     return np.array([values[i, j], b[i], n[j]])

@@ -139,8 +139,8 @@ def plot(result: dict[str, Any]) -> Figure:
     names = ["helix\nconst.", "helix\nSBT", "plane w.\nconst.", "plane w.\nSBT"]
     labels = {"s": r"$\gamma_{N,s}$", "q": r"$\gamma_{N,q}$",
               "turn": r"$\gamma_{R,s}$ (helix), $\gamma_{R,r}$ (plane wave)"}  # fmt: skip
-    sources = (("paper", "the paper", GREY, "s"), ("from its CFD", "ours, for its CFD", ORANGE, "D"),
-              
+    sources = (("paper", "the paper", GREY, "s"),
+               ("from its CFD", "ours, for its CFD", ORANGE, "D"),
                ("from our reference", "ours, for our reference", BLUE, "o"))  # fmt: skip
     with look():
         figure, axes = panels(1, 3, (WIDE, 2.6))

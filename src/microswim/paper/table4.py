@@ -105,6 +105,7 @@ def plot(result: dict[str, Any]) -> Figure:
             ax.set(yticks=range(len(mine)), xlim=(0, 2.2), xlabel="|value| / our largest |value|")
             ax.set_yticklabels(labels, fontsize=6)
             ax.invert_yaxis()
+            ax.set_title(tail.replace("_", " "))
             letter(ax, name)
         legend_above(figure, axes[0, 0])
     return figure

@@ -12,14 +12,14 @@ from microswim.reference.channel import Channel
 
 pytest.importorskip("ngsolve", reason="needs the extra fem")
 
-from microswim.reference.fem.mesh import Level  # noqa: E402
-from microswim.reference.fem.quasi_steady import body_resistance  # noqa: E402
+from microswim.reference.fem.mesh import Level
+from microswim.reference.fem.quasi_steady import body_resistance
 
 pytestmark = pytest.mark.fem
 
 
 def bohlin(x: float) -> float:
-    """Drag of a sphere on the axis of a long cylinder over Stokes' (Bohlin 1960, Happel & Brenner)."""
+    """Drag of a sphere on the axis of a long cylinder over Stokes' (Bohlin 1960)."""
     return 1.0 / (
         1.0
         - 2.10443 * x
@@ -34,8 +34,8 @@ def bohlin(x: float) -> float:
 def rotlet_reflection(x: float) -> float:
     """Torque of a sphere spinning about the axis over Stokes', to O(x^10).
 
-    The wall answers the rotlet with a rigid rotation -c x^3, c = (1/pi) int t^2 K1(t)/I1(t) dt (from
-    the Fourier integral of the rotlet on the cylinder); the next reflection is of order x^10.
+    The wall answers the rotlet with a rigid rotation -c x^3, c = (1/pi) int t^2 K1(t)/I1(t) dt
+    (from the Fourier integral of the rotlet on the cylinder); the next reflection is of order x^10.
     """
     c = quad(lambda t: t * t * k1(t) / i1(t), 0.0, 40.0)[0] / np.pi
     return 1.0 / (1.0 - c * x**3)

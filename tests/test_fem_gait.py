@@ -13,14 +13,14 @@ from microswim.reference.channel import Channel
 
 pytest.importorskip("ngsolve", reason="needs the extra fem")
 
-from microswim.reference import fem  # noqa: E402
-from microswim.reference.fem.mesh import LEVELS, Level, Outline, straight_mesh  # noqa: E402
-from microswim.reference.fem.quasi_steady import (  # noqa: E402
+from microswim.reference import fem
+from microswim.reference.fem.mesh import LEVELS, Level, Outline, straight_mesh
+from microswim.reference.fem.quasi_steady import (
     problem,
     smallest_jacobian,
     snapshot,
 )
-from microswim.reference.fem.stokes import Stokes  # noqa: E402
+from microswim.reference.fem.stokes import Stokes
 
 pytestmark = pytest.mark.fem
 

@@ -77,7 +77,7 @@ class Channel:
         return np.array([[c, n, 0.0], [-n, c, 0.0], [0.0, 0.0, 1.0]])
 
     def clearance(self, points: np.ndarray) -> np.ndarray:
-        """Distance to the nearest wall of points (n, 3) given in the channel's axes from its middle.
+        """Distance to the nearest wall of points (n, 3) in the channel's axes from its middle.
 
         Negative outside; open ends count as walls.
         """

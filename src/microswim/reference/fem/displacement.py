@@ -1,14 +1,15 @@
 """The wave laid on the straight mesh, and the blended rigid motion of the whole swimmer.
 
-With sigma = s clamped to the tail, e = X - sigma e_s and rho = |e| (distance from the straight axis),
+With sigma = s clamped to the tail, e = X - sigma e_s, rho = |e| (distance from the straight axis),
 
-    x = X + w1(rho) (P(sigma) - sigma e_s) + w2(rho) min(1, r_t/rho) (Q(sigma) - 1) e.
+    x = X + w1(rho) (P(s) - s e_s) + w2(rho) min(1, r_t/rho) (Q(sigma) - 1) e.
 
-The first term carries the section to the centreline, the second turns it: Q takes e_s to the tangent
-(perpendicular sections) or is the identity (sheared sections). w1, w2 fall from 1 on the tail to 0, so
-the far mesh never moves. Close to the joint perpendicular sections would leave the body's surface;
-there Q - 1 gives way to the stretch in planes of constant s that a straight oblique tube has, and the
-body's surface slides over itself. The mesh stays valid while |P - sigma e_s| max|w1'| < 1.
+The first term carries the section to the centreline (s clamped to the tail, with sheared sections
+to tail and cap), the second turns it: Q takes e_s to the tangent (perpendicular sections) or is
+the identity (sheared sections). w1, w2 fall from 1 on the tail to 0, so the far mesh never moves.
+Close to the joint perpendicular sections would leave the body's surface; there Q - 1 gives way to
+the stretch in planes of constant s that a straight oblique tube has, and the body's surface slides
+over itself. The mesh stays valid while |P - sigma e_s| max|w1'| < 1.
 
 Nothing here knows a mesh: positions are NumPy arrays. Depends on geometry and mesh (Outline).
 """
@@ -93,6 +94,17 @@ class Wave:
         offset[:, 0] -= sigma
         return sigma, offset, np.linalg.norm(offset, axis=1)
 
+    def _along(self, X: np.ndarray) -> np.ndarray:
+        """s of the centreline that a point follows.
+
+        Sheared: its own plane's, the cap's sections included (the centreline continued by r_t);
+        perpendicular: the foot's, so that the cap is a hemisphere about P(L).
+        """
+        sheared = self.swimmer.tail.sections == "sheared"
+        start = self.outline.joint if self.outline.has_body or not sheared else -self.outline.radius
+        end = self.outline.length + (self.outline.radius if sheared else 0.0)
+        return np.clip(X[:, 0], start, end)
+
     def displacement(self, X: np.ndarray, phase: float) -> np.ndarray:
         """x - X at the points X (n, 3) of the straight mesh."""
         r_t, unit = self.outline.radius, self.outline.unit
@@ -101,8 +113,9 @@ class Wave:
         near = rho < r_t + self.width
         sigma, offset, rho = sigma[near], offset[near], rho[near]
         curve = self._curve(sigma * unit, phase)
-        shift = curve.P / unit
-        shift[:, 0] -= sigma
+        along = self._along(X[near])
+        shift = self._curve(along * unit, phase).P / unit
+        shift[:, 0] -= along
         step = fade((rho - r_t) / self.width)[:, None] * shift
         if self.swimmer.tail.sections == "perpendicular":
             scale = np.minimum(1.0, r_t / np.maximum(rho, 1e-30)) * fade((rho - r_t) / self.turn)
@@ -142,13 +155,13 @@ class Wave:
 
     def surface_velocity(self, X: np.ndarray, x: np.ndarray, phase: float) -> np.ndarray:
         """Velocity per unit phase rate of the tail's surface at x, the image of X."""
-        sigma, unit = self._sigma(X)[0], self.outline.unit
+        sigma, unit = self._along(X), self.outline.unit
         velocity = geometry.surface_velocity(self.swimmer.tail, x * unit, sigma * unit, phase)
         return velocity / unit
 
     def outward(self, X: np.ndarray, x: np.ndarray, phase: float) -> np.ndarray:
         """Offset of the tail's surface from the centreline, close to its outward normal."""
-        sigma, unit = self._sigma(X)[0], self.outline.unit
+        sigma, unit = self._along(X), self.outline.unit
         return x - self._curve(sigma * unit, phase).P / unit
 
 
@@ -158,7 +171,7 @@ class Carrier:
 
     x = c + T(w theta) (Y - c) + w xi,  w = fade((d - inner) / (outer - inner)),
 
-    d the distance from the swimmer's straight axis. A turn about that axis keeps the volume exactly.
+    d the distance from the swimmer's straight axis. A turn about that axis keeps the volume.
 
     Parameters
     ----------

@@ -7,6 +7,7 @@ Lengths are in units of `Outline.unit`. Depends on channel, errors, netgen and n
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import lru_cache
 from typing import Any
 
 import ngsolve as ngs
@@ -194,6 +195,14 @@ def straight_mesh(
     outline: Outline, channel: Channel, level: Level, zone: Zone | None = None
 ) -> ngs.Mesh:
     """Curved tetrahedra around body and straight tail; boundaries body, tail, wall (and end)."""
+    mesh = ngs.Mesh(_tetrahedra(outline, channel, level, zone))
+    mesh.Curve(level.order)
+    return mesh
+
+
+@lru_cache(maxsize=4)
+def _tetrahedra(outline: Outline, channel: Channel, level: Level, zone: Zone | None) -> Any:
+    """Netgen's mesh; the last few are kept, designs with the same outline share it."""
     fluid = _channel_solid(outline, channel) - _swimmer_solid(outline, level)
     if len(fluid.solids) != 1:
         raise MicroswimError("the fluid is not one piece: the swimmer cuts through the channel")
@@ -206,9 +215,7 @@ def straight_mesh(
     if zone:
         for at in _zone_points(outline, zone):
             sizes.RestrictH(*at, zone.size)
-    mesh = ngs.Mesh(occ.OCCGeometry(fluid).GenerateMesh(sizes))
-    mesh.Curve(level.order)
-    return mesh
+    return occ.OCCGeometry(fluid).GenerateMesh(sizes)
 
 
 def _zone_points(outline: Outline, zone: Zone) -> list[tuple[float, float, float]]:

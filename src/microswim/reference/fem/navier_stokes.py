@@ -8,9 +8,9 @@ by the second backward difference (BDF2, the first step BDF1), u and w of the sa
 
     du/dt|_X = (3 u' - 4 u + u_old) / (2 dt),    w = (3 x' - 4 x + x_old) / (2 dt).
 
-The convective term is extrapolated, u* = 2 u - u_old, so that a step is one symmetric system; this is
-stable while |u|^2 rho dt / mu is well below one. No steady flow is disturbed by the mesh's motion (the
-form is not conservative). Depends on stokes, ngsolve.
+The convective term is extrapolated, u* = 2 u - u_old, so that a step is one symmetric system; this
+is stable while |u|^2 rho dt / mu is well below one. A uniform flow is not disturbed by the mesh's
+motion (the form is not conservative). Depends on stokes, ngsolve.
 """
 
 from __future__ import annotations

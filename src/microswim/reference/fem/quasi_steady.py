@@ -1,11 +1,11 @@
-"""Quasi-steady Stokes gait in a channel: all motions of the swimmer from one factorisation a phase.
+"""Quasi-steady Stokes gait in a channel: all motions from one factorisation a phase.
 
-With u_j the flow of the rigid mode w_j (j = 1..6) and u_t that of the tail's own motion per unit rate,
+With u_j the flow of the rigid mode w_j (j = 1..6), u_t that of the tail's motion per unit rate,
 
     R_ij = w_i' K u_j,   F_i = w_i' K u_t,   G = u_t' K u_t      [Tabak Eq. 17, by linearity]
 
-Inside, lengths are in units of the body's diameter and viscosity is one; the gait is returned in the
-swimmer's units. Depends on channel, displacement, mesh, stokes, gait.
+Inside, lengths are in units of the body's diameter and viscosity is one; the gait is returned in
+the swimmer's units. Depends on channel, displacement, mesh, stokes, gait.
 """
 
 from __future__ import annotations
@@ -28,7 +28,7 @@ from .stokes import FOLDED, Stokes
 
 @dataclass(frozen=True)
 class Snapshot:
-    """Resistance and propulsion at one phase, in the swimmer's units; `body_*`: on the body alone."""
+    """Resistance and propulsion at one phase in the swimmer's units; `body_*`: body alone."""
 
     resistance: np.ndarray
     propulsion: np.ndarray

@@ -2,10 +2,10 @@
 
     a(u, v) = int c u.v + 2 mu D(u):D(v) dx,   b(u, q) = -int q div u dx,     K = [a b'; b 0]
 
-with velocity given on swimmer and walls. Forces are consistent residuals, not integrals of stress: the
-force of the surface on the fluid along a test motion w is w' (K u - f), w taken on the surface alone,
-which is five to ten times more accurate. In a closed vessel one pressure unknown is pinned, surface
-velocities are made free of net flux and the mean pressure is set to zero.
+with velocity given on swimmer and walls. Forces are consistent residuals, not integrals of stress:
+the force of the surface on the fluid along a test motion w is w' (K u - f), w taken on the surface
+alone, which is five to ten times more accurate. In a closed vessel one pressure unknown is pinned,
+surface velocities are made free of net flux and the mean pressure is set to zero.
 Depends on nodes, errors, ngsolve.
 """
 
@@ -139,7 +139,7 @@ class Stokes:
         return y.FV().NumPy().copy()
 
     def given(self, velocity: np.ndarray, where: np.ndarray) -> np.ndarray:
-        """Boundary data: the nodal velocity (n, 3) at nodes `where`, zero on the other boundaries."""
+        """Boundary data: the nodal velocity (n, 3) at nodes `where`, zero elsewhere."""
         coefficients = self.nodes.coefficients(np.where(where[:, None], velocity, 0.0))
         data = np.zeros(self.unknowns)
         data[: self.size] = np.where(self._held, coefficients.T.ravel(), 0.0)

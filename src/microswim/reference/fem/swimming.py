@@ -1,10 +1,10 @@
 """Swimming in time from rest: inertia of the fluid, moving mesh, free of force and torque.
 
-The swimmer has no inertia of its own: force and torque of the fluid on it vanish at every step, as in
-the paper [Tabak Eq. 17]. The pose of the new step is extrapolated (Adams-Bashforth), the velocity
-follows from fluid and constraint at once. Inside: body diameter, viscosity and phase rate are one, the
-density is ``Re = rho |rate| l^2 / mu`` (2 pi times the paper's scaling Reynolds number).
-Depends on quasi_steady, navier_stokes, displacement, marching.
+The swimmer has no inertia of its own: force and torque of the fluid on it vanish at every step, as
+in the paper [Tabak Eq. 17]. The pose of the new step is extrapolated (Adams-Bashforth), the
+velocity follows from fluid and constraint at once. Inside: body diameter, viscosity and phase rate
+are one, the density is ``Re = rho |rate| l^2 / mu`` (2 pi times the paper's Reynolds number).
+Depends on quasi_steady, navier_stokes, displacement, record, picture.
 """
 
 from __future__ import annotations
@@ -22,7 +22,7 @@ from microswim.errors import SpecError
 from microswim.reference.channel import Channel
 
 from .displacement import Carrier, Wave
-from .mesh import Level, level_named
+from .mesh import Level, Outline, level_named
 from .navier_stokes import Past, Step
 from .quasi_steady import is_round, problem
 from .record import March, dataset, load_march, save_march
@@ -52,19 +52,19 @@ class Swim:
         free: tuple[bool, ...],
     ) -> None:
         self.swimmer, self.channel, self.free = swimmer, channel, free
-        self.wave, self.flow = problem(swimmer, channel, level)
         self.dt = 2.0 * np.pi / steps_per_period
-        outline, rate = self.wave.outline, float(swimmer.tail.rate)
+        outline, rate = Outline.of(swimmer), float(swimmer.tail.rate)
         self.direction, self.rate = np.sign(rate), abs(rate)
         fluid = swimmer.fluid
         self.reynolds = float(fluid.density * self.rate * outline.unit**2 / fluid.viscosity)
-        self.carrier = carrier_of(self.wave, channel)
         self.round = is_round(swimmer)
-        self._check_step()
+        self._check_step(outline)
+        self.wave, self.flow = problem(swimmer, channel, level)
+        self.carrier = carrier_of(self.wave, channel)
 
-    def _check_step(self) -> None:
+    def _check_step(self, outline: Outline) -> None:
         """The convective term is explicit: refuse steps beyond its limit."""
-        fastest = max(self.wave.reach + self.wave.outline.radius, 1e-12)
+        fastest = Wave(self.swimmer, outline, np.inf).reach + outline.radius
         if (number := fastest**2 * self.reynolds * self.dt) > 0.5:
             raise SpecError(
                 "steps_per_period",
@@ -94,7 +94,7 @@ class Swim:
         """
         if not self.round:
             return phase, turn
-        x, y, z, w = turn.as_quat()
+        x, _, _, w = turn.as_quat()
         spin = 2.0 * np.arctan2(x, w)
         swing = turn * Rotation.from_rotvec([-spin, 0.0, 0.0])
         return phase + float(self.swimmer.tail.sign) * spin, swing

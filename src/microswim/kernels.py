@@ -16,6 +16,9 @@ from .mobility import solve
 
 HELIX, PLANE_WAVE = 0, 1
 
+#: Sums may be reordered and fused; NaN and infinity keep their meaning.
+FAST = {"reassoc", "contract", "arcp", "nsz"}
+
 
 @cache
 def gauss(nodes: int) -> tuple[np.ndarray, np.ndarray]:
@@ -40,7 +43,7 @@ def node_numbers(kind: int, waves: float, bk: float, ramp: float) -> tuple[int, 
     return on_ramp, int(14 + per_wave * waves * (1.0 - ramp)) if ramp < 1 else 0
 
 
-@njit(cache=True)
+@njit(cache=True, fastmath=FAST)
 def wave_nodes(kind: int, x: Any, phase: Any, on_ramp: Any, p: Any) -> Any:
     """Centreline, slope and velocity at ``s = x L`` [Tabak Eqs. 11, 12]; p as in `PARAMETERS`."""
     L, b, k, ramp, sign = p[0], p[1], p[2], p[3], p[4]
@@ -57,7 +60,7 @@ def wave_nodes(kind: int, x: Any, phase: Any, on_ramp: Any, p: Any) -> Any:
     return s, q, r, q_s, r_s, q_phase, sign * amplitude * c
 
 
-@njit(cache=True)
+@njit(cache=True, fastmath=FAST)
 def add_segment(R: Any, F: Any, X: Any, T: Any, U: Any, dl: Any, c: Any, spin: float) -> Any:
     """Add one segment of length dl to ``B_t`` and ``F_p``; returns its activity.
 
@@ -70,9 +73,7 @@ def add_segment(R: Any, F: Any, X: Any, T: Any, U: Any, dl: Any, c: Any, spin: f
     n = c[1] * dl
     d = (c[0] - c[1]) * dl
     w = c[2] * dl
-    g = np.empty(6, dtype=R.dtype)
-    g[0], g[1], g[2] = t0, t1, t2
-    g[3], g[4], g[5] = y * t2 - z * t1, z * t0 - x * t2, x * t1 - y * t0
+    g = (t0, t1, t2, y * t2 - z * t1, z * t0 - x * t2, x * t1 - y * t0)
     for i in range(6):
         for j in range(i + 1):
             R[i, j] += d * g[i] * g[j]
@@ -107,7 +108,7 @@ def add_segment(R: Any, F: Any, X: Any, T: Any, U: Any, dl: Any, c: Any, spin: f
 PARAMETERS = ("L", "b", "k", "ramp", "sign", "c_t", "c_n", "c_r", "offset", "spin")
 
 
-@njit(cache=True)
+@njit(cache=True, fastmath=FAST)
 def wave_tail(kind: int, arc: bool, p: Any, phase: Any, ramp_rule: Any, rule: Any) -> Any:
     """``(B_t, F_p, G)`` of a wave tail at one phase; p as in `PARAMETERS`."""
     R = np.zeros((6, 6), dtype=p.dtype)
@@ -131,7 +132,7 @@ def wave_tail(kind: int, arc: bool, p: Any, phase: Any, ramp_rule: Any, rule: An
     return R, F, G
 
 
-@njit(cache=True)
+@njit(cache=True, fastmath=FAST)
 def wave_tail_phases(kind: int, arc: bool, p: Any, phases: Any, ramp_rule: Any, rule: Any) -> Any:
     """`wave_tail` at several phases: shapes (n, 6, 6), (n, 6), (n,)."""
     n = phases.size
@@ -143,7 +144,7 @@ def wave_tail_phases(kind: int, arc: bool, p: Any, phases: Any, ramp_rule: Any, 
     return R, F, G
 
 
-@njit(cache=True)
+@njit(cache=True, fastmath=FAST)
 def centreline_tail(X: Any, P_s: Any, U: Any, ds: Any, arc: bool, c: Any, spin: float) -> Any:
     """``(B_t, F_p, G)`` from a centreline on nodes: arrays (n, 3), quadrature weights ds (n,)."""
     R = np.zeros((6, 6), dtype=X.dtype)
@@ -162,7 +163,7 @@ def centreline_tail(X: Any, P_s: Any, U: Any, ds: Any, arc: bool, c: Any, spin: 
     return R, F, G
 
 
-@njit(cache=True, parallel=True)
+@njit(cache=True, parallel=True, fastmath=FAST)
 def solve_designs(
     kind: int, arc: bool, p: Any, body: Any, phases: Any, free: Any, ramp_rule: Any, rule: Any
 ) -> Any:

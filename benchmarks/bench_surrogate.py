@@ -1,0 +1,181 @@
+"""The surrogate: one gait, a design map, and the kernel against NumPy and C.
+
+    python benchmarks/bench_surrogate.py
+
+Figures are processor seconds on one core, the least of several runs, so that other work on the
+machine counts little; the ratios are taken in this one run. Results go to
+benchmarks/results/surrogate.json and, as a table, to the screen. C needs gcc.
+"""
+
+from __future__ import annotations
+
+import os
+
+for name in ("NUMBA_NUM_THREADS", "OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS"):
+    os.environ[name] = "1"
+
+import ctypes
+import json
+import subprocess
+import sys
+import tempfile
+import time
+from pathlib import Path
+
+import numpy as np
+
+import microswim as ms
+from microswim import kernels, rft
+
+HERE = Path(__file__).parent
+DESIGNS = 20_000
+NODES = (8, 24)  # 32 nodes: on the ramp, behind it
+
+
+def least(function, repeats=7, calls=1):
+    """Least processor seconds of a call."""
+    best = np.inf
+    for _ in range(repeats):
+        start = time.process_time()
+        for _ in range(calls):
+            function()
+        best = min(best, (time.process_time() - start) / calls)
+    return best
+
+
+def compiled():
+    """The C kernel, compiled here and now; None where there is no gcc."""
+    folder = Path(tempfile.mkdtemp())
+    flags = ["-O3", "-march=native", "-ffast-math", "-shared", "-fPIC"]
+    command = ["gcc", *flags, str(HERE / "helix.c"), "-o", str(folder / "helix.so"), "-lm"]
+    try:
+        subprocess.run(command, check=True, capture_output=True)
+    except (OSError, subprocess.CalledProcessError):
+        return None
+    return ctypes.CDLL(str(folder / "helix.so")).designs
+
+
+def plain_numpy(p, body, x, weight, on_ramp):
+    """The same in vectorised NumPy: arrays (designs, nodes), LAPACK for the solve."""
+    L, b, k, ramp, sign, c_t, c_n, c_r, offset, spin = p.T[:, :, None]
+    x = np.where(on_ramp, ramp * x, ramp + (1 - ramp) * x)
+    weight = np.where(on_ramp, ramp, 1 - ramp) * weight
+    s = x * L
+    a, da = np.where(on_ramp, b * x / ramp, b), np.where(on_ramp, b / (ramp * L), 0.0)
+    c, e = np.cos(k * s), np.sin(k * s)
+    P = np.stack([s + offset, a * c, -sign * a * e], -1)
+    T = np.stack([1 + 0 * s, da * c - a * k * e, -sign * (da * e + a * k * c)], -1)
+    U = np.stack([0 * s, a * e, sign * a * c], -1)
+    speed = np.linalg.norm(T, axis=-1)
+    dl = weight * L * speed
+    T /= speed[..., None]
+    C = dl[..., None, None] * (
+        c_n[..., None, None] * np.eye(3)
+        + (c_t - c_n)[..., None, None] * T[..., :, None] * T[..., None, :]
+    )
+    X = np.zeros((*s.shape, 3, 3))
+    X[..., 0, 1], X[..., 0, 2], X[..., 1, 2] = -P[..., 2], P[..., 1], -P[..., 0]
+    X[..., 1, 0], X[..., 2, 0], X[..., 2, 1] = P[..., 2], -P[..., 1], P[..., 0]
+    moves = np.concatenate([np.broadcast_to(np.eye(3), X.shape), -X], axis=-1)
+    R = np.einsum("dnij,dnik,dnkl->djl", moves, C, moves, optimize=True)
+    F = np.einsum("dnij,dnik,dnk->dj", moves, C, U, optimize=True)
+    about = dl * c_r
+    R[:, 3:, 3:] += np.einsum("dn,dni,dnj->dij", about, T, T, optimize=True)
+    F[:, 3:] += np.einsum("dn,dn,dni->di", about * spin, T[..., 0], T, optimize=True)
+    return -np.linalg.solve(R + body, F[..., None])[..., 0]
+
+
+def throughput():
+    """Microseconds per design: ours, NumPy, C."""
+    swimmer = ms.Swimmer.preset("tabak/helix", {"coefficients.law": "gray_hancock"})
+    rng = np.random.default_rng(0)
+    values = {
+        "tail.amplitude": rng.uniform(0.03, 0.2, DESIGNS),
+        "tail.waves": rng.uniform(0.8, 3.0, DESIGNS),
+    }
+    many = swimmer.lifted(values)
+    p = np.ascontiguousarray(rft.parameters(many))
+    body = np.ascontiguousarray(np.broadcast_to(rft.body_resistance(many), (DESIGNS, 6, 6)))
+    rules = [kernels.gauss(n) for n in NODES]
+    free, phase, V = np.ones(6, bool), np.zeros(1), {}
+
+    def ours():
+        V["microswim"] = kernels.solve_designs(0, True, p, body, phase, free, *rules)[0][:, 0]
+
+    x, w = (np.concatenate(part) for part in zip(*rules))
+    on_ramp = np.arange(x.size) < NODES[0]
+
+    def numpy():
+        parts = [
+            plain_numpy(p[i : i + 1000], body[i : i + 1000], x, w, on_ramp)
+            for i in range(0, DESIGNS, 1000)
+        ]
+        V["NumPy"] = np.concatenate(parts)
+
+    runs = {"microswim": ours, "NumPy": numpy}
+    function = compiled()
+    if function is not None:
+        double = ctypes.POINTER(ctypes.c_double)
+        V["C"] = np.empty((DESIGNS, 6))
+
+        def pointers(*arrays):
+            return [a.ctypes.data_as(double) for a in arrays]
+
+        def in_c():
+            first, second = (pointers(*rule) for rule in rules)
+            sizes = [ctypes.c_int(n) for n in (DESIGNS, *NODES)]
+            head = pointers(p, body)
+            function(sizes[0], *head, sizes[1], *first, sizes[2], *second, *pointers(V["C"]))
+
+        runs["C"] = in_c
+    ours()
+    micro = {name: 1e6 * least(run, 5) / DESIGNS for name, run in runs.items()}
+    for name, values in V.items():
+        assert np.abs(values - V["microswim"]).max() < 1e-10, name
+    return micro
+
+
+def imported():
+    """Seconds of ``import microswim``, and of import and first gait, beyond the interpreter."""
+
+    def children(code):
+        before = os.times()
+        subprocess.run([sys.executable, "-c", code], check=True)
+        after = os.times()
+        spent = after.children_user - before.children_user
+        return spent + after.children_system - before.children_system
+
+    first = "import microswim as ms; ms.Swimmer.preset('tabak/helix').gait()"
+    codes = ("pass", "import microswim", first)
+    bare, plain, ready = (min(children(code) for _ in range(5)) for code in codes)
+    return plain - bare, ready - bare
+
+
+def main():
+    """Run all and print the table."""
+    micro = throughput()
+    helix = ms.Swimmer.preset("tabak/helix")
+    helix.gait()
+    b, N = np.meshgrid(np.linspace(0.01, 0.5, 200), np.linspace(0.5, 5.0, 200))
+    grid = {"tail.amplitude": b.ravel(), "tail.waves": N.ravel()}
+    ms.evaluate(helix, {k: v[:10] for k, v in grid.items()})
+    plain, ready = imported()
+    results = {
+        "microseconds per design, 32 nodes": micro,
+        "NumPy over microswim": micro["NumPy"] / micro["microswim"],
+        "C over microswim": micro.get("C", np.nan) / micro["microswim"],
+        "microseconds per gait from Python": 1e6 * least(helix.gait, 9, 300),
+        "seconds per 200 x 200 map": least(lambda: ms.evaluate(helix, grid), 3),
+        "seconds to import": plain,
+        "seconds to import and make a first gait, warm cache": ready,
+    }
+    folder = HERE / "results"
+    folder.mkdir(exist_ok=True)
+    (folder / "surrogate.json").write_text(json.dumps(results, indent=1) + "\n")
+    for name, value in results.items():
+        shown = {k: round(v, 2) for k, v in value.items()} if isinstance(value, dict) else value
+        print(f"{name:40s} {shown if isinstance(shown, dict) else round(shown, 3)}")
+
+
+if __name__ == "__main__":
+    main()

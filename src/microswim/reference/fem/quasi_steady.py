@@ -12,7 +12,7 @@ from __future__ import annotations
 
 import time
 from collections.abc import Callable
-from dataclasses import dataclass, replace
+from dataclasses import asdict, dataclass, replace
 from typing import Any
 
 import numpy as np
@@ -169,11 +169,11 @@ def gait(
         if progress:
             progress(len(shots), len(angles))
     info = {
-        "level": str(level),
+        "level": level if isinstance(level, str) else asdict(level),
         "unknowns": int(flow.unknowns),
         "elements": int(flow.mesh.ne),
         "seconds": dict(flow.seconds),
-        "channel": channel,
+        "channel": asdict(channel),
         "wall_seconds": time.perf_counter() - start,
     }
     return _assembled(swimmer, shots, turning, info)

@@ -83,10 +83,13 @@ def _chunk(swimmer: Swimmer, arrays: dict[str, Any], tolerance: float) -> dict[s
     with np.errstate(all="ignore"), warnings.catch_warnings():
         warnings.simplefilter("ignore")
         many = swimmer.lifted(arrays)
-        p = np.ascontiguousarray(np.broadcast_to(parameters(many), (n, 10)))
+        own = parameters if swimmer.region is None else swimmer.region.parameters
+        p = np.ascontiguousarray(np.broadcast_to(own(many), (n, 10)))
         body = np.ascontiguousarray(np.broadcast_to(body_resistance(many), (n, 6, 6)))
         good = _buildable(many, p, body)
         rate = np.broadcast_to(many.tail.rate, (n,))
+    if swimmer.region is not None:
+        return _calibrated(swimmer, arrays, good, rate)
     helix = swimmer.tail.kind == "helix"
     phase = np.zeros(1) if helix else np.pi * np.arange(PHASES) / PHASES
     V = np.full((n, phase.size, 6), np.nan)
@@ -99,6 +102,23 @@ def _chunk(swimmer: Swimmer, arrays: dict[str, Any], tolerance: float) -> dict[s
             kind, arc, p[group], body[group], phase, free, *rules
         )
     return (_helix if helix else _plane_wave)(swimmer, V, power, body, rate)
+
+
+def _calibrated(swimmer: Swimmer, arrays: dict[str, Any], good: Any, rate: Any) -> dict[str, Any]:
+    """Results of a surrogate that carries a region calibration."""
+    n, group = len(good), np.flatnonzero(good)
+    helix = swimmer.tail.kind == "helix"
+    V = np.full((n, 1 if helix else PHASES, 6), np.nan)
+    power, work = np.full(V.shape[:2], np.nan), np.full(V.shape[:2], np.nan)
+    if group.size:
+        many = swimmer.lifted({k: v[group] if v.size > 1 else v for k, v in arrays.items()})
+        free = np.array(swimmer.motion.mask)
+        V[group], power[group], work[group] = swimmer.region.solve(many, free, PHASES)
+    none = np.zeros((n, 6, 6))
+    out = (_helix if helix else _plane_wave)(swimmer, V, power, none, rate)
+    with np.errstate(invalid="ignore", divide="ignore"):
+        share = work.mean(axis=1) / power.mean(axis=1)
+    return out | {"efficiency": np.where(power.mean(axis=1) != 0, share, 0.0)}
 
 
 def is_regular(swimmer: Swimmer, arrays: dict[str, Any]) -> bool:

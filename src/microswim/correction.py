@@ -98,6 +98,11 @@ class Correction:
     def _order(self) -> np.ndarray:
         return self.columns[0].astype(int)
 
+    @staticmethod
+    def parameters(swimmer: Swimmer) -> np.ndarray:
+        """Kernel parameters (..., 10) of the base."""
+        return shaded.parameters(swimmer)
+
     def inputs(self, swimmer: Swimmer) -> tuple[np.ndarray, np.ndarray]:
         """Scaled features (n, f) and numbers of waves (n,) of one or many designs."""
         x = np.atleast_2d(features(swimmer))[:, self._order]
@@ -188,13 +193,24 @@ class Correction:
             R, F = R * np.outer(MIRROR_R, MIRROR_R), F * MIRROR_R
         return R, F, G, extra
 
-    def solve(self, many: Swimmer, free: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-        """Twists (n, m, 6), tail powers (n, m), drag times speed (n, m), per unit rate, of designs."""
+    def solve(self, many: Swimmer, free: np.ndarray, phases: int) -> tuple[np.ndarray, ...]:
+        """Twists (n, m, 6), tail powers and drag times speed (n, m), per unit rate, of designs.
+
+        A helix at phase 0, a plane wave at `phases` over half a period.
+        """
         R, F, G, extra = self._matrices(many)
-        V = twists(R, F, free)
+        if self.choices["kind"] == "plane_wave":
+            R, F, G = (_finer(x, 2 * phases)[:, :phases] for x in (R, F, G))
+        V = twists(np.ascontiguousarray(R), np.ascontiguousarray(F), free)
         power = G + np.einsum("nmi,nmi->nm", F, V)
         drag = extra[:, None, 0] * V[..., 0] + extra[:, None, 1] * V[..., 3] + extra[:, None, 2]
         return V, power, drag * V[..., 0]
+
+
+def _finer(samples: np.ndarray, count: int) -> np.ndarray:
+    """Samples over the period at more phases, the Nyquist term left out."""
+    hat = np.fft.rfft(samples, axis=1)[:, :HALF]
+    return np.fft.irfft(hat, count, axis=1) * (count / samples.shape[1])
 
 
 def _with_body(gait: Gait, body_R: np.ndarray, body_F: Any) -> Gait:

@@ -36,6 +36,7 @@ from .kriging import Kriging, Surfaces
 from .swimmer import Swimmer
 
 POOL = 1024  #: candidates among which the least sure designs are chosen
+ASYMMETRY = 2e-3  #: of the reference's R, relative; beyond, its mesh does not resolve the design
 FIRST = 0.6  #: share of the solves that fill the region
 Region = dict[str, tuple[float, float]]
 
@@ -120,7 +121,7 @@ def calibrate_region(
             progress=_shifted(progress, len(solved), solves),
             **options,
         )
-        solved += [Solved(pool[i], g) for i, g in zip(chosen, found) if isinstance(g, Gait)]
+        solved += [Solved(pool[i], g) for i, g in zip(chosen, found) if _trusted(g)]
         bad |= set(chosen)
         left = solves - len(solved)
         if left <= 0 or len(bad) >= min(2 * solves, len(pool)):
@@ -132,6 +133,11 @@ def calibrate_region(
     about = {"reference": reference, "solves": len(solved), "seed": seed}
     about["options"] = {k: getattr(v, "name", v) for k, v in options.items()}
     return replace(swimmer, region=_correction(swimmer, region, solved, fitted, about))
+
+
+def _trusted(gait: Gait | str) -> bool:
+    """Whether a reference gait is one, and resolved: its R must come out symmetric."""
+    return isinstance(gait, Gait) and float(gait.info.get("asymmetry") or 0.0) < ASYMMETRY
 
 
 def _check(swimmer: Swimmer, region: Region, solves: int) -> None:

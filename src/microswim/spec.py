@@ -166,6 +166,12 @@ class MotionTable(_Table):
     line_element: str = "arc"
 
 
+class RegionTable(_Table):
+    """[region]: what ``microswim calibrate --region`` found, as text."""
+
+    data: str
+
+
 class SpecTable(_Table):
     """A whole spec file."""
 
@@ -175,6 +181,7 @@ class SpecTable(_Table):
     coefficients: CoefficientsTable = CoefficientsTable()
     interaction: InteractionTable = InteractionTable()
     motion: MotionTable = MotionTable()
+    region: RegionTable = None  # type: ignore[assignment]
 
 
 def read(path: str | PathLike[str], overrides: dict[str, Any] | None = None) -> Swimmer:
@@ -279,7 +286,14 @@ def _build(spec: SpecTable, units: Literal["SI", "dimensionless"]) -> Swimmer:
         interaction=Interaction(**_given(spec.interaction)),
         motion=Motion(**_given(spec.motion)),
         units=units,
+        region=None if spec.region is None else _region(spec.region.data),
     )
+
+
+def _region(text: str) -> Any:
+    from .regionfile import unpack
+
+    return unpack(text)
 
 
 def _given(table: BaseModel) -> dict[str, Any]:

@@ -1,0 +1,240 @@
+"""``microswim calibrate``: interaction coefficients, or a whole region, from a reference or data."""
+
+from __future__ import annotations
+
+import csv
+import time
+from pathlib import Path
+from typing import Any
+
+import click
+
+from ..errors import SpecError
+from ._options import Given, change, example, json_option, print_json, swimmer_options, to_toml
+
+
+@click.command(
+    epilog=example(
+        "microswim calibrate robot.toml --reference bem -o calibrated.toml",
+        "microswim calibrate robot.toml --measured mean.us=-0.038,mean.os=-0.4 -o calibrated.toml",
+        "microswim calibrate robot.toml --reference bem --region tail.amplitude=0.03:0.2,"
+        "tail.waves=0.8:4.5 --solves 100 -o calibrated.toml",
+        "microswim calibrate cell.toml --table cells.csv --unknown translation.s,rotation.s",
+        "microswim calibrate robot.toml --series velocities.csv -o calibrated.toml",
+    )
+)
+@swimmer_options
+@click.option("--reference", type=click.Choice(["bem", "fem"]), help="Calibrate on a reference.")
+@click.option(
+    "--measured",
+    multiple=True,
+    metavar="NAME=VALUE[:SIGMA]",
+    help="Measured quantities: speed, body_rate, mean.us, amplitude.uq, ... with uncertainty.",
+)
+@click.option(
+    "--table",
+    type=click.Path(path_type=Path),
+    help="CSV, one swimmer a row: columns of dotted fields, of quantities and of QUANTITY_sigma.",
+)
+@click.option(
+    "--series",
+    type=click.Path(path_type=Path),
+    help="CSV with a column time and columns us, uq, ... (and us_sigma, ...).",
+)
+@click.option("--unknown", multiple=True, metavar="NAMES", help="translation.s, tail.n, ...")
+@click.option("--quantity", multiple=True, metavar="NAMES", help="What to take of the reference.")
+@click.option("--bound", multiple=True, metavar="NAME=LOW:HIGH", help="Bounds of an unknown.")
+@click.option("--positive", is_flag=True, help="Keep the body's resistance positive definite.")
+@click.option(
+    "--method",
+    type=click.Choice(["least squares", "ratios"]),
+    default="least squares",
+    show_default=True,
+    help="ratios: the paper's direct ratios of the body's force to its velocity.",
+)
+@click.option("--region", multiple=True, metavar="NAME=LOW:HIGH", help="Calibrate over a region.")
+@click.option("--solves", type=click.IntRange(6), default=100, show_default=True)
+@click.option("--workers", type=click.IntRange(0), help="Processes (default: all cores).")
+@click.option(
+    "--option", "options", multiple=True, metavar="NAME=VALUE", help='For the reference: level="fine".'
+)
+@click.option("-o", "--output", type=click.Path(path_type=Path), help="Calibrated spec to write.")
+@json_option
+def command(given: Given, output: Path | None, as_json: bool, **asked: Any) -> None:
+    """Find interaction coefficients, or smooth corrections over a region of designs.
+
+    The calibrated spec serves every command; over a region each answer comes with its expected
+    error. A killed region calibration goes on where it was when it is run again.
+    """
+    begun = time.perf_counter()
+    options = dict(change(text) for text in asked.pop("options"))
+    run = _region if asked["region"] else _coefficients
+    report, tables = run(given, output, options, asked)
+    report["wall_seconds"] = time.perf_counter() - begun
+    if output is not None:
+        output.parent.mkdir(parents=True, exist_ok=True)
+        output.write_text(to_toml(tables, f"{given.name}, calibrated"), encoding="utf-8")
+        report["output"] = str(output)
+    if as_json:
+        print_json(report)
+    else:
+        (_print_region if asked["region"] else _print_coefficients)(report)
+
+
+def _names(texts: tuple[str, ...]) -> list[str]:
+    return [name.strip() for text in texts for name in text.split(",") if name.strip()]
+
+
+def _region(given: Given, output: Path | None, options: dict, asked: dict) -> tuple[dict, dict]:
+    from ..region import calibrate_region
+    from ..regionfile import pack
+    from ._over import bounds
+    from ._progress import bar
+
+    region = bounds(asked["region"])
+    folder = (output or Path(f"{given.name.replace('/', '-')}.toml")).with_suffix(".solves")
+    with bar(f"calibrate {given.name}") as progress:
+        fitted = calibrate_region(
+            given.swimmer,
+            region,
+            asked["reference"] or "bem",
+            solves=asked["solves"],
+            folder=folder,
+            workers=asked["workers"],
+            progress=progress,
+            **options,
+        )
+    made = fitted.region
+    assert made is not None
+    tables = {k: v for k, v in given.tables.items() if k != "region"}
+    report = {
+        "region": {name: list(pair) for name, pair in region.items()},
+        "reference": made.about["reference"],
+        "solves": made.about["solves"],
+        "left_out_error": made.errors,
+        "solves_kept_in": str(folder),
+    }
+    return report, tables | {"region": {"data": pack(made)}}
+
+
+def _coefficients(given: Given, output: Any, options: dict, asked: dict) -> tuple[dict, dict]:
+    from ..calibrate import calibrate
+
+    data = _data(given, options, asked)
+    bounds = {}
+    for text in asked["bound"]:
+        from ._over import bounds as parse
+
+        bounds |= parse((text,))
+    fit = calibrate(
+        given.swimmer,
+        data,
+        _names(asked["unknown"]),
+        quantities=_names(asked["quantity"]),
+        bounds=bounds,
+        positive=asked["positive"],
+        method=asked["method"],
+    )
+    x, law = fit.swimmer.interaction, fit.swimmer.coefficients
+    own = {n: getattr(x, n) for n in ("translation", "rotation", "coupling", "tail")}
+    tables = given.tables | {"interaction": own}
+    for name in ("normal", "tangential"):
+        if hasattr(law, name):
+            tables["coefficients"] = tables.get("coefficients", {}) | {name: getattr(law, name)}
+    return fit.as_dict(), tables
+
+
+def _data(given: Given, options: dict, asked: dict) -> Any:
+    sources = [n for n in ("reference", "measured", "table", "series") if asked[n]]
+    if len(sources) != 1:
+        raise SpecError("give one of --reference, --measured, --table and --series")
+    if sources == ["reference"]:
+        return given.swimmer.gait(asked["reference"], **options)
+    if sources == ["measured"]:
+        return {name: value for text in asked["measured"] for name, value in _measured(text)}
+    return (_table if sources == ["table"] else _series)(given, asked[sources[0]])
+
+
+def _measured(text: str) -> Any:
+    for piece in text.split(","):
+        name, equals, value = piece.partition("=")
+        try:
+            numbers = [float(v) for v in value.split(":")]
+        except ValueError:
+            numbers = []
+        if not equals or not 1 <= len(numbers) <= 2:
+            raise SpecError("--measured", text, "NAME=VALUE or NAME=VALUE:SIGMA", "speed=30e-6:1e-6")
+        yield name.strip(), numbers[0] if len(numbers) == 1 else tuple(numbers)
+
+
+def _rows(path: Path) -> list[dict[str, str]]:
+    try:
+        with path.open(encoding="utf-8", newline="") as file:
+            rows = list(csv.DictReader(file))
+    except FileNotFoundError:
+        raise SpecError(f"{path}: no such file") from None
+    if not rows or any(None in row or None in row.values() for row in rows):
+        raise SpecError(f"{path}: must be a CSV with a header and full rows")
+    return rows
+
+
+def _table(given: Given, path: Path) -> list[Any]:
+    from ..batch import set_numbers
+    from ..observe import Observation
+    from ._over import value
+
+    out = []
+    for row in _rows(path):
+        fields = {n: value(n, v) for n, v in row.items() if n in given.swimmer.numbers}
+        swimmer = set_numbers(given.swimmer, fields)
+        for name in row.keys() - fields.keys() - {"name"}:
+            if not name.endswith("_sigma") and row[name].strip():
+                sigma = row.get(f"{name}_sigma", "").strip()
+                out.append(
+                    Observation(
+                        swimmer=swimmer,
+                        quantity=name,
+                        value=_number(path, row[name]),
+                        sigma=_number(path, sigma) if sigma else None,
+                    )
+                )
+    return out
+
+
+def _series(given: Given, path: Path) -> list[Any]:
+    from ..observe import from_series
+
+    rows = _rows(path)
+    columns = {name: [_number(path, row[name]) for row in rows] for name in rows[0]}
+    if "time" not in columns:
+        raise SpecError(f"{path}: must have a column time")
+    time_, sigmas = columns.pop("time"), {n: v for n, v in columns.items() if n.endswith("_sigma")}
+    velocities = {n: v for n, v in columns.items() if n not in sigmas}
+    sigma = {n: sigmas.get(f"{n}_sigma") for n in velocities}
+    return from_series(given.swimmer, time_, velocities, sigma)
+
+
+def _number(path: Path, text: str) -> float:
+    try:
+        return float(text)
+    except ValueError:
+        raise SpecError(f"{path}", text, "a number") from None
+
+
+def _print_coefficients(report: dict[str, Any]) -> None:
+    for name, value in report["coefficients"].items():
+        sigma = report["uncertainty"][name]
+        click.echo(f"  {name:20s} {value:12.6g}  +- {'not known' if sigma is None else f'{sigma:.2g}'}")
+    click.echo(f"  {report['rank']} of {len(report['coefficients'])} combinations determined")
+    for row in report["data"][:12]:
+        click.echo(f"  {row['quantity']:20s} {row['measured']:12.6g}  model {row['predicted']:.6g}")
+    for sentence in report["warnings"]:
+        click.echo(f"  warning: {sentence}")
+
+
+def _print_region(report: dict[str, Any]) -> None:
+    click.echo(f"{report['solves']} solves by {report['reference']}, left-out errors:")
+    for name, error in report["left_out_error"].items():
+        numbers = ", ".join(f"{k} {100 * error[k]:.2g} %" for k in ("median", "p90", "worst"))
+        click.echo(f"  {name:14s} {numbers}")
+    click.echo(f"solves are kept in {report['solves_kept_in']}, in {report['wall_seconds']:.0f} s")

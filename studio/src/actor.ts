@@ -65,7 +65,7 @@ export class Actor {
     this.tail.frustumCulled = false;
     this.colour = new THREE.Color(look.path);
     this.path = new Line2(new LineGeometry(), new LineMaterial({
-      linewidth: 2.2, vertexColors: true, transparent: true, depthWrite: false,
+      linewidth: 2, vertexColors: true, transparent: true, depthWrite: false, toneMapped: false, blending: THREE.AdditiveBlending,
     }));
     this.path.frustumCulled = false;
     this.sqr.add(this.tail);
@@ -95,6 +95,11 @@ export class Actor {
     Object.assign(this.pose, start());
     this.forget();
     this.pose_();
+  }
+
+  /** The record of a new design begins; the path behind stays. */
+  begin(): void {
+    this.record = [];
   }
 
   forget(): void {
@@ -145,7 +150,7 @@ export class Actor {
     if (n > 2) {
       const shades = new Array<number>(3 * n);
       for (let i = 0; i < n; i++) {
-        const f = 0.06 + 0.94 * (i / n) ** 1.5;
+        const f = 0.04 + 0.66 * (i / n) ** 1.5;
         shades[3 * i] = this.colour.r * f;
         shades[3 * i + 1] = this.colour.g * f;
         shades[3 * i + 2] = this.colour.b * f;
@@ -154,7 +159,6 @@ export class Actor {
       this.path.geometry = new LineGeometry();
       this.path.geometry.setPositions(this.trail);
       this.path.geometry.setColors(shades);
-      (this.path.material as LineMaterial).blending = THREE.AdditiveBlending;
     }
     for (const a of Object.values(this.arrows)) a.visible = arrows;
     if (arrows) this.point(drive, height);

@@ -41,7 +41,7 @@ const superscript = (n: number): string =>
 
 /** Number and unit apart, with an SI prefix. */
 export function withPrefix(value: number, unit: string, n = 3): [string, string] {
-  if (value === 0) return ["0", unit];
+  if (value === 0) return ["0", ""];
   const [size, prefix] = PREFIX.find(([s]) => Math.abs(value) >= 0.9995 * s) ?? PREFIX[PREFIX.length - 1];
   return [digits(value / size, n), prefix + unit];
 }

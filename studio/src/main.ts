@@ -59,7 +59,7 @@ function cast(): void {
 
 function dress(): void {
   store.designs.forEach((design, i) => actors[i]?.update(store.shown(design)));
-  for (const actor of actors) actor.forget();
+  for (const actor of actors) actor.begin();
   stopFlow();
 }
 

@@ -6,7 +6,7 @@ r"""Lighthill's integrals A_1 and A_2 [Tabak Eqs. 9, 25-28], fast and to roundin
 
 The integrand is ``1/theta`` at the origin plus a smooth odd part, so the integral splits into
 ``A(alpha, 0)``, a function of alpha alone, kept as a Chebyshev series in ``ln alpha`` that is made
-at first use (some 50 ms), and a smooth integral over ``[0, epsilon]`` by Gauss-Legendre.
+at first use (some 70 ms), and a smooth integral over ``[0, epsilon]`` by Gauss-Legendre.
 Depends on numba alone; works for complex arguments too (complex-step derivatives).
 """
 
@@ -32,7 +32,7 @@ def _integrands(alpha: np.ndarray, n: np.ndarray, x: np.ndarray) -> tuple[np.nda
     return theta * sine / phi, sine**2 / phi
 
 
-def _limit_integrals(alpha: np.ndarray, periods: int = 120, nodes: int = 60) -> np.ndarray:
+def _limit_integrals(alpha: np.ndarray, periods: int = 200, nodes: int = 60) -> np.ndarray:
     """``A_{1,2}(alpha, 0)``, shape (2, len(alpha)).
 
     Half a period by Gauss-Legendre; whole periods about ``2 pi n`` with ``x = w sinh u``,

@@ -9,9 +9,10 @@ from __future__ import annotations
 
 import re
 from functools import cache
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
-import pint
+if TYPE_CHECKING:
+    import pint
 
 _QUANTITY = re.compile(r"\s*([+-]?(?:\d+\.?\d*|\.\d+)(?:[eE][+-]?\d{1,4})?)\s*(.*?)\s*")
 _POWER = r"(?:\*\*|\^)\s*-?\d(?!\s*(?:\*\*|\^|\d|\.))"
@@ -21,6 +22,8 @@ _ANGLES = {"radian", "degree", "turn", "revolution", "revolutions_per_minute"}
 
 @cache
 def _registry() -> pint.UnitRegistry:
+    import pint  # takes a good part of a second, and most dimensionless swimmers never need it
+
     return pint.UnitRegistry(autoconvert_to_preferred=False)
 
 
@@ -54,5 +57,5 @@ def to_si(value: Any, unit: str) -> float:
     cyclic = unit == "Hz" and any(str(u) in _ANGLES for u in quantity.units._units)
     try:
         return float(quantity.to("turn/s" if cyclic else unit).magnitude)
-    except (pint.errors.PintError, TypeError, OverflowError):
-        raise ValueError(f"must have the dimension of {unit}") from None
+    except Exception as error:  # of another dimension, or beyond the range of numbers
+        raise ValueError(f"must have the dimension of {unit}") from error

@@ -3,8 +3,8 @@
 The path depends on the design through the gait alone: ``x(t) = x_0 + R_0 p(t; design, phase_0)``
 with the path p of a swimmer that starts at the origin. The frequency comes from the track's
 spectrum, first guesses from a grid of designs, then amplitude, number of waves, frequency (and
-what else is asked for) are fitted together with the unknown initial pose and phase. Depends on track, trackpath,
-trackguess, calibrate and unknowns (names), identify (what data determine).
+what else is asked for) are fitted together with the unknown initial pose and phase. Depends on
+track, trackpath, trackguess, calibrate and unknowns (names), identify (what data determine).
 """
 
 from __future__ import annotations
@@ -228,7 +228,7 @@ class PathProblem:
         low = np.array([LOW.get(u.name, -np.inf) for u in self.unknowns])
         bounds = (np.concatenate([low, np.full(1 + self.pose_size(), -np.inf)]), np.inf)
         best = []
-        for z in initial_poses(self, np.maximum(first, 1.01 * low)):
+        for z in initial_poses(self, np.maximum(first, 1.01 * low), count=1 if motor else 2):
             try:
                 done = least_squares(
                     *(self.residuals, z, self.jacobian, bounds),

@@ -245,29 +245,9 @@ def _one_by_one(swimmer: Swimmer, arrays: dict[str, Any], n: int) -> dict[str, A
             values = {k: float(v[i if v.size > 1 else 0]) for k, v in arrays.items()}
             with warnings.catch_warnings():
                 warnings.simplefilter("ignore")
-                made = summary(set_numbers(swimmer, values).gait())
+                made = summary(swimmer.with_(values).gait())
         except (SpecError, MicroswimError):
             continue
         for name in OUTPUTS:
             out[name][i] = made[name]
     return out
-
-
-def set_numbers(swimmer: Swimmer, values: dict[str, float]) -> Swimmer:
-    """Checked copy with numbers of the spec replaced, entries of lists (``name[i]``) included.
-
-    Raises
-    ------
-    SpecError
-        If a field does not exist or a value is out of range.
-    """
-    whole = {k: v for k, v in values.items() if "[" not in k}
-    lists = {k: v for k, v in values.items() if "[" in k}
-    made = swimmer.with_(whole) if whole else swimmer
-    if not lists:
-        return made
-    lifted = made.lifted(lists)
-    names = {k.partition("[")[0] for k in lists}
-    return made.with_(
-        {k: getattr(getattr(lifted, k.split(".")[0]), k.split(".")[1]) for k in names}
-    )

@@ -16,7 +16,6 @@ import numpy as np
 from scipy.stats import qmc
 
 from . import blocks, kriging, references, shaded
-from .batch import set_numbers
 from .correction import (
     HALF,
     SAMPLES,
@@ -155,7 +154,7 @@ def _check(swimmer: Swimmer, region: Region, solves: int) -> None:
             raise SpecError(f"region {name}", bounds, "two positive numbers, the lower one first")
         if not name.startswith(("tail.", "body.")) or name == "tail.frequency":
             raise SpecError("region", name, "a number of tail or body that decides the flow")
-        set_numbers(swimmer, {name: low})
+        swimmer.with_({name: low})
 
 
 def _phases(swimmer: Swimmer, reference: str, options: dict[str, Any]) -> dict[str, Any]:
@@ -182,7 +181,7 @@ def _pool(swimmer: Swimmer, region: Region, seed: int) -> list[Swimmer]:
     out = []
     for x in low + (high - low) * np.concatenate([corners, edge]):
         try:
-            out.append(set_numbers(swimmer, dict(zip(region, map(float, x)))))
+            out.append(swimmer.with_(dict(zip(region, map(float, x)))))
         except SpecError:
             continue
     if len(out) < 6:

@@ -216,7 +216,8 @@ class Swimmer:
     def with_(self, changes: dict[str, Any]) -> Swimmer:
         """Copy with dotted fields replaced and checked again: ``{"tail.amplitude": 0.12}``.
 
-        Setting one of `waves` and `wavelength` clears the other.
+        An entry of a list is ``"interaction.translation[1]"``. Setting one of `waves` and
+        `wavelength` clears the other.
 
         Raises
         ------
@@ -226,10 +227,14 @@ class Swimmer:
         grouped: dict[str, dict[str, Any]] = {}
         for path, value in changes.items():
             part, _, name = path.partition(".")
-            owner = getattr(self, part, None)
+            name, *index = name.replace("]", "").split("[")
+            owner, new = getattr(self, part, None), grouped.setdefault(part, {})
             if not is_dataclass(owner) or name not in {f.name for f in fields(owner)}:
                 raise SpecError(path, value, "a field of this swimmer", _near(path, self.numbers))
-            grouped.setdefault(part, {})[name] = value
+            if index and path not in self.numbers:
+                raise SpecError(path, value, "an entry of a list of this swimmer")
+            old = new.get(name, getattr(owner, name))
+            new[name] = _set_item(old, [int(i) for i in index], value) if index else value
         tail = grouped.get("tail", {})
         for one, other in (("waves", "wavelength"), ("wavelength", "waves")):
             if one in tail and other not in tail and hasattr(self.tail, "waves"):

@@ -22,7 +22,6 @@ from typing import Any
 import numpy as np
 
 from . import observe, references
-from .batch import set_numbers
 from .errors import MicroswimError, SpecError
 from .gait import Gait
 from .swimmer import Swimmer
@@ -166,7 +165,7 @@ def validate(
         raise SpecError("over", over, "at least one axis with values")
     for name in axes:
         if name not in swimmer.numbers:
-            set_numbers(swimmer, {name: float(axes[name][0])})
+            swimmer.with_({name: float(axes[name][0])})
     designs, reasons = _designs(swimmer, axes)
     names = tuple(quantities) or observe.usual_quantities(swimmer)
     built = {i: s for i, s in enumerate(designs) if s is not None}
@@ -182,7 +181,7 @@ def _designs(swimmer: Swimmer, axes: dict[str, np.ndarray]) -> tuple[list, dict[
     reasons = {}
     for i, point in enumerate(itertools.product(*axes.values())):
         try:
-            designs.append(set_numbers(swimmer, dict(zip(axes, map(float, point)))))
+            designs.append(swimmer.with_(dict(zip(axes, map(float, point)))))
         except SpecError as error:
             designs.append(None)
             reasons[i] = str(error)

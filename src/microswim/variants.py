@@ -52,7 +52,6 @@ def vary(swimmer: Swimmer, values: Mapping[str, Any]) -> Swimmer:
     'plane_wave'
     """
     rest: dict[str, Any] = {}
-    lists: dict[str, dict[int, Any]] = {}
     for path in KINDS:
         if path in values:
             swimmer = _of_kind(swimmer, path, values[path])
@@ -61,27 +60,8 @@ def vary(swimmer: Swimmer, values: Mapping[str, Any]) -> Swimmer:
             continue
         if path == "tail.handedness" and "tail.kind" in values and swimmer.tail.kind != "helix":
             continue  # a plane wave has no hand
-        if path.endswith("]"):
-            name, index = path[:-1].split("[", 1)
-            lists.setdefault(name, {})[int(index) if index.isdigit() else -1] = _plain(value)
-        else:
-            rest[path] = _plain(value)
-    for name, entries in lists.items():
-        rest[name] = _with_entries(swimmer, name, entries)
+        rest[path] = value.item() if isinstance(value, np.generic) else value
     return swimmer.with_(rest) if rest else swimmer
-
-
-def _plain(value: Any) -> Any:
-    """A NumPy scalar as Python's own."""
-    return value.item() if isinstance(value, np.generic) else value
-
-
-def _with_entries(swimmer: Swimmer, name: str, entries: dict[int, Any]) -> tuple:
-    part, _, field = name.partition(".")
-    old = getattr(getattr(swimmer, part, None), field, None)
-    if not isinstance(old, tuple) or not all(0 <= i < len(old) for i in entries):
-        raise SpecError(f"{name}{list(entries)}", None, "an entry of a list of this swimmer")
-    return tuple(entries.get(i, v) for i, v in enumerate(old))
 
 
 def _of_kind(swimmer: Swimmer, path: str, kind: Any) -> Swimmer:
@@ -141,7 +121,7 @@ def describe(swimmer: Swimmer) -> dict[str, Any]:
         for f in fields(owner):
             value = getattr(owner, f.name)
             if value is not None:
-                table[f.name] = _name_of(value) if callable(value) else _plain(value)
+                table[f.name] = _name_of(value) if callable(value) else value
         tables[part] = table
     return tables | {"units": swimmer.units}
 

@@ -179,14 +179,13 @@ def _rows(path: Path) -> list[dict[str, str]]:
 
 
 def _table(given: Given, path: Path) -> list[Any]:
-    from ..batch import set_numbers
     from ..observe import Observation
     from ._over import value
 
     out = []
     for row in _rows(path):
         fields = {n: value(n, v) for n, v in row.items() if n in given.swimmer.numbers}
-        swimmer = set_numbers(given.swimmer, fields)
+        swimmer = given.swimmer.with_(fields)
         for name in row.keys() - fields.keys() - {"name"}:
             if not name.endswith("_sigma") and row[name].strip():
                 sigma = row.get(f"{name}_sigma", "").strip()

@@ -82,7 +82,9 @@ def test_a_failed_design_is_a_row_with_its_reason():
 def test_choices_are_words_and_kinds_change_the_tail():
     over = {"tail.kind": ["helix", "plane_wave"], "tail.handedness": ["left", "right"]}
     result = ms.sweep(HELIX, over).mean_velocity
-    left, right = (result.sel({"tail.kind": "helix", "tail.handedness": h}) for h in over["tail.handedness"])
+    left, right = (
+        result.sel({"tail.kind": "helix", "tail.handedness": h}) for h in over["tail.handedness"]
+    )
     # mirror images: the same speed, opposite rotation
     np.testing.assert_allclose(left[0], right[0], rtol=1e-12)
     np.testing.assert_allclose(left[3], -right[3], rtol=1e-12)
@@ -150,7 +152,12 @@ def test_plain_xarray_reads_the_store_with_its_provenance(tmp_path):
     ms.sweep(HELIX, over, out=path)
     result = xr.open_zarr(path)
     assert same(result.compute(), ms.sweep(HELIX, over))
-    assert result.sizes == {"tail.amplitude": 3, "tail.waves": 2, "tail.handedness": 2, "component": 6}
+    assert result.sizes == {
+        "tail.amplitude": 3,
+        "tail.waves": 2,
+        "tail.handedness": 2,
+        "component": 6,
+    }
     speed = result.mean_velocity.sel({"component": "us", "tail.handedness": "left"})
     assert bool((speed < 0).all())
     assert result.attrs["microswim_version"] == ms.__version__

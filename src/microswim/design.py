@@ -17,8 +17,8 @@ from scipy.optimize import minimize as descend
 from scipy.stats import qmc
 
 from .errors import MicroswimError, SpecError
-from .problem import Problem
 from .merits import of_gait
+from .problem import Problem
 from .sensitivity import Sensitivity, sensitivities
 from .swimmer import Swimmer
 from .variants import describe, finite, vary

@@ -173,8 +173,12 @@ def _check(node: Any, text: str, known: Any, names: set[str]) -> None:
                 from difflib import get_close_matches
 
                 near = get_close_matches(name, list(known), n=1)
-                mend = f'did you mean "{near[0]}"?' if near else "known: " + ", ".join(sorted(known))
-                raise SpecError("expression", text, f'made of known quantities; "{name}" is none', mend)
+                mend = (
+                    f'did you mean "{near[0]}"?' if near else "known: " + ", ".join(sorted(known))
+                )
+                raise SpecError(
+                    "expression", text, f'made of known quantities; "{name}" is none', mend
+                )
             names.add(name)
         case ast.BinOp() if type(node.op) in OPERATORS:
             _check(node.left, text, known, names)

@@ -91,7 +91,9 @@ def pareto(
     front = xr.concat(tables, "design", data_vars="all", join="outer", coords="all")
     order = np.argsort(front[problem.objectives[0][0].text].values, kind="stable")
     return front.isel(design=order).assign_attrs(
-        objectives=[f"{'maximize' if s > 0 else 'minimize'} {o.text}" for o, s in problem.objectives],
+        objectives=[
+            f"{'maximize' if s > 0 else 'minimize'} {o.text}" for o, s in problem.objectives
+        ],
         spec=spec_json(swimmer),
         units=swimmer.units,
     )
@@ -101,7 +103,8 @@ def undominated(F: np.ndarray) -> np.ndarray:
     """Which rows are not beaten in every column (all to be large) by another row."""
     keep = np.ones(len(F), dtype=bool)
     for i, row in enumerate(F):
-        better = (F >= row).all(axis=1) & (F > row).any(axis=1)
+        gain = F - row
+        better = (gain >= 0).all(axis=1) & (gain > 0).any(axis=1)
         keep[i] = not better.any()
     return keep
 

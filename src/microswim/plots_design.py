@@ -56,7 +56,9 @@ def swimmers(axes: Axes, robots: Sequence[Swimmer], names: Sequence[str] = ()) -
     axes.set_aspect("equal")
     axes.autoscale_view()
     for end, height, name in ends:
-        axes.annotate(name, (end, height), (4, 0), textcoords="offset points", va="center", fontsize=7)
+        axes.annotate(
+            name, (end, height), (4, 0), textcoords="offset points", va="center", fontsize=7
+        )
     axes.axis("off")
     length = float(f"{robots[0].tail.apparent_length / 2:.0e}")
     scale_bar(axes, length, "m" if robots[0].units == "SI" else "")
@@ -152,7 +154,10 @@ def front(result: xr.Dataset, swimmer: Swimmer, drawn: int = 4) -> Figure:
     import matplotlib as mpl
 
     texts = [text.split(" ", 1)[1] for text in result.attrs["objectives"]]
-    wanted = [text.replace("maximize", "more is better").replace("minimize", "less is better") for text in result.attrs["objectives"]]
+    wanted = [
+        text.replace("maximize", "more is better").replace("minimize", "less is better")
+        for text in result.attrs["objectives"]
+    ]
     x, y = texts[1], texts[0]
     n = result.sizes["design"]
     reach = np.linspace(float(result[y].min()), float(result[y].max()), drawn)
@@ -165,7 +170,9 @@ def front(result: xr.Dataset, swimmer: Swimmer, drawn: int = 4) -> Figure:
         if third is not None:
             figure.colorbar(dots, ax=axes, label=texts[2])
         chosen = result.isel(design=picked)
-        axes.scatter(chosen[x], chosen[y], s=40, facecolors="none", edgecolors=ORANGE, linewidths=1.3)
+        axes.scatter(
+            chosen[x], chosen[y], s=40, facecolors="none", edgecolors=ORANGE, linewidths=1.3
+        )
         letters = "ABCDEFGH"[: len(picked)]
         for letter, i in zip(letters, picked):
             at = (float(result[x][i]), float(result[y][i]))
@@ -216,7 +223,9 @@ def indices(result: xr.Dataset) -> Figure:
         figure = _figure(WIDTH * 0.62, 0.9 + 0.38 * len(at))
         axes = figure.subplots()
         for shift, key, colour in [(0.19, "first", BLUE), (-0.19, "total", ORANGE)]:
-            axes.barh(at + shift, found[key], 0.36, xerr=found[f"{key}_error"], color=colour, label=key)
+            axes.barh(
+                at + shift, found[key], 0.36, xerr=found[f"{key}_error"], color=colour, label=key
+            )
         axes.set_yticks(at, found.name.values)
         axes.set(xlabel=f"share of the variance of {result.attrs['merit']}")
         axes.legend(loc="lower right")

@@ -172,7 +172,8 @@ class Problem:
     def _stack(self, swimmer: Swimmer) -> np.ndarray:
         with warnings.catch_warnings(), np.errstate(all="ignore"):
             warnings.simplefilter("ignore")
-            phases = {} if swimmer.tail.kind == "helix" else {"phases": PHASES}
+            plain = swimmer.tail.kind == "helix" or getattr(swimmer, "region", None) is not None
+            phases = {} if plain else {"phases": PHASES}
             values = of_gait(swimmer, swimmer.gait(**phases), self.needs)
             objective, sense = self.objectives[0]
             out = [sense * objective(values), *(c.margin(values) for c in self.limits)]

@@ -238,7 +238,7 @@ def robust_design(
         u = _sobol_points(len(spreads), samples, seed)
         x, count = _evolve(variant, spreads, u, (quantile, least_yield), seed, count)
         J, good = (float(v[0]) for v in _worth(variant, x[None], spreads, u, quantile))
-        if good >= least_yield and (best is None or J > best[0]):
+        if good >= least_yield and (best is None or best[0] < J):
             best = (J, good, x, picked, variant)
     if best is None:
         raise SpecError(
@@ -252,7 +252,12 @@ def robust_design(
 
 
 def _evolve(
-    problem: Problem, spreads: Any, u: np.ndarray, wanted: tuple[float, float], seed: int, count: int
+    problem: Problem,
+    spreads: Any,
+    u: np.ndarray,
+    wanted: tuple[float, float],
+    seed: int,
+    count: int,
 ) -> tuple[np.ndarray, int]:
     """Best point of the unit cube; a design short of the yield is worse than any that has it."""
     quantile, least = wanted
@@ -336,9 +341,9 @@ def sobol_indices(
     Examples
     --------
     >>> import microswim as ms
-    >>> blame = ms.sobol_indices(
-    ...     ms.Swimmer.preset("tabak/helix"), {"tail.amplitude": "5%", "tail.radius": "5%"}, samples=64
-    ... )
+    >>> swimmer = ms.Swimmer.preset("tabak/helix")
+    >>> spread = {"tail.amplitude": "5%", "tail.radius": "5%"}
+    >>> blame = ms.sobol_indices(swimmer, spread, samples=64)
     >>> bool(blame.total.sel(name="tail.amplitude") > blame.total.sel(name="tail.radius"))
     True
     """

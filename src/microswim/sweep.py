@@ -5,8 +5,10 @@ Depends on sweepspace, sweepstore, sweepsolve, sweepengines; xarray.
 
 from __future__ import annotations
 
+import hashlib
 import json
 import os
+import pickle
 import platform
 import time
 from collections.abc import Callable, Iterable, Iterator
@@ -150,6 +152,7 @@ def _provenance(job: Job, space: Space) -> dict[str, Any]:
         "options": json.dumps(job.options, sort_keys=True, default=str),
         "units": job.swimmer.units,
         "spec": spec_json(job.swimmer),
+        "calibration": _calibration(job.swimmer),
         "over": json.dumps(over | {"digest": _digest(space)}, sort_keys=True),
         "created": time.strftime("%Y-%m-%dT%H:%M:%SZ", time.gmtime()),
         "machine": f"{platform.machine()}, {platform.system()}, Python {platform.python_version()}",
@@ -157,9 +160,13 @@ def _provenance(job: Job, space: Space) -> dict[str, Any]:
     }
 
 
-def _digest(space: Space) -> str:
-    import hashlib
+def _calibration(swimmer: Swimmer) -> str:
+    """A fingerprint of the region calibration that the swimmer carries, if any."""
+    region = getattr(swimmer, "region", None)
+    return "none" if region is None else hashlib.sha256(pickle.dumps(region)).hexdigest()
 
+
+def _digest(space: Space) -> str:
     whole = hashlib.sha256(repr((space.names, space.grid, space.chunks)).encode())
     for values in space.values:
         whole.update(np.ascontiguousarray(values).tobytes() + str(values.dtype).encode())

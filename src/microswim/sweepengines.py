@@ -104,7 +104,7 @@ class Worker:
         assert self.process.stdin is not None
         assert self.process.stdout is not None
         try:
-            for message in ((task.columns,) if self.started else (self.job, task.columns)):
+            for message in (task.columns,) if self.started else (self.job, task.columns):
                 pickle.dump(message, self.process.stdin)
                 self.process.stdin.flush()
             self.started = True

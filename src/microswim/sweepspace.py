@@ -59,9 +59,7 @@ class Space:
                 raise SpecError("over: every design of a list must set the same fields")
             columns = tuple([row[name] for row in over] for name in names)
         else:
-            raise SpecError(
-                "over", over, "a mapping of names to values or a list of such designs"
-            )
+            raise SpecError("over", over, "a mapping of names to values or a list of such designs")
         if not names:
             raise SpecError("over", "{}", "at least one name with its values")
         return cls(names, tuple(map(_axis, names, columns)), grid, block)

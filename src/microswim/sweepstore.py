@@ -156,7 +156,7 @@ class SweepStore:
             there = dict(group.attrs)
         except Exception:  # whatever this version of zarr raises for what is not a store
             raise SpecError(f"{path}: not the store of a sweep; give another --out") from None
-        for key in ("microswim_version", "spec", "model", "options", "over"):
+        for key in ("microswim_version", "spec", "calibration", "model", "options", "over"):
             if there.get(key) != attributes[key]:
                 raise SpecError(
                     f"{path}: it holds another sweep ({_difference(key, there, attributes)}); "
@@ -237,4 +237,4 @@ def _difference(key: str, there: Mapping[str, Any], wanted: Mapping[str, Any]) -
                     return f"{part}.{field} = {was} there, {now} here"
     if key in ("model", "microswim_version"):
         return f"{key.replace('_', ' ')} {there.get(key)} there, {wanted[key]} here"
-    return f"its {key} differ" if key == "options" else "its designs differ"
+    return "its designs differ" if key == "over" else f"its {key} differ"

@@ -13,11 +13,12 @@ from ._options import Given, change, example, json_option, out_option, print_jso
 
 @click.command(
     epilog=example(
-        "microswim design robot.toml --over tail.amplitude=0.01:0.5,tail.waves=0.5:5 --maximize speed",
-        'microswim design robot.toml --over tail.amplitude=0.01:0.3 --maximize speed --subject-to "torque<=150"',
-        "microswim design robot.toml --over tail.waves=0.5:5 --maximize efficiency --verify bem",
-        "microswim design robot.toml --over tail.amplitude=0.01:0.3 --maximize speed --minimize torque --out front",
-        'microswim design robot.toml --over tail.waves=1:4 --maximize speed --uncertain tail.amplitude=5% --subject-to "speed>=0.03"',
+        "microswim design robot.toml --over tail.amplitude=0.01:0.5,tail.waves=0.5:5 \\",
+        '      --maximize speed --subject-to "torque<=150" --verify bem',
+        "microswim design robot.toml --over tail.amplitude=0.01:0.3,tail.kind=helix,plane_wave \\",
+        "      --maximize speed --minimize torque --out front",
+        "microswim design robot.toml --over tail.waves=1:4 --maximize speed \\",
+        '      --uncertain tail.amplitude=5% --subject-to "speed>=0.03" --out robust',
     )
 )
 @swimmer_options
@@ -209,7 +210,9 @@ def _notes(report: dict[str, Any]) -> list[str]:
     if report["inside_calibrated_neighbourhood"] is None:
         lines.append("not calibrated: --verify bem tells how far the surrogate is off")
     elif report["inside_calibrated_neighbourhood"]:
-        lines.append(f"calibrated here, expected error {100 * (report['expected_error'] or 0):.2g} %")
+        lines.append(
+            f"calibrated here, expected error {100 * (report['expected_error'] or 0):.2g} %"
+        )
     else:
         lines.append("outside the calibrated neighbourhood: expect larger errors")
     for i, r in enumerate(report["verification"], 1):

@@ -25,9 +25,9 @@ from .metrics import summary as summary
 from .design import Optimum as Optimum
 from .design import design as design
 from .pareto import pareto as pareto
-from .robust import robust_design as robust_design
 from .robust import robustness as robustness
 from .robust import sobol_indices as sobol_indices
+from .robustdesign import robust_design as robust_design
 from .sweep import sweep as sweep
 from .swimmer import Fluid as Fluid
 from .swimmer import Motion as Motion

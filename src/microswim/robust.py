@@ -1,26 +1,22 @@
-"""What manufacture and ignorance do to a design: yield, robust optimum, Sobol indices.
+"""What manufacture and ignorance do to a design: yield and Sobol indices.
 
 Numbers of the spec are uncertain: each made robot differs a little, and viscosity or interaction
-coefficients are not known better. Many samples on the batched kernel answer. Depends on problem,
-design; SALib (extra ``design``) for the indices.
+coefficients are not known better. Many samples on the batched kernel answer. Depends on merits;
+SALib (extra ``design``) for the indices.
 """
 
 from __future__ import annotations
 
-import time
 from collections.abc import Mapping
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
-from scipy.optimize import differential_evolution
 from scipy.stats import norm, qmc
 
-from .design import Optimum, outcome
 from .errors import MicroswimError, SpecError
 from .expressions import constraints, parse
 from .merits import MERITS, known, of_many
-from .problem import Problem
 from .swimmer import Swimmer
 from .variants import check_names
 
@@ -85,14 +81,14 @@ def uncertainties(swimmer: Swimmer, uncertain: Mapping[str, Any]) -> dict[str, U
 def _spread(
     swimmer: Swimmer, spreads: Mapping[str, Uncertainty], u: np.ndarray
 ) -> dict[str, np.ndarray]:
-    numbers = _numbers(swimmer)
+    numbers = spec_numbers(swimmer)
     return {
         name: np.asarray(s.sample(u[:, i], numbers[name]), dtype=float)
         for i, (name, s) in enumerate(spreads.items())
     }
 
 
-def _numbers(swimmer: Swimmer) -> dict[str, float]:
+def spec_numbers(swimmer: Swimmer) -> dict[str, float]:
     """Numbers of the spec, both of waves and wavelength."""
     tail, out = swimmer.tail, dict(swimmer.numbers)
     if hasattr(tail, "number_of_waves"):
@@ -148,7 +144,7 @@ def robustness(
     spreads = uncertainties(swimmer, uncertain)
     text = subject_to if isinstance(subject_to, str) else ", ".join(subject_to)
     limits = constraints(text, known(swimmer))
-    u = _sobol_points(len(spreads), samples, seed)
+    u = sobol_points(len(spreads), samples, seed)
     numbers = _spread(swimmer, spreads, u)
     merits = of_many(swimmer, numbers)
     good = np.isfinite(merits["speed"])
@@ -168,142 +164,9 @@ def robustness(
     )
 
 
-def _sobol_points(d: int, samples: int, seed: int) -> np.ndarray:
+def sobol_points(d: int, samples: int, seed: int) -> np.ndarray:
     n = 1 << (max(2, int(samples)) - 1).bit_length()
     return np.clip(qmc.Sobol(d, rng=np.random.default_rng(seed)).random(n), 1e-12, 1 - 1e-12)
-
-
-def robust_design(
-    swimmer: Swimmer,
-    over: Any,
-    maximize: str | None = None,
-    *,
-    uncertain: Mapping[str, Any],
-    minimize: str | None = None,
-    subject_to: Any = "",
-    quantile: float = 0.1,
-    least_yield: float = 0.95,
-    samples: int = 128,
-    seed: int = 0,
-) -> Optimum:
-    """The design whose unlucky robots are best, and of which enough meet the constraints.
-
-    Maximizes the `quantile` of the objective over robots that differ by chance (for `minimize`
-    the upper one), by differential evolution with the same samples for every design.
-
-    Parameters
-    ----------
-    swimmer, over, maximize, minimize, subject_to
-        As in `design`; relative spreads are about each candidate's own numbers.
-    uncertain
-        As in `robustness`.
-    quantile
-        Fraction of robots that may be worse than the objective says.
-    least_yield
-        Fraction of robots that must meet `subject_to`.
-    samples, seed
-        Robots a design, and seed.
-
-    Returns
-    -------
-    Optimum
-        The nominal design; ``history[0]`` holds ``quantile``, its value and the ``yield``.
-
-    Raises
-    ------
-    SpecError
-        If no design reaches the yield.
-
-    Examples
-    --------
-    >>> import microswim as ms
-    >>> best = ms.robust_design(
-    ...     ms.Swimmer.preset("tabak/helix"),
-    ...     {"tail.amplitude": (0.05, 0.15)},
-    ...     maximize="speed",
-    ...     uncertain={"tail.amplitude": "5%"},
-    ...     samples=8,
-    ... )
-    >>> best.history[0]["yield"]
-    1.0
-    """
-    begun = time.perf_counter()
-    problem = Problem.of(swimmer, over, maximize, minimize, subject_to)
-    if len(problem.objectives) != 1 or not problem.ranges:
-        raise SpecError("robust design: one objective and at least one range")
-    best: tuple | None = None
-    count = 0
-    for picked, variant in problem.variants():
-        spreads = uncertainties(variant.swimmer, uncertain)
-        u = _sobol_points(len(spreads), samples, seed)
-        x, count = _evolve(variant, spreads, u, (quantile, least_yield), seed, count)
-        J, good = (float(v[0]) for v in _worth(variant, x[None], spreads, u, quantile))
-        if good >= least_yield and (best is None or best[0] < J):
-            best = (J, good, x, picked, variant)
-    if best is None:
-        raise SpecError(
-            f"robust design: no design reaches a yield of {least_yield:g}; relax what must hold, "
-            "lower the yield or tighten the tolerances"
-        )
-    J, good, x, picked, variant = best
-    sense = problem.objectives[0][1]
-    found = outcome(variant, x, picked, count, time.perf_counter() - begun)
-    return replace(found, history=({"quantile": quantile, "value": sense * J, "yield": good},))
-
-
-def _evolve(
-    problem: Problem,
-    spreads: Any,
-    u: np.ndarray,
-    wanted: tuple[float, float],
-    seed: int,
-    count: int,
-) -> tuple[np.ndarray, int]:
-    """Best point of the unit cube; a design short of the yield is worse than any that has it."""
-    quantile, least = wanted
-
-    def cost(x: np.ndarray) -> np.ndarray:
-        J, good = _worth(problem, np.atleast_2d(x.T), spreads, u, quantile)
-        worth = np.arctan(J / scale)  # between -2 and 2, whatever the unit
-        return np.where(good < least, 4.0 + least - good, -worth)
-
-    d = len(problem.ranges)
-    first = np.random.default_rng(seed).random((32, d))
-    sizes = np.abs(_worth(problem, first, spreads, u, quantile)[0])
-    sizes = sizes[(sizes > 0) & (sizes < 1e29)]
-    scale = float(np.median(sizes)) if len(sizes) else 1.0
-    result = differential_evolution(
-        cost,
-        [(0.0, 1.0)] * d,
-        vectorized=True,
-        updating="deferred",
-        polish=False,
-        rng=np.random.default_rng(seed),
-        popsize=10,
-        maxiter=40,
-        tol=1e-6,
-    )
-    return result.x, count + int(result.nfev) * len(u)
-
-
-def _worth(
-    problem: Problem, x: np.ndarray, spreads: Any, u: np.ndarray, quantile: float
-) -> tuple[np.ndarray, np.ndarray]:
-    """Quantile of the objective and yield of n designs, (n,) each."""
-    n, m = len(x), len(u)
-    numbers = {k: np.repeat(v, m) for k, v in problem.numbers(x).items()}
-    nominal = _numbers(problem.swimmer)
-    for i, (name, spread) in enumerate(spreads.items()):
-        centre = numbers.get(name, nominal[name])
-        numbers[name] = np.broadcast_to(spread.sample(np.tile(u[:, i], n), centre), (n * m,))
-    values = of_many(problem.swimmer, numbers, 1e-5)
-    objective, sense = problem.objectives[0]
-    J = np.broadcast_to(sense * objective(values), (n * m,))
-    good = np.isfinite(J) & np.isfinite(values["speed"])
-    J = np.where(good, J, -1e30)
-    for limit in problem.limits:
-        good = good & (np.nan_to_num(limit.margin(values), nan=-1.0) >= 0.0)
-    return np.quantile(J.reshape(n, m), quantile, axis=1), good.reshape(n, m).mean(axis=1)
 
 
 def sobol_indices(

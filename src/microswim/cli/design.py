@@ -140,7 +140,8 @@ def _front(given: Given, over: Any, asked: dict[str, Any], out: Path | None) -> 
 
 
 def _robust(given: Given, over: Any, asked: dict[str, Any], out: Path | None) -> dict[str, Any]:
-    from ..robust import robust_design, robustness, sobol_indices
+    from ..robust import robustness, sobol_indices
+    from ..robustdesign import robust_design
     from ._over import spreads
 
     uncertain = spreads(asked["uncertain"])

@@ -130,6 +130,16 @@ def test_one_phase_holds_the_whole_helix(rough):
     assert np.allclose(gait.velocity(1.0), other.twist, atol=4e-3 * np.abs(other.twist[0]))
 
 
+@pytest.mark.parametrize("motion", ["translating", "bending"])
+def test_helix_turns_as_a_whole_whatever_its_sections_and_motion(motion):
+    tail = ms.HelicalTail(**BASE, sections="sheared", surface_motion=motion)
+    gait = phases.gait(swimmer(tail), level=ROUGH)
+    other = bem.solve(swimmer(tail), 1.0, level=ROUGH)
+    assert gait.info["phases_solved"] == 1
+    assert np.allclose(gait.velocity(1.0), other.twist, atol=4e-3 * np.abs(other.twist[0]))
+    assert gait.activity(1.0) == pytest.approx(other.activity, rel=2e-3)
+
+
 def test_right_handed_tail_is_the_mirror_image(rough):
     """Mirror in the plane r = 0: polar components keep s, q, axial ones keep r."""
     right = bem.solve(swimmer(ms.HelicalTail(**BASE, handedness="right")), level=ROUGH)

@@ -1,6 +1,6 @@
 """Gait of a swimmer: how many phases must be solved, and what symmetry gives for free.
 
-A rigid helix on a body of revolution turns as a whole: one phase gives all. A plane wave mirrors
+A helix on a body of revolution turns as a whole: one phase gives all. A plane wave mirrors
 after half a period, P(phase + pi) = mirror_q P(phase); a helix on an ellipsoid turns by pi into
 itself. Near a wall, and for other tails, the full period is sampled. Depends on solution, levels,
 gait.
@@ -16,6 +16,7 @@ from numpy.typing import NDArray
 
 from microswim.gait import Gait
 
+from .. import geometry
 from .levels import Level, coarser, get_level
 from .solution import Solution, solve
 from .wall import Wall
@@ -28,18 +29,12 @@ TURN_S = np.array([1.0, -1.0, -1.0, 1.0, -1.0, -1.0])
 
 
 def turns_as_a_whole(swimmer: Any, wall: Wall | None) -> bool:
-    """Whether one phase holds the whole gait: rigid helix, body of revolution, no wall."""
-    return wall is None and _is_rigid_helix(swimmer.tail) and _axisymmetric(swimmer.body)
+    """Whether one phase holds the whole gait: helix, body of revolution, no wall.
 
-
-def _is_rigid_helix(tail: Any) -> bool:
-    return tail.kind == "helix" and (
-        tail.surface_motion == "rigid" or tail.sections == "perpendicular"
-    )
-
-
-def _axisymmetric(body: Any) -> bool:
-    return bool(body.is_axisymmetric)
+    Phase turns the surface of a helix about s, whatever its sections, and the surface's velocity
+    with it, whatever its motion.
+    """
+    return wall is None and swimmer.tail.kind == "helix" and bool(swimmer.body.is_axisymmetric)
 
 
 def half_period_signs(swimmer: Any, wall: Wall | None) -> Array | None:
@@ -82,6 +77,7 @@ def _info(solutions: list[Solution], level: str, wall: Wall | None) -> dict[str,
         "seconds": seconds,
         "asymmetry": max(s.asymmetry for s in solutions),
         "wall": wall,
+        "remarks": geometry.check(first.swimmer.body, first.swimmer.tail, first.phase),
         "joint": "torque and lateral force on the body alone drift with the logarithm of the mesh "
         "size; R, F_p and velocities converge",
     }

@@ -85,7 +85,7 @@ def shown_tables(page):
 def settled(page):
     """Wait until what is shown answers what is set."""
     for _ in range(600):
-        state = "() => [studio.store.design.latest.idle, studio.store.design.tables, studio.store.design.answer.tables]"
+        state = "(d = studio.store.design) => [d.latest.idle, d.tables, d.answer.tables]"
         idle, wanted, got = page.evaluate(state)
         if idle and wanted == got:
             return got
@@ -111,7 +111,8 @@ COLOURS = """async () => {
   const canvas = new OffscreenCanvas(160, 90), g = canvas.getContext('2d');
   g.drawImage(bitmap, 0, 0, 160, 90);
   const d = g.getImageData(0, 0, 160, 90).data, seen = new Set();
-  for (let i = 0; i < d.length; i += 4) seen.add((d[i] >> 3) * 1024 + (d[i + 1] >> 3) * 32 + (d[i + 2] >> 3));
+  for (let i = 0; i < d.length; i += 4)
+    seen.add((d[i] >> 3) * 1024 + (d[i + 1] >> 3) * 32 + (d[i + 2] >> 3));
   return seen.size;
 }"""
 
@@ -144,8 +145,8 @@ def test_a_dragged_slider_moves_the_numbers_and_requests_do_not_pile_up(page):
     y = box["y"] + box["height"] / 2
     page.mouse.move(box["x"] + box["width"] / 2, y)
     page.mouse.down()
-    for i in range(40):
-        page.mouse.move(box["x"] + box["width"] * (0.5 + 0.008 * i), y)
+    for i in range(16):
+        page.mouse.move(box["x"] + box["width"] * (0.5 + 0.02 * i), y)
     page.mouse.up()
     tables = settled(page)
     assert tables["tail"]["amplitude"] > 0.14
@@ -153,7 +154,7 @@ def test_a_dragged_slider_moves_the_numbers_and_requests_do_not_pile_up(page):
     assert after != before
     assert after == pytest.approx(ms.screw(from_dict(tables).gait()).speed, rel=1e-6)
     assert most[0] == 1
-    assert 1 <= sent[0] <= 42
+    assert 1 <= sent[0] <= 18
 
 
 def test_undo_and_redo(page):
@@ -233,9 +234,11 @@ def test_a_mistake_is_a_notice_and_the_page_lives_on(page):
 def test_a_rotating_field_and_its_step_out(page):
     page.click("#tab-drive")
     page.click("#drive-field")
-    run = """(share) => { const { driver } = studio, a = studio.actors()[0]; driver.restart(); a.restart();
-      driver.set('share', share);
-      for (let i = 0; i < 240; i++) { a.advance(0.06, driver.drive, driver.fastest); driver.watch(a.pose); }
+    run = """(share) => { const { driver } = studio, a = studio.actors()[0];
+      driver.restart(); a.restart(); driver.set('share', share);
+      for (let i = 0; i < 240; i++) {
+        a.advance(0.06, driver.drive, driver.fastest); driver.watch(a.pose);
+      }
       return [driver.measured, driver.rate, driver.stepOut, a.pose.x[0]]; }"""
     rate, field, _, x = page.evaluate(run, 0.6)
     assert rate == pytest.approx(field, rel=0.02)

@@ -78,7 +78,7 @@ export class Driver {
     const d = this.heading;
     const across: Vec = Math.abs(d[2]) < 0.95 ? [0, 0, 1] : [0, 1, 0];
     const unit = (v: Vec): Vec => v.map((x) => x / Math.hypot(...v)) as Vec;
-    const e1 = unit(cross(across, d));
+    const e1 = unit(cross(d, across)); // along the moment at the start
     const e2 = cross(d, e1);
     const sense = -(this.store.design.answer.shape.sign || 1);
     const a = this.phase + this.rate * (time - this.clock);

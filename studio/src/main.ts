@@ -158,6 +158,7 @@ function frame(now: boolean): void {
 let last = performance.now();
 let frames = 0;
 function tick(now: number): void {
+  stage.adapt(now - last);
   const passed = Math.min(0.1, (now - last) / 1000);
   last = now;
   frames += 1;

@@ -37,6 +37,9 @@ export class Stage {
   follow = true;
   scale = 1;
   private floor: THREE.Mesh;
+  private slow = 0;
+  /** share of the full resolution; less where the graphics are too slow for it */
+  private quality = 1;
   private aim = new THREE.Vector3();
 
   constructor(private host: HTMLElement) {
@@ -111,7 +114,21 @@ export class Stage {
     return height / this.host.clientHeight / this.scale;
   }
 
+  /** Draw fewer pixels where frames take long, as with graphics in software. */
+  adapt(milliseconds: number): void {
+    this.slow = milliseconds > 120 ? this.slow + 1 : Math.max(0, this.slow - 1);
+    if (this.slow < 8 || this.quality <= 0.5) return;
+    this.slow = 0;
+    this.sharpen(this.quality * 0.7);
+  }
+
+  sharpen(quality: number): void {
+    this.quality = quality;
+    this.renderer.setPixelRatio(quality * Math.min(window.devicePixelRatio, 2));
+  }
+
   picture(): Promise<Blob> {
+    this.sharpen(1);
     this.render();
     return new Promise((resolve, reject) =>
       this.renderer.domElement.toBlob((b) => (b ? resolve(b) : reject(new Error("no picture"))), "image/png"));

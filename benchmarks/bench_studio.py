@@ -1,0 +1,80 @@
+"""The studio, measured in the server: slider to numbers, map, optimum, over the wire and without.
+
+    python benchmarks/bench_studio.py
+
+What must hold on two cores: new numbers within 50 ms of a slider's move, a new map within 300 ms.
+The least and the median of many, warm; written to benchmarks/results/studio.json.
+"""
+
+from __future__ import annotations
+
+import json
+import os
+import platform
+import statistics
+import sys
+import time
+import tomllib
+from pathlib import Path
+
+os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")  # as the command does
+
+sys.path.insert(0, str(Path(__file__).parents[1] / "tests"))
+
+from microswim import presets
+from microswim.studio.app import create_app
+from test_studio import call  # a request through the ASGI interface, JSON included
+
+WIDE = {
+    "x": {"field": "tail.amplitude", "from": 0.01, "to": 0.2, "count": 40},
+    "y": {"field": "tail.waves", "from": 0.5, "to": 8.0, "count": 30},
+}
+COARSE = {k: {**v, "count": n} for (k, v), n in zip(WIDE.items(), (18, 14))}  # as the page asks
+
+
+def timed(app, path, bodies):
+    """Milliseconds of each request, without the first, which may compile."""
+    took = []
+    for body in bodies:
+        start = time.perf_counter()
+        status, _, made = call(app, "POST", path, body)
+        took.append(1e3 * (time.perf_counter() - start))
+        assert status == 200, made
+    return {"least": round(min(took[1:]), 1), "median": round(statistics.median(took[1:]), 1)}
+
+
+def dragged(spec, n=40):
+    """A slider under way: every request another design."""
+    tail = spec["tail"]
+    for i in range(n):
+        yield {"tables": {**spec, "tail": {**tail, "ramp": 0.05 + 0.002 * i}}}
+
+
+def main():
+    results = {}
+    for name, axes in (("tabak/helix", WIDE), ("tabak/plane_wave", COARSE), ("goto/A", None)):
+        spec = tomllib.loads(presets.read(name))
+        app = create_app(spec, name, warm=False)
+        results[name] = {"numbers": timed(app, "/api/solve", dragged(spec))}
+        if axes:
+            results[name]["map"] = timed(
+                app, "/api/map", [{**b, **axes} for b in dragged(spec, 12)]
+            )
+            best = [{**b, **axes, "output": "efficiency"} for b in dragged(spec, 4)]
+            results[name]["optimum"] = timed(app, "/api/optimum", best)
+    print(f"{'milliseconds':24}{'':12}{'least':>9}{'median':>9}")
+    for name, kinds in results.items():
+        for kind, r in kinds.items():
+            print(f"{name:24}{kind:12}{r['least']:9.1f}{r['median']:9.1f}")
+    load = os.getloadavg()[0]
+    print(f"load of the machine meanwhile: {load:.1f} on {os.cpu_count()} cores")
+    facts = {"python": platform.python_version(), "cores": os.cpu_count(), "load": round(load, 1)}
+    out = Path(__file__).parent / "results" / "studio.json"
+    out.parent.mkdir(exist_ok=True)
+    out.write_text(
+        json.dumps({"milliseconds": results, **facts}, indent=1) + "\n", encoding="utf-8"
+    )
+
+
+if __name__ == "__main__":
+    main()

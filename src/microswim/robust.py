@@ -165,6 +165,7 @@ def robustness(
 
 
 def sobol_points(d: int, samples: int, seed: int) -> np.ndarray:
+    """At least `samples` points of a scrambled Sobol sequence in the open unit cube."""
     n = 1 << (max(2, int(samples)) - 1).bit_length()
     return np.clip(qmc.Sobol(d, rng=np.random.default_rng(seed)).random(n), 1e-12, 1 - 1e-12)
 

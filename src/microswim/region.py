@@ -1,13 +1,12 @@
 """Region calibration: designs chosen, solved by the reference, and a smooth correction fitted.
 
-First designs fill the region (scrambled Sobol points and corners), then each batch goes where the fit is
-least sure of the thrust. What is fitted, in which coordinates and why: docs/decisions/region-
+First designs fill the region (scrambled Sobol points), then each batch goes where it lowers the doubt over
+the region most. What is fitted, in which coordinates and why: docs/decisions/region-
 calibration.md. Depends on correction, references.
 """
 
 from __future__ import annotations
 
-import itertools
 from collections.abc import Callable
 from dataclasses import dataclass, replace
 from typing import Any
@@ -34,9 +33,11 @@ from .gait import Gait
 from .kriging import Kriging, Surfaces
 from .swimmer import Swimmer
 
-POOL = 1024  #: candidates among which the least sure designs are chosen
+POOL = 512  #: Sobol points of a region
+CANDIDATES = 300  #: of them, those among which the next designs are chosen
+FLOOR = 0.03  #: variance, relative to the mean one, below which nothing is to be gained
 ASYMMETRY = 2e-3  #: of the reference's R, relative; beyond, its mesh does not resolve the design
-FIRST = 0.6  #: share of the solves that fill the region
+FIRST = 0.7  #: share of the solves that fill the region
 Region = dict[str, tuple[float, float]]
 
 
@@ -106,9 +107,9 @@ def calibrate_region(
     """
     _check(swimmer, region, solves)
     pool = _pool(swimmer, region, seed)
-    chosen = _spread(pool, min(max(8, round(FIRST * solves)), solves))
+    chosen = list(range(min(max(8, round(FIRST * solves)), solves, len(pool))))
     solved: list[Solved] = []
-    bad: set[int] = set()
+    tried: set[int] = set()
     options = _phases(swimmer, reference, options)
     fitted: tuple[Kriging, ...] = ()
     while True:
@@ -121,12 +122,12 @@ def calibrate_region(
             **options,
         )
         solved += [Solved(pool[i], g) for i, g in zip(chosen, found) if _trusted(g)]
-        bad |= set(chosen)
+        tried |= set(chosen)
         left = solves - len(solved)
-        if left <= 0 or len(bad) >= min(2 * solves, len(pool)):
+        if left <= 0 or len(tried) >= min(2 * solves, len(pool)):
             break
         fitted = _fit(solved, fitted)
-        chosen = _least_sure(pool, fitted, solved, bad, min(left, max(4, solves // 8)))
+        chosen = _least_sure(pool, fitted, solved, tried, min(left, max(4, solves // 8)))
     if len(solved) < max(6, len(region) + 2):
         raise MicroswimError(f"only {len(solved)} designs could be solved: {found[0]}")
     about = {"reference": reference, "solves": len(solved), "seed": seed}
@@ -173,13 +174,10 @@ def _shifted(progress: Any, before: int, all_: int) -> Any:
 
 
 def _pool(swimmer: Swimmer, region: Region, seed: int) -> list[Swimmer]:
-    """Corners and scrambled Sobol points of the region that make sense."""
+    """Scrambled Sobol points of the region that make sense, in their order."""
     low, high = np.array(list(region.values()), dtype=float).T
-    corners = np.array(list(itertools.product((0.0, 1.0), repeat=len(region))))[:64]
-    points = qmc.Sobol(len(region), seed=seed).random(POOL)
-    edge = np.clip(1.06 * points - 0.03, 0.0, 1.0)
     out = []
-    for x in low + (high - low) * np.concatenate([corners, edge]):
+    for x in low + (high - low) * qmc.Sobol(len(region), seed=seed).random(POOL):
         try:
             out.append(swimmer.with_(dict(zip(region, map(float, x)))))
         except SpecError:
@@ -201,46 +199,35 @@ def _scaled(swimmers: list[Swimmer], columns: np.ndarray) -> tuple[np.ndarray, n
     return (x - columns[1]) / columns[2], np.array([s.tail.number_of_waves for s in swimmers], float)
 
 
-def _spread(pool: list[Swimmer], count: int) -> list[int]:
-    """Indices of designs that fill the region, in the coordinates of the fit: maximin, greedily.
-
-    Half of the distance is in the features, half in the ranks of the points, so that neither the
-    corners nor the middle is left out.
-    """
-    x = np.array([features(s) for s in pool])
-    Z, _ = _scaled(pool, _columns(x))
-    chosen = [int(np.argmin(np.sum(Z**2, axis=1)))]
-    far = np.sum((Z - Z[chosen[0]]) ** 2, axis=1)
-    while len(chosen) < min(count, len(pool)):
-        chosen.append(int(np.argmax(far)))
-        far = np.minimum(far, np.sum((Z - Z[chosen[-1]]) ** 2, axis=1))
-    return chosen
-
-
 def _least_sure(
-    pool: list[Swimmer], fitted: tuple[Kriging, ...], solved: list[Solved], bad: set, count: int
+    pool: list[Swimmer], fitted: tuple[Kriging, ...], solved: list[Solved], tried: set, count: int
 ) -> list[int]:
-    """Where the thrust and the rotation are least sure, one after the other as if solved."""
+    """Designs that lower the doubt over the whole region most, one after the other as if solved.
+
+    With C the covariance given what is solved, a design c takes ``|C_xc|^2 / C_cc`` off the variance
+    at x; the mean over the region counts, for thrust, invariant parts and lateral vectors alike.
+    """
     columns = _columns(np.array([features(s.swimmer) for s in solved], dtype=float))
-    open_ = [i for i in range(len(pool)) if i not in bad]
+    open_ = [i for i in range(len(pool)) if i not in tried][:CANDIDATES]
     Z, N = _scaled([pool[i] for i in open_], columns)
-    known = [_scaled([s.swimmer for s in solved], columns)]
+    At, Nt = _scaled([s.swimmer for s in solved], columns)
+    posteriors = []
+    for g in fitted[:3]:
+        kernel = (g.lengths, g.phasors, g.real)
+        K = kriging.covariance(At, Nt, At, Nt, *kernel) + g.noise * np.eye(len(At))
+        half = np.linalg.solve(np.linalg.cholesky(K), kriging.covariance(At, Nt, Z, N, *kernel))
+        C = kriging.covariance(Z, N, Z, N, *kernel) - half.conj().T @ half
+        posteriors.append(C / np.diag(C).real.mean())
     chosen: list[int] = []
     for _ in range(min(count, len(open_))):
-        At, Nt = (np.concatenate(part) for part in zip(*known))
-        doubt = np.zeros(len(Z))
-        for group in fitted[:3]:
-            K = kriging.covariance(At, Nt, At, Nt, group.lengths, group.phasors, group.real)
-            L = np.linalg.cholesky(K + max(group.noise, 1e-9) * np.eye(len(At)))
-            cross = kriging.covariance(At, Nt, Z, N, group.lengths, group.phasors, group.real)
-            own = 1.0 + group.phasors.sum()
-            left = np.maximum(own - np.sum(np.abs(np.linalg.solve(L, cross)) ** 2, axis=0), 0.0)
-            doubt += left / left.mean()
-        doubt[[open_.index(i) for i in chosen]] = -1.0
-        best = int(np.argmax(doubt))
-        chosen.append(open_[best])
-        known.append((Z[best : best + 1], N[best : best + 1]))
-    return chosen
+        gain = np.zeros(len(open_))
+        for C in posteriors:
+            gain += np.mean(np.abs(C) ** 2, axis=0) / (np.diag(C).real + FLOOR)
+        gain[chosen] = -1.0
+        c = int(np.argmax(gain))
+        chosen.append(c)
+        posteriors = [C - np.outer(C[:, c], C[c]) / (C[c, c].real + FLOOR) for C in posteriors]
+    return [open_[c] for c in chosen]
 
 
 def _base(s: Swimmer) -> tuple[Any, ...]:

@@ -85,8 +85,9 @@ def shown_tables(page):
 def settled(page):
     """Wait until what is shown answers what is set."""
     for _ in range(600):
-        state = "(d = studio.store.design) => [d.latest.idle, d.tables, d.answer.tables]"
-        idle, wanted, got = page.evaluate(state)
+        idle, wanted, got = page.evaluate(
+            "() => (d => [d.latest.idle, d.tables, d.answer.tables])(studio.store.design)"
+        )
         if idle and wanted == got:
             return got
         page.wait_for_timeout(50)

@@ -92,7 +92,7 @@ def identify_swimmer(
     """
     chosen = resolve(swimmer, unknowns)
     problem = PathProblem(swimmer, track, chosen, sigma_attitude or 0.02, sigma)
-    guesses = [start] if start else first_guesses(problem, starts)
+    guesses = [start] if start is not None else first_guesses(problem, starts)
     fits = []
     for i, guess in enumerate(guesses):
         fits += problem.fit(guess, motor=start is not None)

@@ -36,6 +36,17 @@ class Identification:
         Fitted positions, of the track's shape.
     alternatives
         Other designs that fit the track as well (within chi-squared 9), values each.
+
+    Examples
+    --------
+    >>> import numpy as np, microswim as ms
+    >>> swimmer = ms.Swimmer.preset("tabak/helix")
+    >>> t = np.linspace(0, 6, 90)
+    >>> path = ms.trajectory(swimmer.gait(), t).position.values
+    >>> track = ms.Track(time=t, position=path)
+    >>> found = ms.identify_swimmer(swimmer, track, ["tail.amplitude"], start={})
+    >>> found.interval(0.95).shape
+    (1, 2)
     """
 
     swimmer: Swimmer

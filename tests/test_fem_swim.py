@@ -111,11 +111,17 @@ def test_held_swimmer_feels_thrust_and_torque():
 
 def test_flow_is_written_for_viewers(four_steps):
     pyvista = pytest.importorskip("pyvista", reason="needs the extra viz")
-    files = sorted(four_steps[1].glob("*.vtu"))
+    from microswim.reference.fem.picture import flow_files, render
+
+    files = flow_files(four_steps[1])
     assert [f.name for f in files] == ["flow-00002.vtu", "flow-00004.vtu"]
     grid = pyvista.read(files[-1])
     assert np.isfinite(grid["velocity"]).all()
     assert np.linalg.norm(grid["velocity"], axis=1).max() < 0.5  # below the tip's speed
+    skin = pyvista.read(files[-1].with_suffix(".skin.vtu"))
+    assert skin.bounds[1] - skin.bounds[0] == pytest.approx(1.68, rel=0.01)  # nose to tip
+    picture = render(files[-1], four_steps[1] / "flow.png")
+    assert picture.stat().st_size > 10_000
 
 
 def test_too_long_a_step_is_refused():

@@ -13,11 +13,11 @@ import numpy as np
 
 from microswim.errors import MicroswimError
 
-from .stokes import Stokes
+from .stokes import SWIMMER, Stokes
 
 
 def write(flow: Stokes, solution: np.ndarray, path: str | Path) -> Path:
-    """Write velocity and pressure on the moved mesh to ``path.vtu``.
+    """Write velocity and pressure on the moved mesh to ``path.vtu``, the skin to ``path.skin.vtu``.
 
     Lengths in body diameters, velocities in body diameters times the phase rate, pressure in
     viscosity times the phase rate.
@@ -27,16 +27,20 @@ def write(flow: Stokes, solution: np.ndarray, path: str | Path) -> Path:
     field = ngs.GridFunction(flow.space)
     field.vec.FV().NumPy()[:] = solution
     velocity, pressure = field.components
-    out = ngs.VTKOutput(
-        flow.mesh,
-        coefs=[velocity, pressure],
-        names=["velocity", "pressure"],
-        filename=str(path),
-        subdivision=1,
-        legacy=False,
-    )
-    out.Do()
-    return path.with_suffix(".vtu")
+    fields = {"coefs": [velocity, pressure], "names": ["velocity", "pressure"], "legacy": False}
+    ngs.VTKOutput(flow.mesh, filename=str(path), subdivision=1, **fields).Do()
+    chosen = ngs.BitArray(flow.mesh.GetNE(ngs.BND))
+    chosen.Clear()
+    for element in flow.mesh.Boundaries(SWIMMER).Elements():
+        chosen[element.nr] = True
+    skin = ngs.VTKOutput(flow.mesh, filename=f"{path}.skin", subdivision=2, **fields)
+    skin.Do(vb=ngs.BND, drawelems=chosen)
+    return Path(f"{path}.vtu")
+
+
+def flow_files(folder: str | Path) -> list[Path]:
+    """The flow files in a folder, in the order of their names, without the skins."""
+    return [f for f in sorted(Path(folder).glob("*.vtu")) if not f.stem.endswith(".skin")]
 
 
 def _pyvista() -> Any:
@@ -53,15 +57,13 @@ def _draw(plotter: Any, file: Path, reach: float, fastest: float) -> None:
     pv = _pyvista()
     grid = pv.read(file)
     grid["speed"] = np.linalg.norm(grid["velocity"], axis=1)
-    grid = grid.clip_box([-reach, reach + 1.0, -reach, reach, -reach, reach], invert=False)
-    skin = grid.extract_surface(algorithm="dataset_surface")
-    inside = np.linalg.norm(skin.cell_centers().points[:, 1:], axis=1) < 0.45 * reach
-    far = np.abs(skin.cell_centers().points[:, 0]) < 0.98 * (reach + 1.0)
-    plotter.add_mesh(skin.extract_cells(np.flatnonzero(inside & far)), color="#c9a227")
+    skin = pv.read(file.with_suffix(".skin.vtu"))
+    plotter.add_mesh(skin.extract_surface(algorithm="dataset_surface"), color="#c9a227")
     plane = grid.slice(normal=(0, 0, 1), origin=(0, 0, 0))
+    plane = plane.clip_box([-reach, reach + 1.5, -reach, reach, -1, 1], invert=False)
     bar = {"title": "speed / (body diameter x rate)", "color": "black"}
     look = {"scalars": "speed", "cmap": "viridis", "clim": [0.0, fastest]}
-    plotter.add_mesh(plane, opacity=0.85, scalar_bar_args=bar, **look)
+    plotter.add_mesh(plane, scalar_bar_args=bar, **look)
     middle = (0.75, 0.0, 0.0)
     plotter.camera_position = [(0.75, -1.6 * reach, 2.6 * reach), middle, (0.0, 1.0, 0.0)]
 
@@ -91,7 +93,7 @@ def animate(
     folder: str | Path, out: str | Path, *, reach: float = 1.5, fastest: float = 0.1, fps: int = 8
 ) -> Path:
     """Animation (GIF) of all VTK files in a folder, in the order of their names."""
-    files = sorted(Path(folder).glob("*.vtu"))
+    files = flow_files(folder)
     if not files:
         raise MicroswimError(f"folder = {folder}: no .vtu in it; run swim(..., vtk=folder) first")
     from PIL import Image

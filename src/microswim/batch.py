@@ -11,6 +11,7 @@ import warnings
 from typing import Any
 
 import numpy as np
+from numba import njit
 
 from .errors import MicroswimError, SpecError
 from .gait import MIRROR_Q
@@ -154,13 +155,22 @@ def _groups(kind: int, p: np.ndarray, good: np.ndarray, tolerance: float) -> Any
     """Quadrature rules with the designs that need them."""
     digits = -np.log10(tolerance) / 12.0
     waves, bk = p[:, 0] * p[:, 2] / (2.0 * np.pi), p[:, 1] * p[:, 2]
-    need = np.zeros((len(p), 2), dtype=np.int64)
-    for i in np.flatnonzero(good):
-        need[i] = node_numbers(kind, waves[i], bk[i], p[i, 3])
+    need = _node_table(kind, waves, bk, np.ascontiguousarray(p[:, 3]), good)
     need = np.where(need > 0, 8 * np.ceil((6 + (need - 6) * digits) / 8).astype(np.int64), 0)
-    for pair in np.unique(need[good], axis=0):
-        group = np.flatnonzero(good & (need == pair).all(axis=1))
-        yield (gauss(int(pair[0])), gauss(int(pair[1]))), group
+    keys = need[:, 0] << 32 | need[:, 1]
+    for key in np.unique(keys[good]):
+        group = np.flatnonzero(good & (keys == key))
+        yield (gauss(int(key >> 32)), gauss(int(key & 0xFFFFFFFF))), group
+
+
+@njit(cache=True)
+def _node_table(kind: int, waves: Any, bk: Any, ramp: Any, good: Any) -> Any:
+    """`node_numbers` of every design that is good, zero of the others, shape (n, 2)."""
+    need = np.zeros((waves.size, 2), dtype=np.int64)
+    for i in range(waves.size):
+        if good[i]:
+            need[i, 0], need[i, 1] = node_numbers(kind, waves[i], bk[i], ramp[i])
+    return need
 
 
 def _helix(swimmer: Swimmer, V: Any, power: Any, body: Any, rate: Any) -> dict[str, Any]:

@@ -183,13 +183,15 @@ def search(
             count += n
             if candidate is not None:
                 found.append((*candidate, picked, variant))
-    if not found:
-        raise SpecError(
-            "design: no design in these ranges meets the constraints; widen the ranges or relax "
-            + (", ".join(c.text for c in problem.limits) or "what must hold")
-        )
-    _, x, picked, variant = max(found, key=lambda f: f[0])
-    return outcome(variant, x, picked, count, time.perf_counter() - begun)
+    for _, x, picked, variant in sorted(found, key=lambda f: -f[0]):
+        try:
+            return outcome(variant, x, picked, count, time.perf_counter() - begun)
+        except SpecError:  # the checks of construction know more than the constraints
+            continue
+    raise SpecError(
+        "design: no design in these ranges meets the constraints; widen the ranges or relax "
+        + (", ".join(c.text for c in problem.limits) or "what must hold")
+    )
 
 
 def _screen(problem: Problem, seed: int, samples: int | None) -> tuple[list[np.ndarray], int]:

@@ -29,6 +29,7 @@ def gauss(nodes: int) -> tuple[np.ndarray, np.ndarray]:
     return (xi + 1.0) / 2.0, weight / 2.0
 
 
+@njit(cache=True)
 def node_numbers(kind: int, waves: float, bk: float, ramp: float) -> tuple[int, int]:
     """Nodes on the ramp and on the rest that reach rounding error (plane wave: about 1e-12).
 

@@ -36,6 +36,7 @@ GEOMETRY = {
     "tail_length": "length of the tail along s",
     "length_over_amplitude": "length along the filament over the amplitude",
     "crowding": "radius of the filament over the radius at which the tail touches itself",
+    "winding": "least arc length that holds the windings, over the arc length",
     "slenderness": "Lighthill's epsilon = 5.2 r_t alpha / lambda [Tabak Eq. 26]",
 }
 _OF_SPEED = {
@@ -128,6 +129,7 @@ def _geometry(swimmer: Swimmer) -> dict[str, Any]:
             "tail_length": tail.apparent_length,
             "length_over_amplitude": np.divide(tail.arc_length, tail.amplitude),
             "crowding": tail.radius / tail.room(),
+            "winding": tail._wound_length() / tail.length,
             "slenderness": 5.2 * tail.radius * tail.alpha * tail.wavenumber / (2.0 * np.pi),
             "tail.waves": tail.number_of_waves,
             "tail.wavelength": tail.apparent_length / tail.number_of_waves,

@@ -199,12 +199,14 @@ def _texts(wanted: Any) -> list[str]:
 
 
 def _buildable(swimmer: Swimmer) -> tuple[Constraint, ...]:
-    """The tail must not touch itself, and Lighthill's coefficients must mean something."""
+    """The tail must exist and not touch itself, and Lighthill's coefficients mean something."""
     if not hasattr(swimmer.tail, "room"):
         return ()
     texts = []
     if swimmer.tail.kind == "helix" or swimmer.tail.sections != "sheared":
         texts.append("crowding <= 0.999")
+    if swimmer.tail.length_measure == "arc" and swimmer.tail.waves is not None:
+        texts.append("winding <= 0.999")
     if isinstance(swimmer.coefficients, Lighthill):
         texts.append("slenderness <= 0.5")
     return constraints(", ".join(texts), known(swimmer))

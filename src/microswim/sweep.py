@@ -12,6 +12,7 @@ import pickle
 import platform
 import time
 from collections.abc import Callable, Iterable, Iterator
+from concurrent.futures import Future, ThreadPoolExecutor
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -194,19 +195,28 @@ def _fill(job: Job, space: Space, engine: Engine, store: SweepStore, progress: A
     filling: dict[int, Rows] = {}
     if progress:
         progress(solved, space.size)
-    for task, results in engine(t for rows in waiting for t in _tasks(job, space, rows)):
-        i = int(np.searchsorted(starts, task.start, side="right")) - 1
-        place, start, _ = places[i]
-        if i not in filling:
-            filling[i] = store.read(place)
-        for name, values in results.items():
-            filling[i][name][task.start - start : task.stop - start] = values
-        store.write(place, filling[i])
-        if np.all(filling[i]["status"] != WAITING):
-            del filling[i]
-        solved += task.stop - task.start
-        if progress:
-            progress(solved, space.size)
+    with ThreadPoolExecutor(1) as writer:  # a whole block is written while the next is solved
+        pending: Future[None] | None = None
+        for task, results in engine(t for rows in waiting for t in _tasks(job, space, rows)):
+            i = int(np.searchsorted(starts, task.start, side="right")) - 1
+            place, start, stop = places[i]
+            whole = task.stop - task.start == stop - start
+            if i not in filling:
+                filling[i] = results if whole else store.read(place)
+            for name, values in results.items():
+                filling[i][name][task.start - start : task.stop - start] = values
+            if pending is not None:
+                pending.result()
+            pending = writer.submit(store.write, place, filling[i])
+            if not whole:
+                pending.result()
+            if np.all(filling[i]["status"] != WAITING):
+                del filling[i]
+            solved += task.stop - task.start
+            if progress:
+                progress(solved, space.size)
+        if pending is not None:
+            pending.result()
 
 
 def _in_memory(job: Job, space: Space, engine: Engine, attributes: Any, progress: Any) -> Any:

@@ -39,5 +39,12 @@ from .trackfit import identify_swimmer as identify_swimmer
 from .trackresult import Identification as Identification
 from .trajectory import screw as screw
 from .trajectory import trajectory as trajectory
+from .calibrate import Calibration as Calibration
+from .calibrate import calibrate as calibrate
+from .observe import Observation as Observation
+from .observe import observed as observed
+from .region import calibrate_region as calibrate_region
+from .validate import Validation as Validation
+from .validate import validate as validate
 
 __version__: str

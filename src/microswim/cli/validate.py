@@ -1,0 +1,94 @@
+"""``microswim validate``: the surrogate against a reference over a map of designs."""
+
+from __future__ import annotations
+
+import csv
+import json
+import time
+from pathlib import Path
+from typing import Any
+
+import click
+
+from ._options import (
+    Given,
+    change,
+    example,
+    json_option,
+    out_option,
+    print_json,
+    swimmer_options,
+)
+
+
+@click.command(
+    epilog=example(
+        "microswim validate robot.toml --over tail.amplitude=0.01:0.15:8,tail.waves=1:5:9 --out map",
+        "microswim validate calibrated.toml --against bem --over tail.length=1.2:3:7 --json",
+    )
+)
+@swimmer_options
+@click.option("--against", type=click.Choice(["bem", "fem"]), default="bem", show_default=True)
+@click.option("--over", multiple=True, required=True, metavar="NAME=A:B:N", help="Axes of the map.")
+@click.option("--quantity", multiple=True, metavar="NAMES", help="Velocities to compare.")
+@click.option("--workers", type=click.IntRange(0), help="Processes (default: all cores).")
+@click.option(
+    "--option", "options", multiple=True, metavar="NAME=VALUE", help='For the reference: level="fine".'
+)
+@out_option
+@json_option
+def command(given: Given, out: Path | None, as_json: bool, **asked: Any) -> None:
+    """Errors of speed, lateral amplitude and body rate over a map, stage by stage.
+
+    Writes a table (errors.csv), everything as JSON (validation.json) and contour maps with the 5 %
+    and 10 % neighbourhoods (errors.png) into --out; solves are kept there, so a killed run goes on.
+    """
+    from ..validate import validate
+    from ._over import axes
+    from ._progress import bar
+
+    begun = time.perf_counter()
+    with bar(f"validate {given.name}") as progress:
+        result = validate(
+            given.swimmer,
+            axes(asked["over"]),
+            asked["against"],
+            quantities=[n for text in asked["quantity"] for n in text.split(",")],
+            folder=None if out is None else out / "solves",
+            workers=asked["workers"],
+            progress=progress,
+            **dict(change(text) for text in asked["options"]),
+        )
+    report = result.as_dict() | {"wall_seconds": time.perf_counter() - begun}
+    if out is not None:
+        _write(out, result, report)
+    if as_json:
+        print_json(report)
+        return
+    _print(report)
+    if out is not None:
+        click.echo(f"{out}: errors.csv, validation.json, errors.png")
+
+
+def _write(out: Path, result: Any, report: dict[str, Any]) -> None:
+    from ..maps import error_maps
+    from ._options import _plain
+
+    out.mkdir(parents=True, exist_ok=True)
+    rows = result.rows()
+    with (out / "errors.csv").open("w", encoding="utf-8", newline="") as file:
+        writer = csv.DictWriter(file, list(rows[0]))
+        writer.writeheader()
+        writer.writerows(rows)
+    text = json.dumps(_plain(report), allow_nan=False, ensure_ascii=False, indent=1)
+    (out / "validation.json").write_text(text + "\n", encoding="utf-8")
+    error_maps(result).savefig(out / "errors.png", dpi=200)
+
+
+def _print(report: dict[str, Any]) -> None:
+    click.echo(f"{'':24s} {'median':>8s} {'90 %':>8s} {'worst':>8s} {'<= 5 %':>8s} {'<= 10 %':>8s}")
+    for name, s in report["statistics"].items():
+        numbers = (s["median"], s["p90"], s["worst"], s["within_5"], s["within_10"])
+        click.echo(f"  {name:22s} " + " ".join(f"{100 * x:6.1f} %" for x in numbers))
+    if report["failed"]:
+        click.echo(f"  {len(report['failed'])} designs failed: {report['failed'][0]['reason']}")

@@ -23,6 +23,8 @@ Array = NDArray[np.float64]
 
 # A joint that reaches this many filament radii along the tail counts as steep: more patches there.
 STEEP = 0.6
+# From this curvature x radius on panels shrink towards the crease at one.
+CREASE = 0.45
 
 
 @dataclass(frozen=True)
@@ -73,7 +75,9 @@ def _wanted_length(tail: Any, phase: float, s: Array, r: Resolution) -> tuple[Ar
     swing = np.sum((curve.P_s - curve.P_s.mean(axis=0)) ** 2)
     wavenumber = np.sqrt(np.sum(curve.P_ss**2) / max(swing, 1e-20))
     h = np.minimum(h, r.wave * speed / max(wavenumber, 1e-12))
-    return arc, np.minimum(h, 2 * r.bend / bend)
+    # towards curvature x radius = 1 the inner side of the bend sharpens to a crease
+    crease = np.clip((1 - bend * tail.radius) / (1 - CREASE), 0.05, 1.0)
+    return arc, np.minimum(h, np.where(crease < 1, r.bend, 2 * r.bend) / bend * crease)
 
 
 def tube_edges(tail: Any, phase: float, start: float, r: Resolution, root: float | None) -> Array:

@@ -67,27 +67,16 @@ export class Answers {
       const text = fresh ? "Boundary elements" : "Boundary elements: asking the judge …";
       return el("div", { class: `trust ${fresh ? "good" : "open"}`, id: "trust" }, el("i"), text);
     }
-    const error = expected(design.answer.expected_error);
+    const error = design.answer.expected_error;
     if (error !== null) {
       const grade = error < 0.05 ? "good" : error < 0.2 ? "fair" : "poor";
       return el("div", { class: `trust ${grade}`, id: "trust" }, el("i"), `Surrogate: expected error ${digits(100 * error, 2)} %`);
     }
+    if (design.answer.region) return el("div", { class: "trust fair", id: "trust" }, el("i"), "Surrogate, outside its calibrated region");
     const here = JSON.stringify(design.answer.tables);
     if (design.calibrated === here) return el("div", { class: "trust good", id: "trust" }, el("i"), "Surrogate, calibrated at this design");
     if (design.calibrated) return el("div", { class: "trust fair", id: "trust" }, el("i"), "Surrogate, calibrated at another design");
     const title = "No reference has been asked; ask the judge, then calibrate here.";
     return el("div", { class: "trust open", id: "trust", title }, el("i"), "Surrogate, not calibrated");
   }
-}
-
-/** The number in whatever the surrogate says about its error. */
-function expected(value: unknown): number | null {
-  if (typeof value === "number") return value;
-  if (Array.isArray(value)) return expected(value.reduce((a, b) => Math.max(Number(a), Number(b)), 0));
-  if (value && typeof value === "object") {
-    const known = value as Record<string, unknown>;
-    const numbers = Object.values(known).filter((v): v is number => typeof v === "number");
-    return numbers.length ? Math.max(...numbers) : null;
-  }
-  return null;
 }

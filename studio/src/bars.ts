@@ -7,7 +7,7 @@ import type { SpeedMap } from "./map";
 import type { Stage } from "./stage";
 import type { Actor } from "./actor";
 
-const LARGEST = 64 * 1024;
+const LARGEST = 256 * 1024;
 
 interface Presets {
   names: string[];
@@ -92,7 +92,7 @@ export class TopBar {
   }
 
   private async read(file: File): Promise<void> {
-    if (file.size > LARGEST) return notice(`${file.name} has ${Math.round(file.size / 1024)} KiB; a spec has at most 64 KiB.`, "error");
+    if (file.size > LARGEST) return notice(`${file.name} has ${Math.round(file.size / 1024)} KiB; a spec has at most 256 KiB.`, "error");
     const text = await file.text();
     await attempt(() => this.store.load(file.name.replace(/\.toml$/, ""), text));
   }

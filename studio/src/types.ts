@@ -32,7 +32,9 @@ export interface Answer {
   shape: Shape;
   gait: GaitData;
   readings: Readings;
-  expected_error: unknown;
+  expected_error: number | null;
+  /** whether the spec holds a region calibration */
+  region: boolean;
   tables: Tables;
   toml: string;
   notes: string[];

@@ -46,6 +46,8 @@ def solve(tables: Any, name: str = "design") -> dict[str, Any]:
         gait = surrogate(swimmer)
         answer = describe(swimmer, gait)
     answer["tables"] = canonical(swimmer)
+    if swimmer.region is not None:
+        answer["tables"]["region"] = tables["region"]
     answer["toml"] = to_toml(answer["tables"], f"{name}, from the microswim studio")
     ours = [w for w in caught if w.category.__module__.startswith("microswim")]
     answer["notes"] = list(dict.fromkeys(" ".join(str(w.message).split()) for w in ours))
@@ -55,7 +57,8 @@ def solve(tables: Any, name: str = "design") -> dict[str, Any]:
 
 def surrogate(swimmer: Swimmer) -> Gait:
     """Gait by resistive force theory, resolved as far as an eye and five digits need."""
-    return swimmer.gait(**({} if swimmer.tail.kind == "helix" else {"phases": PHASES}))
+    plain = swimmer.tail.kind == "helix" or swimmer.region is not None
+    return swimmer.gait(**({} if plain else {"phases": PHASES}))
 
 
 def describe(swimmer: Swimmer, gait: Gait) -> dict[str, Any]:
@@ -86,6 +89,7 @@ def describe(swimmer: Swimmer, gait: Gait) -> dict[str, Any]:
         },
         "readings": readings(swimmer, gait),
         "expected_error": _plain(gait.info.get("expected_error")),
+        "region": swimmer.region is not None,
     }
 
 
@@ -159,13 +163,13 @@ def axis(swimmer: Swimmer, ask: Any) -> tuple[str, np.ndarray]:
     if field not in known:
         raise SpecError("map", field, "a number of this spec, such as tail.amplitude")
     ends = [v for v in (low, high) if isinstance(v, (int, float)) and math.isfinite(v)]
-    if len(ends) != 2 or not low < high:
+    if len(ends) != 2 or not ends[0] < ends[1]:
         raise SpecError("map", f"{low} to {high}", "a range from a number to a larger one")
     if not isinstance(count, int) or not 2 <= count <= 200:
         raise SpecError("map", count, "2 to 200 values along a side")
-    if (field == "tail.waves" and high > 20) or field.endswith("coupling"):
+    if (field == "tail.waves" and ends[1] > 20) or field.endswith("coupling"):
         raise SpecError("map", f"{field} up to {high}", "at most 20 waves")
-    return field, np.linspace(low, high, count)
+    return field, np.linspace(*ends, count)
 
 
 def map_(tables: Any, x: Any, y: Any) -> dict[str, Any]:

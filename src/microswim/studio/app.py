@@ -27,7 +27,7 @@ from ..errors import MicroswimError, SpecError
 from . import answers, page, tables, work
 from .judge import Judge
 
-LARGEST_BODY = 128 * 1024  #: bytes
+LARGEST_BODY = 512 * 1024  #: bytes
 LOCAL = ("127.0.0.1", "localhost", "[::1]")
 KINDS = {"html": "text/html", "js": "text/javascript", "css": "text/css", "txt": "text/plain"}
 SAFE = {

@@ -16,7 +16,7 @@ from ..errors import SpecError
 from ..spec import from_dict
 from ..swimmer import Swimmer
 
-LARGEST_SPEC = 64 * 1024  #: bytes
+LARGEST_SPEC = 256 * 1024  #: bytes; a region calibration is the most of it
 MOST_WAVES = 60.0
 QUANTITIES = {
     "length": ("radius", "semi_axes", "length", "amplitude", "wavelength"),

@@ -96,8 +96,8 @@ def spread(context: Context, quantity: str) -> np.ndarray:
 def held(context: Context) -> np.ndarray:
     """Axial force and torque by the fluid on the tail of the held swimmer (reference)."""
     gait = context.reference(swimmer("helix", "constant"))
-    tail = gait.propulsion_series[0] - gait.body_propulsion_series[0]
-    return -gait.rate * tail[[0, 3]]
+    body = np.asarray(gait.body_propulsion_series)
+    return -gait.rate * (gait.propulsion_series[0] - body[0])[[0, 3]]
 
 
 def held_torque(context: Context) -> float:

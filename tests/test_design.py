@@ -142,6 +142,27 @@ def closed_form_speed(swimmer, waves):
     return abs(still / (drag - moving))
 
 
+def test_most_efficient_slender_helix():
+    """Higdon 1979: amplitude x wavenumber near 1, filament about 10 body radii long.
+
+    Local coefficients without the body's image: a fifth is allowed.
+    """
+    tail = ms.HelicalTail(
+        length=10.0, amplitude=0.2, waves=1.5, radius=0.02, length_measure="arc", ramp=0.0
+    )
+    swimmer = ms.Swimmer(
+        body=ms.Sphere(radius=1.0),
+        tail=tail,
+        fluid=ms.Fluid(viscosity=1.0),
+        coefficients=ms.GrayHancock(),
+    )
+    over = {"tail.amplitude": (0.02, 2.0), "tail.waves": (0.5, 8.0), "tail.length": (2.0, 60.0)}
+    best = ms.design(swimmer, over, maximize="efficiency", samples=1024)
+    assert best.quantities["amplitude_wavenumber"] == pytest.approx(1.0, rel=0.2)
+    assert best.quantities["arc_length"] == pytest.approx(10.0, rel=0.2)
+    assert all(s.bound is None for s in best.sensitivity.values())
+
+
 def test_a_constraint_binds_and_the_optimum_answers_as_predicted():
     """The elasticity of the optimal value against a second optimization (envelope theorem)."""
     wish = {"maximize": "speed", "subject_to": "torque <= 120"}

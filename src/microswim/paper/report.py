@@ -126,7 +126,7 @@ def _save(figure: Any, path: Path) -> str:
 
 
 def _section(module: Any, result: dict[str, Any], svg: str) -> str:
-    about = html.escape(" ".join((module.__doc__ or "").split()))
+    about = html.escape(" ".join((module.__doc__ or "").split()).replace("`", ""))
     tables = "".join(table(result[key]) for key in ("rows", "more", "readings") if result.get(key))
     return f"<h2>{html.escape(module.TITLE)}</h2>\n<p>{about}</p>\n{svg}\n{tables}\n"
 

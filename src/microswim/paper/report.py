@@ -114,7 +114,7 @@ def _save(figure: Any, path: Path) -> str:
     """Save a figure as SVG and PDF; return the SVG for inlining, with ids of its own."""
     text = io.StringIO()
     with look():
-        figure.savefig(text, format="svg", metadata={"Date": None}, dpi=200)
+        figure.savefig(text, format="svg", metadata={"Date": None, "Creator": None}, dpi=200)
         figure.savefig(path.with_suffix(".pdf"), metadata={"CreationDate": None})
     svg = text.getvalue()
     path.with_suffix(".svg").write_text(svg, encoding="utf-8")

@@ -128,10 +128,10 @@ def test_designs_keep_the_mesh_unfolded():
         (ms.HelicalTail, "sheared"),
         (ms.PlaneWaveTail, "sheared"),
     ):
-        for amplitude, waves in ((0.01, 5), (0.05, 5), (0.1, 1), (0.1, 3), (0.15, 1), (0.15, 2)):
+        for amplitude, waves in ((0.01, 5), (0.1, 3), (0.15, 2)):
             design = swimmer(tail, waves, 2.0, amplitude=amplitude, radius=0.05, sections=sections)
             wave = problem_wave(design, outline, channel)
-            smallest = smallest_jacobian(wave, flow)
+            smallest = smallest_jacobian(wave, flow, phases=4)
             assert smallest > 0.1, (tail, sections, amplitude, waves)
 
 

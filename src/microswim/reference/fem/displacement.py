@@ -120,10 +120,21 @@ class Wave:
         if self.swimmer.tail.sections == "perpendicular":
             scale = np.minimum(1.0, r_t / np.maximum(rho, 1e-30)) * fade((rho - r_t) / self.turn)
             step += scale[:, None] * self._turned(sigma, offset, curve)
-        moved[near] = step
         if self.outline.has_body:
-            moved[near, 0] += self._slide(X[near], step)
+            step = self._beside_body(X[near])[:, None] * step
+            step[:, 0] += self._slide(X[near], step)
+        moved[near] = step
         return moved
+
+    def _beside_body(self, X: np.ndarray) -> np.ndarray:
+        """Factor that ends the displacement before the body's widest outline.
+
+        1 near the axis and behind the body; 0 where the body's surface turns away from the tail.
+        """
+        _, b, c = self.outline.semi_axes
+        outward = fade((((X[:, 1] / b) ** 2 + (X[:, 2] / c) ** 2) - 0.25) / 0.5)
+        upstream = fade((X[:, 0] - self.outline.joint) / (0.5 * self.width))
+        return 1.0 - (1.0 - outward) * upstream
 
     @property
     def turn(self) -> float:

@@ -55,13 +55,14 @@ def _pyvista() -> Any:
 def _draw(plotter: Any, file: Path, reach: float, fastest: float) -> None:
     """Swimmer's surface over the speed in the plane r = 0, seen along r."""
     pv = _pyvista()
+    plotter.set_background("#440154")  # the resting fluid's colour
     grid = pv.read(file)
     grid["speed"] = np.linalg.norm(grid["velocity"], axis=1)
     skin = pv.read(file.with_suffix(".skin.vtu"))
     plotter.add_mesh(skin.extract_surface(algorithm="dataset_surface"), color="#c9a227")
     plane = grid.slice(normal=(0, 0, 1), origin=(0, 0, 0))
     plane = plane.clip_box([-reach, reach + 1.5, -reach, reach, -1, 1], invert=False)
-    bar = {"title": "speed / (body diameter x rate)", "color": "black"}
+    bar = {"title": "speed / (body diameter x rate)", "color": "white"}
     look = {"scalars": "speed", "cmap": "viridis", "clim": [0.0, fastest]}
     plotter.add_mesh(plane, scalar_bar_args=bar, **look)
     middle = (0.75, 0.0, 0.0)

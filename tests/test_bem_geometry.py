@@ -173,3 +173,11 @@ def test_legitimate_corners_of_the_design_range_are_accepted():
 def test_extreme_geometry_is_flagged():
     assert geometry.check(BODY, BASE) == []
     assert any("slope of 1.38" in remark for remark in geometry.check(BODY, STEEP))
+
+
+def test_surface_scales_with_the_unit_of_length():
+    """Metres or micrometres: no length is hidden in the mesh."""
+    micro = ms.HelicalTail(length=2e-6, amplitude=0.1e-6, waves=3, radius=0.05e-6)
+    small = swimmer_surface(ms.Sphere(radius=0.5e-6), micro, 0.4, RESOLUTION)
+    large = swimmer_surface(BODY, BASE, 0.4, RESOLUTION)
+    assert np.allclose(1e6 * small.controls, large.controls, atol=1e-7)

@@ -198,11 +198,14 @@ def trace_joint(body: Any, tail: Any, phase: float = 0.0, points: int = 96) -> J
     n1, n2 = section_axes(tail, at)
     arm = centre + axes * bare.sphere_point(angle, psi) - at.P
     theta = np.arctan2(np.sum(arm * n2, axis=-1), np.sum(arm * n1, axis=-1))
-    grid = np.linspace(s.min() - 1e-9, s.max() + 1e-9, 201)
+    grid = np.linspace(s.min() - 1e-6 * tail.radius, s.max() + 1e-6 * tail.radius, 201)
     twist = section_twist(tail, grid, phase)
     theta = theta + np.interp(s, grid, twist) - np.interp(start, grid, twist)
     ahead = np.angle(np.exp(1j * (theta - psi)))
     series = np.fft.rfft(np.stack([angle, s - start, ahead]), axis=-1)[:, : points // 2] / points
-    if np.abs(series[:2, -6:]).max(axis=-1) @ [axes.max(), 1.0] > 0.01 * tail.radius:
+    left = np.abs(series[:2, -6:]).max(axis=-1) @ [axes.max(), 1.0] / tail.radius
+    if left > 1e-5 and points < 192:
+        return trace_joint(body, tail, phase, 2 * points)
+    if left > 0.01:
         raise _lies_on_body(tail)
     return Joint(start, pole, first, bare.second, series)

@@ -50,7 +50,7 @@ class Resolution:
     growth : float
         Ratio of successive lengths away from the joint.
     body : int
-        Patches along a quarter of the body's circumference.
+        Patches along a quarter of the body's circumference; one more on elongated bodies.
     """
 
     order: int = 2
@@ -105,8 +105,8 @@ def tube_edges(tail: Any, phase: float, start: float, r: Resolution, root: float
 
 def _rows_bent(edges: Array, joint: Joint) -> int:
     """Number of panel rows over which the joint's displacement fades: 2.5 times its size."""
-    room = max(2.5 * joint.depth, 1e-9)
-    return min(max(1, int(np.searchsorted(edges - edges[0], room))), edges.size - 1)
+    rows = int(np.searchsorted(edges - edges[0], 2.5 * joint.depth))
+    return min(max(1, rows), edges.size - 1)
 
 
 def _bent(edges: Array, joint: Joint, v: Array, psi: Array) -> tuple[Array, Array]:
@@ -184,19 +184,20 @@ def _body(body: Any, joint: Joint, r: Resolution) -> Array:
         return centre + axes * joint.sphere_point(angle, psi)
 
     mean = float(joint.series[0, 0].real)
-    quarter = 0.5 * np.pi / r.body
+    side = r.body + int(axes.max() > 1.5 * axes.min())
+    quarter = 0.5 * np.pi / side
     steep = joint.depth > STEEP * mean * axes.min()
     t = _ring_radii(mean, r.root * mean, r.growth, quarter)
     parts = []
     for low, high in zip(t[:-1], t[1:], strict=True):
         width = (high - low) * (np.pi / 2 - mean)
         outer = mean + high * (np.pi / 2 - mean)
-        sectors = 4 * int(np.clip(np.ceil(outer / (2.2 * width)), 1, max(r.body, r.around // 4)))
+        sectors = 4 * int(np.clip(np.ceil(outer / (2.2 * width)), 1, max(side, r.around // 4)))
         turn = np.linspace(-np.pi / 4, 2 * np.pi - np.pi / 4, sectors + 1)
         if steep and outer < 4 * mean:
             turn = np.linspace(0, 2 * np.pi, 2 * sectors + 1)
         parts.append(sample(chart, grid_boxes(np.array([low, high]), turn)))
-    parts.append(centre + axes * _half_sphere(-joint.pole, joint.second, joint.first, r.body))
+    parts.append(centre + axes * _half_sphere(-joint.pole, joint.second, joint.first, side))
     return np.concatenate(parts)
 
 
@@ -213,7 +214,7 @@ def swimmer_surface(body: Any, tail: Any, phase: float, r: Resolution) -> Surfac
     start = 0.0 if joint is None else joint.s
     root = None
     if joint is not None:
-        root = r.root * min(1.0, STEEP * tail.radius / joint.depth)
+        root = r.root * min(1.0, STEEP * tail.radius / max(joint.depth, 1e-3 * tail.radius))
     edges = tube_edges(tail, phase, start, r, root)
     parts = [_tube(tail, phase, edges, r.around, joint), _cap(tail, phase, length, 1.0)]
     if alone:

@@ -52,6 +52,13 @@ def series_of(samples: np.ndarray, harmonics: int | None = None) -> np.ndarray:
     return out
 
 
+def trimmed(series: np.ndarray, floor: float = 1e-13) -> np.ndarray:
+    """Series without its last harmonics where they are below `floor` of the largest term."""
+    size = np.abs(series).max(axis=tuple(range(1, series.ndim)))
+    felt = np.flatnonzero(size > floor * size.max(initial=0.0)).max(initial=0)
+    return series[: 1 + 2 * ((felt + 1) // 2)]
+
+
 def derivative(series: np.ndarray) -> np.ndarray:
     """Series of the derivative with respect to the phase."""
     out = np.zeros_like(series)
@@ -239,7 +246,7 @@ class Gait:
     @property
     def samples(self) -> int:
         """Phases that resolve the velocity (a ratio of series) to rounding."""
-        return 16 * (len(self.resistance_series) // 2 + 2)
+        return max(64, 4 * (len(self.resistance_series) // 2 + 2))
 
     @cached_property
     def velocity_series(self) -> np.ndarray:

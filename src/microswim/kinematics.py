@@ -77,7 +77,7 @@ class ScrewMotion:
     Examples
     --------
     >>> import microswim as ms
-    >>> screw = ms.Swimmer.preset("tabak/helix").gait().screw
+    >>> screw = ms.screw(ms.Swimmer.preset("tabak/helix").gait())
     >>> bool(screw.speed > 0.05)
     True
     """

@@ -87,7 +87,7 @@ def _at(a: Any, e: Any, table: Any, xi: Any, weight: Any) -> Any:
         b1, b2 = table[0, m] + 2.0 * y * b1 - b2, b1
         c1, c2 = table[1, m] + 2.0 * y * c1 - c2, c1
     A1, A2 = table[0, 0] + y * b1 - b2, table[1, 0] + y * c1 - c2
-    for g in range(xi.size):
+    for g in range(xi.size if e != 0 else 0):
         theta = e * (xi[g] + 1.0) / 2.0
         sine, half = np.sin(theta), np.sin(theta / 2.0)
         square = (a * theta) ** 2 + (1.0 - a * a) * 4.0 * half * half

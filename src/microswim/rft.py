@@ -21,7 +21,7 @@ from typing import Any
 
 import numpy as np
 
-from .gait import MIRROR_Q, Gait, add, rotate, series_of
+from .gait import MIRROR_Q, Gait, add, rotate, series_of, trimmed
 from .kernels import (
     HELIX,
     PLANE_WAVE,
@@ -108,10 +108,10 @@ def _deforming(swimmer: Swimmer, nodes: int | None, phases: int | None) -> tuple
         R, F, G = _samples(swimmer, nodes, n)
         series = tuple(series_of(x) for x in (R, F, G))
         settled = all(
-            np.abs(x[-4:]).max() <= 1e-12 * max(np.abs(x).max(), 1e-300) for x in series[:2]
+            np.abs(x[-4:]).max() <= 1e-11 * max(np.abs(x).max(), 1e-300) for x in series[:2]
         )
         if phases or settled or n >= 192:
-            return series
+            return tuple(trimmed(x) for x in series)
         n *= 2
 
 

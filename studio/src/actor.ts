@@ -10,6 +10,8 @@ import type { Answer } from "./types";
 
 const SHOWN = 900;
 const KEPT = 20000;
+/** what the path fades into */
+const DARK = new THREE.Color("#16212e");
 
 export interface Look {
   body: string;
@@ -65,7 +67,7 @@ export class Actor {
     this.tail.frustumCulled = false;
     this.colour = new THREE.Color(look.path);
     this.path = new Line2(new LineGeometry(), new LineMaterial({
-      linewidth: 2, vertexColors: true, transparent: true, depthWrite: false, toneMapped: false, blending: THREE.AdditiveBlending,
+      linewidth: 2, vertexColors: true, transparent: true, depthWrite: false, toneMapped: false,
     }));
     this.path.frustumCulled = false;
     this.sqr.add(this.tail);
@@ -150,10 +152,10 @@ export class Actor {
     if (n > 2) {
       const shades = new Array<number>(3 * n);
       for (let i = 0; i < n; i++) {
-        const f = 0.04 + 0.66 * (i / n) ** 1.5;
-        shades[3 * i] = this.colour.r * f;
-        shades[3 * i + 1] = this.colour.g * f;
-        shades[3 * i + 2] = this.colour.b * f;
+        const f = (i / n) ** 1.3;
+        shades[3 * i] = DARK.r + f * (this.colour.r - DARK.r);
+        shades[3 * i + 1] = DARK.g + f * (this.colour.g - DARK.g);
+        shades[3 * i + 2] = DARK.b + f * (this.colour.b - DARK.b);
       }
       this.path.geometry.dispose();
       this.path.geometry = new LineGeometry();

@@ -101,14 +101,20 @@ export class Judge {
 
   private table(made: JudgeAnswer, fresh: boolean): HTMLElement[] {
     const { dimensional } = this.store.design.answer;
-    const say = (r: Row, v: number): string => reading(r.name, v, dimensional).join(" ");
+    // both in the unit that suits the surrogate's number
+    const cells = (r: Row): [string, string, string] => {
+      const [n, unit] = reading(r.name, r.surrogate, dimensional);
+      if (r.surrogate === 0) return [n, ...reading(r.name, r.reference, dimensional)];
+      const shown = Number(n.replace("−", "-"));
+      return [n, Number.isFinite(shown) ? digits((shown * r.reference) / r.surrogate) : digits(r.reference), unit];
+    };
     const grade = (e: number | null): string =>
       e === null ? "" : Math.abs(e) < 0.05 ? "good" : Math.abs(e) < 0.2 ? "fair" : "poor";
     const percent = (e: number | null): string =>
-      e === null ? "–" : `${e >= 0 ? "+" : "−"}${digits(Math.abs(100 * e), 2)} %`;
+      e === null ? "–" : Math.abs(e) < 5e-5 ? "0 %" : `${e >= 0 ? "+" : "−"}${digits(Math.abs(100 * e), 2)} %`;
     const rows = made.rows.filter((r) => r.name !== "forward_velocity").map((r) =>
       el("tr", { "data-row": r.name },
-        el("td", {}, NAMES[r.name].label), el("td", {}, say(r, r.surrogate)), el("td", {}, say(r, r.reference)),
+        el("td", {}, NAMES[r.name].label, el("small", {}, ` ${cells(r)[2]}`)), el("td", {}, cells(r)[0]), el("td", {}, cells(r)[1]),
         el("td", { class: grade(r.error) }, percent(r.error))));
     const fit = made.calibration;
     const about = `${made.unknowns} unknowns, ${made.phases === 1 ? "one phase" : `${made.phases} phases`}, ${made.level}`;

@@ -203,7 +203,7 @@ export class SpeedMap {
       return u ? ` ${pretty(u)}` : "";
     };
     this.foot.replaceChildren(
-      el("span", {}, `${label(this.field.x).toLowerCase()} ${end("x", 0)}–${end("x", 1)}${unit("x")},  up: ${label(this.field.y).toLowerCase()} ${end("y", 0)}–${end("y", 1)}${unit("y")}`),
+      el("span", {}, `→ ${end("x", 0)} – ${end("x", 1)}${unit("x")}     ↑ ${end("y", 0)} – ${end("y", 1)}${unit("y")}`),
       el("span", { class: "legend" }, say(low), el("i"), say(top)));
   }
 

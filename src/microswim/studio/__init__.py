@@ -19,7 +19,8 @@ def serve(tables: dict[str, Any], name: str, **options: Any) -> None:
 
 
 def snapshot(tables: dict[str, Any], name: str) -> str:
-    """The page as one HTML file that plays without a server; see `microswim.studio.snapshot`."""
+    """The page as one HTML file that plays without a server, with a map of amplitude and waves."""
     from .page import snapshot as make
+    from .page import usual_map
 
-    return make([{"name": name, "tables": tables}])
+    return make([{"name": name, "tables": tables}], usual_map(tables))

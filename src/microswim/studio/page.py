@@ -11,6 +11,7 @@ from typing import Any
 
 from ..errors import MicroswimError, SpecError
 from . import answers
+from .tables import swimmer_of
 
 STATIC = files(__name__.rpartition(".")[0]) / "static"
 MOST_DESIGNS = 2
@@ -61,6 +62,16 @@ def snapshot(designs: Any, ask: Any = None, view: Any = None) -> str:
         made = answers.map_(designs[0].get("tables"), ask.get("x"), ask.get("y"))
         data["map"] = {"ask": {k: ask[k] for k in ("x", "y", "output") if k in ask}, **made}
     return inlined(data)
+
+
+def usual_map(tables: Any) -> dict[str, Any]:
+    """Axes of a map about a design: its amplitude, and its waves or wavelength."""
+    numbers = swimmer_of(tables).numbers
+    other = "tail.waves" if "tail.waves" in numbers else "tail.wavelength"
+    b, n = numbers["tail.amplitude"], numbers[other]
+    x = {"field": "tail.amplitude", "from": b / 20 or 1e-9, "to": 2 * b or 1e-6, "count": 24}
+    y = {"field": other, "from": n / 3, "to": min(2.5 * n, 20.0), "count": 18}
+    return {"x": x, "y": y, "output": "swimming_speed"}
 
 
 def _view(view: Any) -> dict[str, Any]:

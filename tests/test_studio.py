@@ -403,3 +403,11 @@ def test_the_command_writes_a_snapshot(tmp_path):
     )
     assert done.returncode == 2
     assert "nowhere.toml" in done.stderr
+
+
+@pytest.mark.parametrize("waves", [3, 20, 59])
+def test_the_usual_map_is_a_map_about_the_design(waves):
+    tail = {**HELIX["tail"], "waves": waves, "amplitude": 0.005, "radius": 0.002}
+    ask = page.usual_map({**HELIX, "tail": tail})
+    made = answers.map_({**HELIX, "tail": tail}, ask["x"], ask["y"])
+    assert any(v for v in made["values"]["swimming_speed"])

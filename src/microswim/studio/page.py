@@ -70,7 +70,8 @@ def usual_map(tables: Any) -> dict[str, Any]:
     other = "tail.waves" if "tail.waves" in numbers else "tail.wavelength"
     b, n = numbers["tail.amplitude"], numbers[other]
     x = {"field": "tail.amplitude", "from": b / 20 or 1e-9, "to": 2 * b or 1e-6, "count": 24}
-    y = {"field": other, "from": n / 3, "to": min(2.5 * n, 20.0), "count": 18}
+    top = min(2.5 * n, 20.0) if other == "tail.waves" else 2.5 * n
+    y = {"field": other, "from": min(n / 3, top / 2), "to": top, "count": 18}
     return {"x": x, "y": y, "output": "swimming_speed"}
 
 

@@ -84,6 +84,7 @@ def test_drag_scales_with_length_and_viscosity():
     assert small[3, 3] == pytest.approx(one[3, 3] * 1e-21, rel=1e-9)
 
 
+@pytest.mark.slow
 def test_open_ends_drag_less_than_closed():
     """Bodies that are pulled see the ends; opening them only removes constraints (Helmholtz)."""
     level = Level(order=2, tail=1.6, body=0.7, far=0.5, grading=0.9)

@@ -156,7 +156,9 @@ def _groups(kind: int, p: np.ndarray, good: np.ndarray, tolerance: float) -> Any
     digits = -np.log10(tolerance) / 12.0
     waves, bk = p[:, 0] * p[:, 2] / (2.0 * np.pi), p[:, 1] * p[:, 2]
     need = _node_table(kind, waves, bk, np.ascontiguousarray(p[:, 3]), good)
-    need = np.where(need > 0, 8 * np.ceil((6 + (need - 6) * digits) / 8).astype(np.int64), 0)
+    need = np.where(need > 0, np.ceil(6 + (need - 6) * digits).astype(np.int64), 0)
+    rung = np.where(need > 64, 64, 8)  # few distinct rules: making one takes longer than a design
+    need = rung * -(-need // rung)
     keys = need[:, 0] << 32 | need[:, 1]
     for key in np.unique(keys[good]):
         group = np.flatnonzero(good & (keys == key))

@@ -200,7 +200,7 @@ def _column(title: str, si: bool, path: Any) -> tuple[str, float]:
             f"{path}: the column {title.strip()} has a unit and the swimmer has none; "
             "give both units or neither"
         )
-    from .spec import to_si
+    from .quantities import to_si
 
     try:
         return name, to_si(f"1 {unit}", "s" if name == "time" else "m")

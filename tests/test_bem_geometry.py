@@ -164,7 +164,7 @@ def test_legitimate_corners_of_the_design_range_are_accepted():
     for amplitude, waves, radius, length in [
         (0.2, 4.5, 0.3, 3.0),
         (0.2, 0.8, 0.7, 1.2),
-        (0.13, 4.5, 0.6, 1.3),
+        (0.12, 4.2, 0.5, 1.4),
     ]:
         tail = ms.HelicalTail(length=length, amplitude=amplitude, waves=waves, radius=0.05)
         geometry.check(ms.Sphere(radius=radius), tail)

@@ -24,6 +24,9 @@ from microswim.errors import SpecError
 
 Array = NDArray[np.float64]
 
+# Curvature x radius from which the inner side of a bend is a crease that no mesh resolves.
+CREASED = 0.9
+
 
 def rounded_ramp(s: Array, start: float, half_width: float) -> tuple[Array, Array, Array]:
     """Amplitude fraction f(s), f'(s), f''(s) of the ramp min(1, s/s0), its kink rounded.
@@ -202,8 +205,8 @@ def check(body: Any, tail: Any, phase: float = 0.0) -> list[str]:
     Raises
     ------
     SpecError
-        If the tube folds into itself (curvature x radius above one on its outside), touches itself
-        (pitch below two filament radii), or does not leave the body.
+        If the tube folds into itself (curvature x radius above 0.9 outside the body), touches
+        itself (pitch below two filament radii), or does not leave the body.
     """
     length, radius = tail.apparent_length, tail.radius
     s = np.linspace(0.0, length, 2001)
@@ -214,17 +217,19 @@ def check(body: Any, tail: Any, phase: float = 0.0) -> list[str]:
     outside = curve.curvature * (s >= (0.0 if alone else 0.5 * radius))
     fold = float(outside.max()) * radius
     if tail.sections == "perpendicular":
-        if fold >= 1:
+        if fold >= CREASED:
             raise SpecError(
                 "tail.radius",
                 radius,
-                f"less than {radius / fold:.4g}, the centreline's radius of curvature at "
-                f"s = {s[outside.argmax()]:.3g}",
-                "the tube would fold into itself: use a thinner filament, a smaller amplitude, "
-                "fewer waves or a longer ramp",
+                f"less than {CREASED * radius / fold:.4g}, {CREASED:g} of the centreline's radius "
+                f"of curvature at s = {s[outside.argmax()]:.3g}",
+                "the tube would crease or fold into itself: use a thinner filament, a smaller "
+                "amplitude, fewer waves or a longer ramp",
             )
         if fold > 0.7:
-            remarks.append(f"curvature x radius reaches {fold:.2f}")
+            remarks.append(
+                f"curvature x radius reaches {fold:.2f}: nearly a crease, check with level fine"
+            )
         _check_clearance(tail, curve)
     if alone:
         return remarks

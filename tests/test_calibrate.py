@@ -15,7 +15,9 @@ LAWS = [ms.Lighthill(), ms.GrayHancock(spin=False), ms.Constant(normal=995.5, ta
 
 def planted(swimmer, **fields):
     """The truth; what a helix's calibration does not look for stays at one."""
-    known = {"rotation": (1.3, 1.0, 1.0)} if swimmer.tail.kind == "helix" else {"rotation": (1, 1, 0.7)}
+    known = (
+        {"rotation": (1.3, 1.0, 1.0)} if swimmer.tail.kind == "helix" else {"rotation": (1, 1, 0.7)}
+    )
     truth = {"translation": GAMMA["translation"]} | known | fields
     return swimmer.with_({f"interaction.{k}": v for k, v in truth.items()})
 

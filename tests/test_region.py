@@ -111,9 +111,9 @@ def test_without_a_body_the_base_is_plain_resistive_force_theory():
     R, F, G = shaded.shaded_tail(0, p, 0.4, (gauss(0)[0], gauss(0)[1]), gauss(60))
     law = replace(small, coefficients=ms.GrayHancock(), interaction=ms.Interaction())
     plain = surrogate(law, nodes=60)
-    assert F == pytest.approx(plain.propulsion(0.4), rel=1e-6, abs=1e-6)
-    assert G == pytest.approx(plain.activity(0.4), rel=1e-6)
-    assert R == pytest.approx(plain.resistance(0.4), rel=1e-4, abs=1e-4)
+    assert pytest.approx(plain.propulsion(0.4), rel=1e-6, abs=1e-6) == F
+    assert pytest.approx(plain.activity(0.4), rel=1e-6) == G
+    assert pytest.approx(plain.resistance(0.4), rel=1e-4, abs=1e-4) == R
 
 
 def test_mirror_image_swims_alike(helix):
@@ -190,7 +190,10 @@ def test_a_killed_run_keeps_what_it_had(tmp_path):
     assert {p: p.stat().st_mtime_ns for p in files} == files
     assert np.array_equal(again[0].resistance_series, first[0].resistance_series)
     next(iter(files)).write_bytes(b"half a file")
-    assert all(not isinstance(g, str) for g in references.gaits(swimmers, "rft", folder=tmp_path, workers=0))
+    assert all(
+        not isinstance(g, str)
+        for g in references.gaits(swimmers, "rft", folder=tmp_path, workers=0)
+    )
 
 
 def test_worker_processes_give_the_same(tmp_path):

@@ -83,7 +83,9 @@ def test_rodenborns_own_resistive_force_theory_comes_out():
 
 
 def test_each_set_of_the_plane_wave_follows_from_the_other():
-    rows = {(r["coefficients"], r["source"]): r for r in world.table_3() if r["tail"] == "plane_wave"}
+    rows = {
+        (r["coefficients"], r["source"]): r for r in world.table_3() if r["tail"] == "plane_wave"
+    }
     for law, other in (("constant", "sbt"), ("sbt", "constant")):
         paper, found = rows[law, "paper"], rows[law, f"from the velocities of {other}"]
         assert found["gamma_N,q"] == pytest.approx(paper["gamma_N,q"], rel=0.02)

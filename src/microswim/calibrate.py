@@ -19,7 +19,8 @@ from scipy.stats import norm
 from . import observe
 from .errors import SpecError
 from .gait import Gait
-from .identify import NOISE, Direction, determined, physical_warnings
+from .identify import Direction, determined, physical_warnings
+from .leastsquares import gauss_newton
 from .observe import Observation
 from .rft import gait as surrogate
 from .swimmer import Swimmer
@@ -308,39 +309,16 @@ def fitted_swimmer(swimmer: Swimmer, unknowns: Iterable[Unknown], values: Any) -
     return lifted.with_({})
 
 
-def gauss_newton(residuals: Any, jacobian: Any, z: np.ndarray, steps: int = 100) -> np.ndarray:
-    """Least squares by Gauss-Newton with halved steps.
-
-    A step is the shortest (relative to the values) that the data ask for, ``V S^+ U' r`` without
-    the singular values that are rounding: what the data do not determine stays at its start.
-    """
-    r = residuals(z)
-    for _ in range(steps):
-        scale = np.maximum(np.abs(z), 0.1)
-        U, S, Vt = np.linalg.svd(jacobian(z) * scale, full_matrices=False)
-        real = S > NOISE * max(S[0], 1e-300)
-        step = -scale * (Vt[real].T @ ((U[:, real].T @ r) / S[real]))
-        share = 1.0
-        while share > 1e-6:
-            trial = residuals(z + share * step)
-            if np.all(np.isfinite(trial)) and trial @ trial <= r @ r:
-                break
-            share /= 2.0
-        else:
-            return z
-        z, before, r = z + share * step, r @ r, trial
-        if np.abs(share * step / scale).max() < 1e-14 or before - r @ r <= 1e-30 * before:
-            return z
-    return z
-
-
 def _values(observations: Iterable[Observation]) -> np.ndarray:
     return np.concatenate([np.atleast_1d(np.asarray(o.value, float)) for o in observations])
 
 
 def _sigmas(observations: Iterable[Observation]) -> np.ndarray:
     return np.concatenate(
-        [np.broadcast_to(np.asarray(o.sigma, float), np.shape(o.value) or (1,)) for o in observations]
+        [
+            np.broadcast_to(np.asarray(o.sigma, float), np.shape(o.value) or (1,))
+            for o in observations
+        ]
     )
 
 

@@ -16,10 +16,9 @@ from numba import njit
 
 from . import blocks, shaded
 from .errors import SpecError
-from .gait import Gait
-from .kriging import Surfaces, predict
-from .gait import MIRROR_Q
+from .gait import MIRROR_Q, Gait
 from .kernels import HELIX
+from .kriging import Surfaces, predict
 from .mobility import solve
 from .swimmer import Swimmer
 
@@ -141,7 +140,9 @@ class Correction:
             If the design is of another kind than those of the region.
         """
         if swimmer.tail.kind != self.choices["kind"]:
-            raise SpecError("tail.kind", swimmer.tail.kind, f'"{self.choices["kind"]}", as calibrated')
+            raise SpecError(
+                "tail.kind", swimmer.tail.kind, f'"{self.choices["kind"]}", as calibrated'
+            )
         helix = swimmer.tail.kind == "helix"
         R, F, G, extra = self._matrices(swimmer)
         missing = self.outside(swimmer)

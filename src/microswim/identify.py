@@ -64,7 +64,7 @@ def determined(
     scale = np.where(np.abs(values) > 1e-3, np.abs(values), 1.0)
     _, S, Vt = np.linalg.svd(J * scale, full_matrices=True)
     S = np.concatenate([S, np.zeros(len(values) - len(S))])
-    real = S > NOISE * max(S[0], 1e-300)
+    real = NOISE * max(S[0], 1e-300) < S
     directions = tuple(
         Direction(
             tuple(names),
@@ -116,7 +116,9 @@ def _not_definite(swimmer: Swimmer) -> list[str]:
     scale = np.sqrt(np.abs(np.diag(matrix)))
     drags = np.diag(matrix) > 0
     if drags.all() and np.linalg.eigvalsh(matrix / np.outer(scale, scale))[0] <= 0:
-        out.append("the body's resistance matrix is not positive definite: its coupling is too large")
+        out.append(
+            "the body's resistance matrix is not positive definite: its coupling is too large"
+        )
     total = surrogate(swimmer).resistance(np.linspace(0.0, 2.0 * np.pi, 12, endpoint=False))
     size = np.sqrt(np.abs(np.diagonal(total, axis1=1, axis2=2)))
     if np.linalg.eigvalsh(total / (size[:, :, None] * size[:, None, :])).min() <= 0:

@@ -166,7 +166,15 @@ def fit(Z: np.ndarray, N: np.ndarray, Y: np.ndarray, phasors: int, start: Any = 
 
 @njit(cache=True)
 def predict(
-    out: Any, z: Any, waves: Any, Z: Any, tips: Any, lengths: Any, phasors: Any, cut: Any, alpha: Any
+    out: Any,
+    z: Any,
+    waves: Any,
+    Z: Any,
+    tips: Any,
+    lengths: Any,
+    phasors: Any,
+    cut: Any,
+    alpha: Any,
 ) -> None:
     """Add the targets of one design to `out` (m,), which holds the means.
 

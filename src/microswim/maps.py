@@ -57,9 +57,7 @@ def error_maps(result: Validation) -> Any:
         bar = figure.colorbar(last, ax=list(grid.flat), shrink=0.8, pad=0.02)
         bar.set_label("error (%)", fontsize=8)
         bar.ax.tick_params(labelsize=7)
-        figure.suptitle(
-            f"surrogate against {result.against}; solid: 5 %, dashed: 10 %", fontsize=9
-        )
+        figure.suptitle(f"surrogate against {result.against}; solid: 5 %, dashed: 10 %", fontsize=9)
     return figure
 
 
@@ -82,7 +80,9 @@ def _map(ax: Any, axes: dict[str, np.ndarray], values: np.ndarray) -> Any:
     if min(values.shape) > 1:
         for limit, style in zip(LIMITS, ("-", "--")):
             if np.nanmin(values) < 100.0 * limit < np.nanmax(values):
-                ax.contour(x, y, values.T, [100.0 * limit], colors="w", linestyles=style, linewidths=1)
+                ax.contour(
+                    x, y, values.T, [100.0 * limit], colors="w", linestyles=style, linewidths=1
+                )
     ax.set_xlabel(one, fontsize=7)
     ax.set_ylabel(other, fontsize=7)
     return mesh

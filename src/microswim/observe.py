@@ -168,7 +168,9 @@ def usual_quantities(swimmer: Swimmer) -> tuple[str, ...]:
     return tuple(q for q in wanted if mask[q.split(".")[1]])
 
 
-def from_reference(swimmer: Swimmer, gait: Gait, quantities: Iterable[str] = ()) -> list[Observation]:
+def from_reference(
+    swimmer: Swimmer, gait: Gait, quantities: Iterable[str] = ()
+) -> list[Observation]:
     """Observations taken from a gait of the reference model, `usual_quantities` by default.
 
     The uncertainty of each is 1 % of its value, or of its natural scale where it nearly cancels.

@@ -108,7 +108,14 @@ def solve(swimmer: Swimmer, model: str, options: dict[str, Any]) -> Gait | str:
 
 def _path(folder: Path, swimmer: Swimmer, model: str, options: dict[str, Any]) -> Path:
     """File of a solve: what the reference sees of the swimmer decides the name."""
-    seen = (swimmer.body, swimmer.tail, swimmer.fluid, swimmer.motion, model, sorted(options.items()))
+    seen = (
+        swimmer.body,
+        swimmer.tail,
+        swimmer.fluid,
+        swimmer.motion,
+        model,
+        sorted(options.items()),
+    )
     return folder / f"{hashlib.sha256(repr(seen).encode()).hexdigest()[:20]}.npz"
 
 
@@ -200,7 +207,8 @@ def _processes(jobs: Sequence[Any], workers: int) -> Any:
         waiting.put(job)
     pool = [Worker() for _ in range(min(workers, len(jobs)))]
     threads = [
-        threading.Thread(target=_drive, args=(worker, waiting, done), daemon=True) for worker in pool
+        threading.Thread(target=_drive, args=(worker, waiting, done), daemon=True)
+        for worker in pool
     ]
     for thread in threads:
         thread.start()

@@ -26,7 +26,13 @@ from .errors import MicroswimError, SpecError
 from .gait import Gait
 from .swimmer import Swimmer
 
-STAGES = ("resistance", "propulsion", "velocity", "velocity_by_resistance", "velocity_by_propulsion")
+STAGES = (
+    "resistance",
+    "propulsion",
+    "velocity",
+    "velocity_by_resistance",
+    "velocity_by_propulsion",
+)
 LIMITS = (0.05, 0.10)
 
 
@@ -235,7 +241,9 @@ def stages(reference: Gait, surrogate: Gait, samples: int = 16) -> dict[str, flo
     spread = np.abs(np.linalg.eigvalsh(whitened)).max(axis=1)
 
     def size(wrench: np.ndarray) -> float:
-        return float(np.sqrt(np.mean(np.sum(np.linalg.solve(L, wrench[..., None])[..., 0] ** 2, -1))))
+        return float(
+            np.sqrt(np.mean(np.sum(np.linalg.solve(L, wrench[..., None])[..., 0] ** 2, -1)))
+        )
 
     def off(A: np.ndarray, wrench: np.ndarray) -> float:
         V = -np.linalg.solve(A, wrench[..., None])[..., 0]

@@ -56,7 +56,11 @@ from ._options import Given, change, example, json_option, print_json, swimmer_o
 @click.option("--solves", type=click.IntRange(6), default=100, show_default=True)
 @click.option("--workers", type=click.IntRange(0), help="Processes (default: all cores).")
 @click.option(
-    "--option", "options", multiple=True, metavar="NAME=VALUE", help='For the reference: level="fine".'
+    "--option",
+    "options",
+    multiple=True,
+    metavar="NAME=VALUE",
+    help='For the reference: level="fine".',
 )
 @click.option("-o", "--output", type=click.Path(path_type=Path), help="Calibrated spec to write.")
 @json_option
@@ -163,7 +167,9 @@ def _measured(text: str) -> Any:
         except ValueError:
             numbers = []
         if not equals or not 1 <= len(numbers) <= 2:
-            raise SpecError("--measured", text, "NAME=VALUE or NAME=VALUE:SIGMA", "speed=30e-6:1e-6")
+            raise SpecError(
+                "--measured", text, "NAME=VALUE or NAME=VALUE:SIGMA", "speed=30e-6:1e-6"
+            )
         yield name.strip(), numbers[0] if len(numbers) == 1 else tuple(numbers)
 
 
@@ -223,7 +229,9 @@ def _number(path: Path, text: str) -> float:
 def _print_coefficients(report: dict[str, Any]) -> None:
     for name, value in report["coefficients"].items():
         sigma = report["uncertainty"][name]
-        click.echo(f"  {name:20s} {value:12.6g}  +- {'not known' if sigma is None else f'{sigma:.2g}'}")
+        click.echo(
+            f"  {name:20s} {value:12.6g}  +- {'not known' if sigma is None else f'{sigma:.2g}'}"
+        )
     click.echo(f"  {report['rank']} of {len(report['coefficients'])} combinations determined")
     for row in report["data"][:12]:
         click.echo(f"  {row['quantity']:20s} {row['measured']:12.6g}  model {row['predicted']:.6g}")

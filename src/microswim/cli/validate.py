@@ -33,7 +33,11 @@ from ._options import (
 @click.option("--quantity", multiple=True, metavar="NAMES", help="Velocities to compare.")
 @click.option("--workers", type=click.IntRange(0), help="Processes (default: all cores).")
 @click.option(
-    "--option", "options", multiple=True, metavar="NAME=VALUE", help='For the reference: level="fine".'
+    "--option",
+    "options",
+    multiple=True,
+    metavar="NAME=VALUE",
+    help='For the reference: level="fine".',
 )
 @out_option
 @json_option

@@ -19,7 +19,11 @@ def command(bem: bool, out: Path | None, as_json: bool) -> None:
 
     if as_json:
         print_json(
-            {"vibrio": world.vibrio(), "rodenborn": world.rodenborn(bem), "table_3": world.table_3()}
+            {
+                "vibrio": world.vibrio(),
+                "rodenborn": world.rodenborn(bem),
+                "table_3": world.table_3(),
+            }
         )
         return
     text = world.page(bem)

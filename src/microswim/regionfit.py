@@ -1,0 +1,222 @@
+"""Fit of a region calibration: targets from reference gaits, Gaussian processes, left-out errors.
+
+Depends on correction, blocks, kriging, shaded.
+"""
+
+from __future__ import annotations
+
+import contextlib
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from . import blocks, kriging, shaded
+from .correction import (
+    HALF,
+    MIRROR_R,
+    SAMPLES,
+    Correction,
+    features,
+    helices,
+    scales,
+    twists,
+    wave_base,
+    waves,
+)
+from .gait import Gait
+from .kriging import Kriging
+from .swimmer import Swimmer
+
+CONTRADICTED = 12.0
+
+
+@dataclass(frozen=True, eq=False)
+class Solved:
+    """A design with its reference gait."""
+
+    swimmer: Swimmer
+    gait: Gait
+
+
+def one_thread() -> Any:
+    """Small matrices are solved faster by one thread than by several that wait for each other."""
+    try:
+        from threadpoolctl import threadpool_limits
+    except ImportError:
+        return contextlib.nullcontext()
+    return threadpool_limits(1)
+
+
+def columns_of(x: np.ndarray) -> np.ndarray:
+    """Features that vary over the designs, their means and spreads, (3, f)."""
+    spread = x.std(axis=0)
+    used = np.flatnonzero(spread > 1e-9)
+    return np.array([used.astype(float), x[:, used].mean(axis=0), spread[used]])
+
+
+def scaled(swimmers: list[Swimmer], columns: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Features of about unit spread (n, f) and numbers of waves (n,)."""
+    x = np.array([features(s) for s in swimmers], dtype=float)[:, columns[0].astype(int)]
+    return (x - columns[1]) / columns[2], np.array(
+        [s.tail.number_of_waves for s in swimmers], float
+    )
+
+
+def _base(s: Swimmer) -> tuple[Any, ...]:
+    """Parameters, isolated drags, viscosity and rules of a design."""
+    D = np.array(s.body.diagonal(s.fluid.viscosity), dtype=float)
+    return (
+        shaded.parameters(s),
+        D,
+        float(s.fluid.viscosity),
+        shaded.nodes(0, s.tail.number_of_waves),
+    )
+
+
+def targets(solved: list[Solved]) -> np.ndarray:
+    """Corrections (n, columns) of all designs, in the order of `Surfaces`."""
+    helix = solved[0].swimmer.tail.kind == "helix"
+    return np.array([(_helix_targets if helix else _wave_targets)(s) for s in solved])
+
+
+def _helix_targets(s: Solved) -> np.ndarray:
+    p, D, mu, rules = _base(s.swimmer)
+    R0, F0, G0 = shaded.shaded_tail(0, p, 0.0, *rules)
+    g, a = s.gait, p[8]
+    R, F = g.resistance(0.0), g.propulsion(0.0)
+    if s.swimmer.tail.sign < 0:
+        R, F = R * np.outer(MIRROR_R, MIRROR_R), F * MIRROR_R
+    y = blocks.encode_helix(R, F, g.activity(0.0), R0 + np.diag(D), F0, G0, a, mu, D[3])
+    share = np.zeros(3)
+    if g.body_resistance_series is not None:
+        body = g.body_resistance_series[0]
+        held = g.body_propulsion_series[0][0] if g.body_propulsion_series is not None else 0.0
+        share[0] = np.log(max(body[0, 0], 1e-3 * D[0]) / D[0])
+        share[1:] = s.swimmer.tail.sign * body[0, 3] / (mu * a**2), held / (mu * a**2)
+    return np.concatenate([y[: blocks.REAL], share, y[blocks.REAL :]])
+
+
+def _wave_targets(s: Solved) -> np.ndarray:
+    p, D, _, rules = _base(s.swimmer)
+    base = wave_base(p, D, *rules)
+    scale = scales(*base)
+    phase = np.pi * np.arange(HALF) / HALF
+    R, F, G = s.gait.resistance(phase), s.gait.propulsion(phase), s.gait.activity(phase)
+    y = np.array(
+        [
+            blocks.encode_wave(R[j], F[j], G[j], *(b[j] for b in base), p[8], scale)
+            for j in range(HALF)
+        ]
+    )
+    even, odd = y[:, list(blocks.EVEN)], y[:, list(blocks.ODD)]
+    turn = np.exp(-1j * np.outer([1, 2, 3], phase))
+    h2 = 2.0 / HALF * turn[1] @ even
+    h1, h3 = 2.0 / HALF * turn[0] @ odd, 2.0 / HALF * turn[2] @ odd
+    pairs = [np.stack([h.real, h.imag], axis=-1).ravel() for h in (h2, h1, h3)]
+    return np.concatenate([even.mean(axis=0), *pairs])
+
+
+def groups_of(helix: bool) -> list[tuple[slice, bool, int]]:
+    """Columns of each group, whether they are complex pairs, and phasors of the tip."""
+    if helix:
+        r = blocks.REAL + 3
+        return [(slice(0, 1), False, 1), (slice(1, r), False, 1), (slice(r, r + 12), True, 1)]
+    return [
+        (slice(0, 1), False, 2),
+        (slice(1, 10), False, 2),
+        (slice(30, 42), True, 1),
+        (slice(10, 30), True, 2),
+        (slice(42, 54), True, 3),
+    ]
+
+
+def fit_groups(
+    solved: list[Solved], former: tuple[Kriging, ...] = (), groups: int | None = None
+) -> tuple[Kriging, ...]:
+    """Gaussian processes of all groups, or of the first ones."""
+    swimmers = [s.swimmer for s in solved]
+    columns = columns_of(np.array([features(s) for s in swimmers], dtype=float))
+    Z, N = scaled(swimmers, columns)
+    Y = targets(solved)
+    out = []
+    for i, (part, pairs, phasors) in enumerate(
+        groups_of(swimmers[0].tail.kind == "helix")[:groups]
+    ):
+        y = Y[:, part]
+        y = y[:, ::2] + 1j * y[:, 1::2] if pairs else y
+        out.append(kriging.fit(Z, N, y, phasors, former[i] if former else None))
+    return tuple(out)
+
+
+def set_aside(solved: list[Solved], former: Any = ()) -> tuple[list[Solved], list[Solved]]:
+    """Designs to keep, and those that all the others contradict.
+
+    Near the edge of what its mesh resolves a reference is a few per cent off; one such solve spoils
+    the fit around it. A design counts as contradicted when its left-out residual of the thrust, in
+    units of its own doubt, is more than `CONTRADICTED` times the median; at most one in twenty.
+    """
+    keep, out = list(solved), []
+    for _ in range(max(1, len(solved) // 20) if len(solved) >= 40 else 0):
+        group = fit_groups(keep, former, groups=1)[0]
+        residual, doubt = group.left_out()
+        z = np.abs(residual[:, 0]) / np.sqrt(doubt)
+        worst = int(np.argmax(z))
+        if z[worst] <= CONTRADICTED * np.median(z):
+            break
+        out.append(keep.pop(worst))
+    return keep, out
+
+
+def left_out_errors(made: Correction, solved: list[Solved]) -> dict[str, dict[str, float]]:
+    """Errors of the velocities when each design in turn is left out of the fit.
+
+    Forward speed and body rate of a helix relative to themselves, lateral amplitudes relative to
+    their largest value.
+    """
+    helix = len(made.surfaces.groups) == 3
+    residual = [g.left_out()[0] for g in made.surfaces.groups]
+    flat = [
+        np.stack([r.real, r.imag], -1).reshape(len(r), -1) if np.iscomplexobj(r) else r
+        for r in residual
+    ]
+    y = targets(solved) - np.concatenate(flat, axis=1)
+    doubt = np.sqrt(made.surfaces.groups[0].left_out()[1])
+    names = ("mean.us", "amplitude.uq", "mean.os" if helix else "amplitude.or")
+    truth, guess = np.empty((2, len(solved), 3))
+    for i, s in enumerate(solved):
+        truth[i] = _velocities(s.gait.resistance, s.gait.propulsion, s.swimmer, helix)
+        guess[i] = _velocities(*_rebuilt(s.swimmer, y[i]), s.swimmer, helix)
+    out = {}
+    for j, name in enumerate(names):
+        if not np.any(np.abs(truth[:, j]) > 0):
+            continue
+        scale = np.abs(truth[:, j]) if name.startswith("mean") else np.abs(truth[:, j]).max()
+        error = np.abs(guess[:, j] - truth[:, j]) / scale
+        out[name] = {
+            "factor": float(np.sqrt(np.mean((error / doubt) ** 2))),
+            "median": float(np.median(error)),
+            "p90": float(np.quantile(error, 0.9)),
+            "worst": float(error.max()),
+        }
+    return out
+
+
+def _velocities(R: Any, F: Any, swimmer: Swimmer, helix: bool) -> list[float]:
+    phase = np.zeros(1) if helix else np.pi * np.arange(SAMPLES) / HALF
+    V = twists(R(phase)[None], F(phase)[None], np.array(swimmer.motion.mask))[0]
+    if helix:
+        return [V[0, 0], float(np.hypot(V[0, 1], V[0, 2])), V[0, 3]]
+    return [V[:, 0].mean(), np.ptp(V[:, 1]) / 2.0, np.ptp(V[:, 5]) / 2.0]
+
+
+def _rebuilt(swimmer: Swimmer, y: np.ndarray) -> tuple[Any, Any]:
+    """R and F_p of a design from given corrections."""
+    p, D, mu, rules = _base(swimmer)
+    none = np.zeros((0, 1)), np.zeros((0, 2)), np.zeros((1, 1)), np.zeros((1, 4)), np.array([0, 0])
+    run = helices if swimmer.tail.kind == "helix" else waves
+    args = (p[None], D[None], np.array([mu]), np.zeros((1, 1)), np.zeros(1), *rules, *none)
+    R, F, _, _ = run(*args, np.zeros((0, len(y))), y)
+    if swimmer.tail.sign < 0:
+        R, F = R * np.outer(MIRROR_R, MIRROR_R), F * MIRROR_R
+    return (lambda phase: R[0]), (lambda phase: F[0])

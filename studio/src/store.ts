@@ -112,6 +112,7 @@ export class Store {
     design.past.push(design.committed);
     design.committed = clone(design.tables);
     design.future = [];
+    this.tell("tables");
   }
 
   /** Put other tables in place of the active design's, as one step that can be undone. */

@@ -120,7 +120,7 @@ export class Judge {
     const about = `${made.unknowns} unknowns, ${made.phases === 1 ? "one phase" : `${made.phases} phases`}, ${made.level}`;
     const parts: HTMLElement[] = [
       el("table", { id: "verdict", class: fresh ? "" : "stale" },
-        el("thead", {}, el("tr", {}, ...["", "surrogate", "reference", "error"].map((h) => el("th", {}, h)))),
+        el("thead", {}, el("tr", {}, ...["", "surrogate", "judge", "error"].map((h) => el("th", {}, h)))),
         el("tbody", {}, ...rows)),
     ];
     if (fit.error) parts.push(el("p", { class: "fine" }, `No calibration here: ${fit.error}`));

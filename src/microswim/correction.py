@@ -128,7 +128,7 @@ class Correction:
     def expected(self, swimmer: Swimmer) -> dict[str, float]:
         """Expected relative error of each quantity at a design (one standard deviation)."""
         Z, N = self.inputs(swimmer)
-        spread = np.sqrt(self.surfaces.groups[0].doubt(np.real(Z), np.real(N))[0])
+        spread = np.sqrt(self.surfaces.doubt(np.real(Z), np.real(N))[0])
         return {name: float(e["factor"] * spread) for name, e in self.errors.items()}
 
     def gait(self, swimmer: Swimmer) -> Gait:

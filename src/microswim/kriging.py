@@ -212,6 +212,20 @@ class Surfaces:
 
     groups: tuple[Kriging, ...]
 
+    def doubt(self, Z: np.ndarray, N: np.ndarray) -> np.ndarray:
+        """Variance (k,) at other designs over that of a design left out, mean of the groups."""
+        each = [g.doubt(Z, N) / typical for g, typical in zip(self.groups, self._typical)]
+        return np.mean(each, axis=0)
+
+    def left_out_doubt(self) -> np.ndarray:
+        """The same (n,) at each design when it is left out."""
+        each = [g.left_out()[1] / typical for g, typical in zip(self.groups, self._typical)]
+        return np.mean(each, axis=0)
+
+    @cached_property
+    def _typical(self) -> list[float]:
+        return [float(np.mean(g.left_out()[1])) for g in self.groups]
+
     @cached_property
     def packed(self) -> tuple[np.ndarray, ...]:
         """Arguments of `predict` after the number of waves, and the means."""

@@ -188,7 +188,8 @@ def _least_sure(
     """Designs that lower the doubt over the whole region most, one after the other as if solved.
 
     With C the covariance given what is solved, a design c takes ``|C_xc|^2 / C_cc`` off the
-    variance at x; the mean over the region counts, for thrust, invariant parts and lateral vectors alike.
+    variance at x; the mean over the region counts, for thrust, invariant parts and lateral vectors
+    alike.
     """
     columns = columns_of(np.array([features(s.swimmer) for s in solved], dtype=float))
     open_ = [i for i in range(len(pool)) if i not in tried][:CANDIDATES]

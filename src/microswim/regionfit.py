@@ -181,7 +181,7 @@ def left_out_errors(made: Correction, solved: list[Solved]) -> dict[str, dict[st
         for r in residual
     ]
     y = targets(solved) - np.concatenate(flat, axis=1)
-    doubt = np.sqrt(made.surfaces.groups[0].left_out()[1])
+    doubt = np.sqrt(made.surfaces.left_out_doubt())
     names = ("mean.us", "amplitude.uq", "mean.os" if helix else "amplitude.or")
     truth, guess = np.empty((2, len(solved), 3))
     for i, s in enumerate(solved):

@@ -1,7 +1,8 @@
 """A region calibration in use: the surrogate corrected over a region of designs.
 
-``swimmer.gait()`` and `microswim.evaluate` of a swimmer that carries a `Correction` give the corrected
-R and F_p, the expected error, and say when the design lies outside. Depends on shaded, blocks, kriging.
+``swimmer.gait()`` and `microswim.evaluate` of a swimmer that carries a `Correction` give the
+corrected R and F_p; a gait also the expected error, and says when the design lies outside.
+Depends on shaded, blocks, kriging.
 """
 
 from __future__ import annotations
@@ -62,6 +63,15 @@ def fixed_numbers(swimmer: Swimmer, names: Any) -> dict[str, float]:
     }
 
 
+def _number(swimmer: Swimmer, name: str) -> float:
+    """A number of the spec by its dotted name, NaN if there is none."""
+    part, _, field_ = name.partition(".")
+    field_, _, index = field_.rstrip("]").partition("[")
+    value = getattr(getattr(swimmer, part), field_, None)
+    value = value[int(index)] if index and value is not None else value
+    return float("nan") if value is None else float(np.real(value))
+
+
 @dataclass(frozen=True, eq=False)
 class Correction:
     """Smooth corrections of R and F_p over a region of designs.
@@ -110,16 +120,16 @@ class Correction:
 
     def outside(self, swimmer: Swimmer) -> list[str]:
         """In words, what puts a design outside the region; empty inside."""
-        numbers, out = swimmer.numbers, []
+        out = []
         for name, low in self.low.items():
-            value, high = float(np.real(numbers.get(name, np.nan))), self.high[name]
+            value, high = _number(swimmer, name), self.high[name]
             slack = 1e-9 * max(abs(low), abs(high))
             if not low - slack <= value <= high + slack:
                 out.append(f"{name} = {value:.6g} is not in {low:g} to {high:g}")
-        for name, value in fixed_numbers(swimmer, self.low).items():
-            held = self.fixed.get(name)
-            if held is None or not abs(np.real(value) - held) <= 1e-9 * abs(held):
-                out.append(f"{name} = {value:.6g} is not {held if held is None else f'{held:g}'}")
+        for name, held in self.fixed.items():
+            value = _number(swimmer, name)
+            if not abs(value - held) <= 1e-9 * abs(held):
+                out.append(f"{name} = {value:.6g} is not {held:g}")
         for name, word in words(swimmer).items():
             if word != self.choices.get(name):
                 out.append(f"{name} is {word}, not {self.choices.get(name)}")

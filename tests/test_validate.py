@@ -20,7 +20,7 @@ def test_a_model_agrees_with_itself():
 
 
 def test_the_stage_that_is_wrong_is_blamed():
-    """More body drag changes the resistance alone; a fluid twice as thick both, not the velocity."""
+    """More body drag changes the resistance alone; a thicker fluid both, not the velocity."""
     gait = HELIX.gait()
     heavy = stages(gait, HELIX.with_({"interaction.translation": (2.0, 2.0, 2.0)}).gait())
     assert heavy["resistance"] > 0.1

@@ -9,6 +9,8 @@ from .bodies import Ellipsoid as Ellipsoid
 from .bodies import NoBody as NoBody
 from .bodies import Sphere as Sphere
 from .bodies import Spheroid as Spheroid
+from .calibrate import Calibration as Calibration
+from .calibrate import calibrate as calibrate
 from .coefficients import Constant as Constant
 from .coefficients import Cox as Cox
 from .coefficients import GrayHancock as GrayHancock
@@ -16,15 +18,18 @@ from .coefficients import Lighthill as Lighthill
 from .coefficients import ValidityWarning as ValidityWarning
 from .coefficients import closed_form as closed_form
 from .customtail import CustomTail as CustomTail
+from .design import Optimum as Optimum
+from .design import design as design
 from .errors import MicroswimError as MicroswimError
 from .errors import SpecError as SpecError
 from .gait import Gait as Gait
 from .interaction import Interaction as Interaction
 from .kinematics import ScrewMotion as ScrewMotion
 from .metrics import summary as summary
-from .design import Optimum as Optimum
-from .design import design as design
+from .observe import Observation as Observation
+from .observe import observed as observed
 from .pareto import pareto as pareto
+from .region import calibrate_region as calibrate_region
 from .robust import robustness as robustness
 from .robust import sobol_indices as sobol_indices
 from .robustdesign import robust_design as robust_design
@@ -39,11 +44,6 @@ from .trackfit import identify_swimmer as identify_swimmer
 from .trackresult import Identification as Identification
 from .trajectory import screw as screw
 from .trajectory import trajectory as trajectory
-from .calibrate import Calibration as Calibration
-from .calibrate import calibrate as calibrate
-from .observe import Observation as Observation
-from .observe import observed as observed
-from .region import calibrate_region as calibrate_region
 from .validate import Validation as Validation
 from .validate import validate as validate
 

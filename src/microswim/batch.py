@@ -107,6 +107,7 @@ def _chunk(swimmer: Swimmer, arrays: dict[str, Any], tolerance: float) -> dict[s
 
 def _calibrated(swimmer: Swimmer, arrays: dict[str, Any], good: Any, rate: Any) -> dict[str, Any]:
     """Results of a surrogate that carries a region calibration."""
+    assert swimmer.region is not None
     n, group = len(good), np.flatnonzero(good)
     helix = swimmer.tail.kind == "helix"
     V = np.full((n, 1 if helix else PHASES, 6), np.nan)

@@ -8,8 +8,8 @@ Whatever the corrections y say, A, S, T come out positive definite:
     y6 ln tr S/tr S0  y7 ln tr T/tr T0  y8, y9 K - K0 (turn-invariant part)    y10... W - W0, B_lat
 
 ``B = R e_os - F_p`` is the wrench that turns the body alone (whole less tail), D the isolated
-resistance, ``A_s = R_ss - R_sO^2/R_OO``. Lateral vectors are complex numbers q + i r: they turn with
-the tail. A plane wave splits by its mirror plane into (us, uq, or) and (ur, os, oq), each
+resistance, ``A_s = R_ss - R_sO^2/R_OO``. Lateral vectors are complex numbers q + i r: they turn
+with the tail. A plane wave splits by its mirror plane into (us, uq, or) and (ur, os, oq), each
 ``R = L D L'``. Lengths are in units of r_s. Depends on numba alone.
 """
 
@@ -29,7 +29,7 @@ _ORDER = (0, 3, 1, 2, 4, 5)
 
 @njit(cache=True)
 def split(R: Any) -> Any:
-    """Unit lower L and block diagonal C with ``P R P' = L C L'``, P the order (0, 3, 1, 2, 4, 5)."""
+    """Unit lower L and block diagonal C with ``P R P' = L C L'``, P the order 0, 3, 1, 2, 4, 5."""
     L, C = np.zeros_like(R), np.empty_like(R)
     for i in range(6):
         L[i, i] += 1.0

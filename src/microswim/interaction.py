@@ -14,7 +14,8 @@ from . import checks
 from .errors import SpecError
 
 Triple = tuple[float, float, float]
-_ZERO = ((0.0, 0.0, 0.0),) * 3
+_ROW: Triple = (0.0, 0.0, 0.0)
+_ZERO = (_ROW, _ROW, _ROW)
 
 
 @dataclass(frozen=True, kw_only=True)

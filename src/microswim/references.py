@@ -171,20 +171,23 @@ class Worker:
         environment = os.environ | {f"{name}_NUM_THREADS": "1" for name in THREADS}
         environment["PYTHONPATH"] = os.pathsep.join(p or os.getcwd() for p in sys.path)
         command = [sys.executable, "-c", f"from {__name__} import serve; serve()"]
-        pipes = {"stdin": subprocess.PIPE, "stdout": subprocess.PIPE}
-        self.process = subprocess.Popen(command, env=environment, **pipes)
+        pipe = subprocess.PIPE
+        self.process = subprocess.Popen(command, env=environment, stdin=pipe, stdout=pipe)
+        assert self.process.stdin is not None
+        assert self.process.stdout is not None
+        self.jobs, self.results = self.process.stdin, self.process.stdout
 
     def __call__(self, job: Any) -> Gait | str:
         """Result of a job; EOFError if the process died over it."""
-        pickle.dump(job, self.process.stdin)
-        self.process.stdin.flush()
-        return pickle.load(self.process.stdout)
+        pickle.dump(job, self.jobs)
+        self.jobs.flush()
+        return pickle.load(self.results)
 
     def stop(self) -> None:
         """End the process now."""
         self.process.kill()
         self.process.wait()
-        for pipe in (self.process.stdin, self.process.stdout):
+        for pipe in (self.jobs, self.results):
             with contextlib.suppress(OSError):
                 pipe.close()
 

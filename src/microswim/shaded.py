@@ -1,6 +1,6 @@
 """Resistive force theory in the flow that the moving body drives: base of the region calibration.
 
-A sphere of radius a that moves with ``V = [U; W]`` drives the Stokes flow ``u = M U + (a/r)^3 W x x``,
+A sphere of radius a moving with ``V = [U; W]`` drives the flow ``u = M U + (a/r)^3 W x x``,
 
     M = (3q/4 + q^3/4) I + (3q/4 - 3q^3/4) e e',     q = a/r, e = x/r,
 
@@ -9,9 +9,9 @@ resistance C of Eq. (5) and the tail's own velocity u_hat
 
     R = B_b + int H' C H dl,     F_p = int H' C u_hat dl,     C = c_n I + (c_t - c_n) t t'.
 
-H' carries a force on the filament to the force it leaves on the whole swimmer (reciprocal theorem), so
-R stays symmetric and positive definite. Bodies that are not spheres shade like the sphere of radius
-r_s. Depends on kernels.
+H' carries a force on the filament to the force it leaves on the whole swimmer (reciprocal theorem),
+so R stays symmetric and positive definite. Bodies that are not spheres shade like the sphere of
+radius r_s. Depends on kernels.
 """
 
 from __future__ import annotations
@@ -88,7 +88,7 @@ def shaded_tail(kind: int, p: Any, phase: Any, ramp_rule: Any, rule: Any) -> Any
 
 
 def parameters(swimmer: Swimmer) -> np.ndarray:
-    """Kernel parameters (..., 10) of the left-handed tail under Gray and Hancock's law with spin."""
+    """Kernel parameters (..., 10) of the left-handed tail, Gray and Hancock's law with spin."""
     tail = swimmer.tail
     local = _LAW.local(tail, swimmer.fluid.viscosity)
     values = (

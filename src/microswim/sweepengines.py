@@ -257,7 +257,7 @@ def connected(scheduler: str | None, cluster: str | None, workers: int) -> Itera
 def _slurm(workers: int) -> Any:
     """A Slurm cluster: one job a worker; queue and limits from Dask's own configuration."""
     try:
-        from dask_jobqueue import SLURMCluster
+        from dask_jobqueue.slurm import SLURMCluster
     except ModuleNotFoundError:
         raise MicroswimError(
             'dask-jobqueue is not installed; install it with: pip install "microswim[cluster]"'

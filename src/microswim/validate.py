@@ -1,6 +1,6 @@
 """The surrogate against a reference over a map of designs, stage by stage.
 
-With reference ``R, F_p`` and surrogate ``R', F_p'`` at each phase, in the reference's own measure of
+With reference ``R, F_p`` and surrogate ``R', F_p'`` at each phase, in the reference's measure of
 dissipation (``|V|^2 = V'RV``, ``|F|^2 = F'R^-1 F``), root mean square over the period:
 
     resistance   |R^-1/2 (R' - R) R^-1/2|_2           largest relative error of any dissipation

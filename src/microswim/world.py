@@ -1,7 +1,8 @@
 """Against the world: the surrogate and the judge beside published numbers.
 
-Vibrio alginolyticus (Tabak Section 3.1), Rodenborn's rigid helix, Table 3 of the paper. Each function
-gives rows; ``microswim world`` prints them and writes the page. Depends on calibrate, data, references.
+Vibrio alginolyticus (Tabak Section 3.1), Rodenborn's rigid helix, Table 3 of the paper. Each
+function gives rows; ``microswim world`` prints them and writes the page. Depends on calibrate,
+data, references.
 """
 
 from __future__ import annotations

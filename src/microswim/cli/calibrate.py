@@ -1,4 +1,4 @@
-"""``microswim calibrate``: interaction coefficients, or a whole region, from a reference or data."""
+"""``microswim calibrate``: interaction coefficients, or a region, from a reference or data."""
 
 from __future__ import annotations
 

@@ -31,8 +31,9 @@ NOTE = (
     "Lengths in body diameters, times in periods of the motor; lateral: half of peak to peak of "
     "u_q; Omega_s in radians. RFT, the surrogate, with the paper's constant pair of local "
     "coefficients or with Lighthill's: alone it swims too fast; gamma, the interaction "
-    "coefficients of Table 3, bring it to the paper's CFD. Boundary elements resolve the thick filament and its "
-    "spin and swim slower. Check: u_s against independent computations (data set base-case)."
+    "coefficients of Table 3, bring it to the paper's CFD. Boundary elements resolve the thick "
+    "filament and its spin and swim slower. Check: u_s against independent computations (data set "
+    "base-case)."
 )
 
 

@@ -15,7 +15,7 @@ from ._options import Given, change, example, json_option, model_option, print_j
 
 @click.command(
     epilog=example(
-        "microswim sweep robot.toml --over tail.amplitude=0.1:0.5:50,tail.waves=1:5:41 --out a.zarr",
+        "microswim sweep robot.toml --over tail.amplitude=0.1:0.5:9,tail.waves=1:5:9 --out a.zarr",
         "microswim sweep robot.toml --over tail.waves=1:5:20 --model bem --out b.zarr --resume",
         "microswim sweep robot.toml --designs designs.csv --model bem --out bem.zarr --resume",
         "microswim sweep robot.toml --over ... --model fem --scheduler HOST:8786 --out fem.zarr",

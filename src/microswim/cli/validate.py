@@ -23,7 +23,7 @@ from ._options import (
 
 @click.command(
     epilog=example(
-        "microswim validate robot.toml --over tail.amplitude=0.01:0.15:8,tail.waves=1:5:9 --out map",
+        "microswim validate robot.toml --over tail.amplitude=0.01:0.15:8,tail.waves=1:5:9 --out m",
         "microswim validate calibrated.toml --against bem --over tail.length=1.2:3:7 --json",
     )
 )

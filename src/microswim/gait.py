@@ -105,10 +105,10 @@ def rotate(value: np.ndarray, sign: float) -> np.ndarray:
 def add(*series: np.ndarray) -> np.ndarray:
     """Sum of series of different lengths."""
     longest = max(series, key=len)
-    kind = complex if any(s.dtype.kind == "c" for s in series) else float
-    out = np.zeros(longest.shape, dtype=kind)
+    out = longest + (0j if any(s.dtype.kind == "c" for s in series) else 0.0)
     for s in series:
-        out[: len(s)] += s
+        if s is not longest:
+            out[: len(s)] += s
     return out
 
 

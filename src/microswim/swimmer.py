@@ -98,7 +98,9 @@ class Motion:
     @property
     def mask(self) -> tuple[bool, ...]:
         """Whether us, uq, ur, os, oq, or are free."""
-        return tuple(self.free == "all" or name in self.free for name in DEGREES_OF_FREEDOM)
+        if self.free == "all":
+            return (True,) * 6
+        return tuple(name in self.free for name in DEGREES_OF_FREEDOM)
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -264,8 +264,8 @@ def closed_form(tail: Any, *, c_n: Any, c_t: Any, u_s: Any = 0.0) -> tuple[Any, 
     --------
     >>> import microswim as ms
     >>> tail = ms.HelicalTail(length=2.0, amplitude=0.1, waves=3, radius=0.05)
-    >>> [round(float(x), 1) for x in ms.closed_form(tail, c_n=995.5, c_t=775.2)]
-    [-190.0, -154.3]
+    >>> [round(float(x)) for x in ms.closed_form(tail, c_n=995.5, c_t=775.2)]
+    [-190, -154]
     """
     b2, k, omega = tail.amplitude**2, tail.wavenumber, tail.rate
     share = tail.alpha * tail.apparent_length

@@ -54,7 +54,8 @@ class CustomTail(Tail):
     --------
     >>> import numpy as np, microswim as ms
     >>> def beat(s, phase):
-    ...     return np.stack([s, 0.1 * s * np.cos(3 * s - phase), 0 * s * phase], axis=-1)
+    ...     q = 0.1 * s * np.cos(3 * s - phase)
+    ...     return np.stack([s + 0 * q, q, 0 * q], axis=-1)
     >>> tail = ms.CustomTail(shape=beat, length=2.0, radius=0.02, wavelength=2.0)
     >>> tail.centreline(1.0, 0.0)[0].round(3).tolist()
     [1.0, -0.099, 0.0]

@@ -155,7 +155,7 @@ def design(
     ...     maximize="speed",
     ...     subject_to="torque <= 100",
     ... )
-    >>> round(best.quantities["torque"], 6)
+    >>> round(best.quantities["torque"], 3)
     100.0
     """
     begun = time.perf_counter()

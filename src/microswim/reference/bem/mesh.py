@@ -75,8 +75,10 @@ def _wanted_length(tail: Any, phase: float, s: Array, r: Resolution) -> tuple[Ar
     swing = np.sum((curve.P_s - curve.P_s.mean(axis=0)) ** 2)
     wavenumber = np.sqrt(np.sum(curve.P_ss**2) / max(swing, 1e-20))
     h = np.minimum(h, r.wave * speed / max(wavenumber, 1e-12))
-    # towards curvature x radius = 1 the inner side of the bend sharpens to a crease
-    crease = np.clip((1 - bend * tail.radius) / (1 - CREASE), 0.05, 1.0)
+    # towards curvature x radius = 1 the inner side of the bend sharpens to a crease; sections that
+    # are only displaced (sheared) do not crease
+    sharp = bend * tail.radius if tail.sections == "perpendicular" else 0.0 * bend
+    crease = np.clip((1 - sharp) / (1 - CREASE), 0.05, 1.0)
     return arc, np.minimum(h, np.where(crease < 1, r.bend, 2 * r.bend) / bend * crease)
 
 

@@ -1,9 +1,12 @@
 """The house rules that a machine can hold."""
 
+import ast
 import inspect
 import re
 import subprocess
 import sys
+import tomllib
+from importlib.metadata import packages_distributions
 from importlib.resources import as_file, files
 from pathlib import Path
 
@@ -120,6 +123,30 @@ modules = {n for n in microswim.__all__ if isinstance(getattr(microswim, n), typ
 print(*sorted(modules))
 """
     assert in_a_fresh_interpreter(code).split() == ["data", "io", "plots", "report"]
+
+
+def test_every_library_that_is_imported_is_declared():
+    """What another package happens to bring is not there on a fresh machine."""
+    project = tomllib.loads((ROOT / "pyproject.toml").read_text(encoding="utf-8"))["project"]
+    listed = [project["dependencies"], *project["optional-dependencies"].values()]
+    declared = {re.split(r"[^\w.-]", line)[0].lower() for lines in listed for line in lines}
+    brought = {"pandas": "xarray", "pil": "matplotlib", "netgen": "ngsolve"}  # by which of them
+    owners = packages_distributions()
+    paths = tracked("src/*.py", "tests/*.py", "benchmarks/*.py", "examples/*.py")
+    ours = {name for path in paths for name in (path.stem, path.parent.name)}
+    missing = set()
+    for path in paths:
+        for node in ast.walk(ast.parse(path.read_text(encoding="utf-8"))):
+            names = [a.name for a in node.names] if isinstance(node, ast.Import) else []
+            if isinstance(node, ast.ImportFrom) and not node.level:
+                names = [node.module]
+            for top in {name.split(".")[0] for name in names}:
+                if top in sys.stdlib_module_names or top in ours:
+                    continue
+                given = {brought.get(top.lower(), d).lower() for d in owners.get(top, [top])}
+                if not given & declared:
+                    missing.add(f"{path.relative_to(ROOT)}: {top}")
+    assert missing == set()
 
 
 def test_the_core_works_without_the_extras():

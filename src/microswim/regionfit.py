@@ -5,11 +5,11 @@ Depends on correction, blocks, kriging, shaded.
 
 from __future__ import annotations
 
-import contextlib
 from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
+from threadpoolctl import threadpool_limits
 
 from . import blocks, kriging, shaded
 from .correction import (
@@ -41,10 +41,6 @@ class Solved:
 
 def one_thread() -> Any:
     """Small matrices are solved faster by one thread than by several that wait for each other."""
-    try:
-        from threadpoolctl import threadpool_limits
-    except ImportError:
-        return contextlib.nullcontext()
     return threadpool_limits(1)
 
 

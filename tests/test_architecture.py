@@ -134,6 +134,7 @@ def test_every_library_that_is_imported_is_declared():
     owners = packages_distributions()
     paths = tracked("src/*.py", "tests/*.py", "benchmarks/*.py", "examples/*.py")
     ours = {name for path in paths for name in (path.stem, path.parent.name)}
+    ours.add("beating")  # written by a test of sweeps
     missing = set()
     for path in paths:
         for node in ast.walk(ast.parse(path.read_text(encoding="utf-8"))):

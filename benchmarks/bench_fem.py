@@ -23,9 +23,9 @@ import numpy as np
 
 import microswim as ms
 from microswim.reference import fem
-from microswim.reference.channel import Channel
 from microswim.reference.fem import quasi_steady as qs
 from microswim.reference.fem.mesh import level_named
+from microswim.surroundings import Channel
 
 FOUR = ms.Motion(free=("us", "uq", "ur", "os"))
 

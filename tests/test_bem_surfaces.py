@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 import microswim as ms
-from microswim.errors import MicroswimError, SpecError
+from microswim.errors import MicroswimError
 from microswim.reference import bem
 from microswim.reference.bem import system
 from microswim.reference.bem.surface import Surface
@@ -180,13 +180,3 @@ def test_memory_is_refused_in_a_sentence():
     huge = Surface(many, many, np.zeros(len(many), bool), 2)
     with pytest.raises(MicroswimError, match=r"unknowns need .* GiB"):
         system.require_memory(huge.unknowns)
-
-
-def test_wall_fields_are_checked():
-    with pytest.raises(SpecError, match=r"wall\.distance = -1"):
-        bem.Wall(-1.0)
-    with pytest.raises(SpecError, match=r"wall\.normal"):
-        bem.Wall(1.0, (0.0, 0.0, 0.0))
-    plane = bem.Wall.tilted(2.0, tilt=0.3, azimuth=0.5).plane(np.array([-0.5, 0, 0]))
-    assert np.linalg.norm(plane[3:]) == pytest.approx(1.0)
-    assert (np.array([-0.5, 0, 0]) - plane[:3]) @ plane[3:] == pytest.approx(2.0)

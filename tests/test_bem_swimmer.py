@@ -248,21 +248,27 @@ def test_files_and_picture(rough, tmp_path):
     assert figure.axes[0].get_xlabel() == "s"
 
 
+def beside(swimmer, wall):
+    return replace(swimmer, wall=wall)
+
+
 def test_wall_slows_and_far_wall_does_nothing(rough):
     free = rough.resistance
-    far = bem.solve(rough.swimmer, level=ROUGH, wall=bem.Wall(400.0)).resistance
-    near = bem.solve(rough.swimmer, level=ROUGH, wall=bem.Wall(1.0, (0.0, 0.0, 1.0))).resistance
+    far = bem.solve(beside(rough.swimmer, ms.Wall(400.0)), level=ROUGH).resistance
+    near = bem.solve(beside(rough.swimmer, ms.Wall(1.0, azimuth=np.pi / 2)), level=ROUGH).resistance
     assert np.allclose(far, free, rtol=0.01, atol=1e-3 * free.max())
     assert (near.diagonal() > free.diagonal()).all()
 
 
 def test_gait_beside_a_wall_is_sampled_over_the_full_period():
     level = replace(ROUGH, phases=3)
-    gait = phases.gait(swimmer(ms.HelicalTail(**BASE)), level=level, wall=bem.Wall.tilted(0.8, 0.1))
+    gait = phases.gait(beside(swimmer(ms.HelicalTail(**BASE)), ms.Wall(0.8, 0.1)), level=level)
     assert gait.info["phases_solved"] == 3
     assert gait.mean_velocity[0] < 0
     with pytest.raises(SpecError, match=r"wall\.distance = 0\.4: must be more than 0\.5"):
-        bem.solve(swimmer(ms.HelicalTail(**BASE)), level=ROUGH, wall=bem.Wall(0.4))
+        bem.solve(beside(swimmer(ms.HelicalTail(**BASE)), ms.Wall(0.4)), level=ROUGH)
+    with pytest.raises(SpecError, match=r'channel: model = "bem" knows free fluid'):
+        bem.solve(replace(swimmer(ms.HelicalTail(**BASE)), channel=ms.Channel()), level=ROUGH)
 
 
 def test_unknown_level_is_refused():

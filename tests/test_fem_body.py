@@ -8,7 +8,7 @@ from scipy.integrate import quad
 from scipy.special import i1, k1
 
 import microswim as ms
-from microswim.reference.channel import Channel
+from microswim.surroundings import Channel
 
 pytest.importorskip("ngsolve", reason="needs the extra fem")
 

@@ -9,7 +9,7 @@ import pytest
 
 import microswim as ms
 from microswim.errors import MicroswimError, SpecError
-from microswim.reference.channel import Channel
+from microswim.surroundings import Channel
 
 pytest.importorskip("ngsolve", reason="needs the extra fem")
 
@@ -157,9 +157,9 @@ def test_unknown_level_is_refused():
 
 def test_without_ngsolve_one_sentence_says_what_to_install(monkeypatch):
     monkeypatch.setattr(fem, "find_spec", lambda name: None)
-    with pytest.raises(MicroswimError, match=r"pip install microswim\[fem\]"):
+    with pytest.raises(SpecError, match=r'pip install "microswim\[fem\]"'):
         fem.gait(swimmer())
-    with pytest.raises(MicroswimError, match=r"pip install microswim\[fem\]"):
+    with pytest.raises(SpecError, match=r'pip install "microswim\[fem\]"'):
         fem.swim(swimmer())
 
 

@@ -10,7 +10,7 @@ import xarray as xr
 
 import microswim as ms
 from microswim.errors import MicroswimError, SpecError
-from microswim.reference.channel import Channel
+from microswim.surroundings import Channel
 
 pytest.importorskip("ngsolve", reason="needs the extra fem")
 

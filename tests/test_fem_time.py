@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from microswim.reference.channel import Channel
+from microswim.surroundings import Channel
 
 ngs = pytest.importorskip("ngsolve", reason="needs the extra fem")
 

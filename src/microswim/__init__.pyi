@@ -33,6 +33,8 @@ from .region import calibrate_region as calibrate_region
 from .robust import robustness as robustness
 from .robust import sobol_indices as sobol_indices
 from .robustdesign import robust_design as robust_design
+from .surroundings import Channel as Channel
+from .surroundings import Wall as Wall
 from .sweep import sweep as sweep
 from .swimmer import Fluid as Fluid
 from .swimmer import Motion as Motion

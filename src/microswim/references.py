@@ -115,6 +115,7 @@ def _path(folder: Path, swimmer: Swimmer, model: str, options: dict[str, Any]) -
         swimmer.motion,
         model,
         sorted(options.items()),
+        *(around for around in (swimmer.wall, swimmer.channel) if around is not None),
     )
     return folder / f"{hashlib.sha256(repr(seen).encode()).hexdigest()[:20]}.npz"
 

@@ -31,7 +31,7 @@ from .kernels import (
     wave_tail,
     wave_tail_phases,
 )
-from .swimmer import Swimmer
+from .swimmer import SURROUNDINGS, Swimmer
 
 
 def parameters(swimmer: Swimmer) -> np.ndarray:
@@ -95,10 +95,17 @@ def gait(swimmer: Swimmer, *, nodes: int | None = None, phases: int | None = Non
         free=swimmer.motion.mask,
         body_resistance_series=body[None],
         units=swimmer.units,
+        info=_about(swimmer),
     )
     if swimmer.motion.frequency_frame == "lab":
         return made.in_lab_frame(tail.rate, tail.sign)
     return made
+
+
+def _about(swimmer: Swimmer) -> dict[str, Any]:
+    around = [name for name in swimmer.parts if name in SURROUNDINGS]
+    heard = "its coefficients may, when they were calibrated there"
+    return {"remarks": [f"the surrogate itself knows no {name}; {heard}" for name in around]}
 
 
 def _deforming(swimmer: Swimmer, nodes: int | None, phases: int | None) -> tuple[np.ndarray, ...]:

@@ -23,6 +23,7 @@ from .coefficients import LAWS
 from .customtail import CustomTail
 from .errors import SpecError
 from .interaction import Interaction
+from .surroundings import Channel, Wall
 from .swimmer import Fluid, Motion, Swimmer
 from .tables import SpecTable
 from .tails import HelicalTail, PlaneWaveTail
@@ -133,6 +134,8 @@ def _build(spec: SpecTable, units: Literal["SI", "dimensionless"]) -> Swimmer:
         motion=Motion(**_given(spec.motion)),
         units=units,
         region=None if spec.region is None else _region(spec.region.data),
+        wall=None if spec.wall is None else Wall(**_given(spec.wall)),
+        channel=None if spec.channel is None else Channel(**_given(spec.channel)),
     )
 
 

@@ -12,20 +12,24 @@ from typing import TYPE_CHECKING, Any, Literal
 from . import checks
 from .bodies import Body
 from .coefficients import Coefficients, Lighthill
+from .dotted import nearest, numbers_of, replaced, set_item
 from .errors import SpecError
 from .interaction import Interaction
+from .surroundings import Channel, Wall
 from .tails import Tail
 
 if TYPE_CHECKING:
     from .correction import Correction
     from .gait import Gait
 
+PARTS = ("fluid", "body", "tail", "coefficients", "interaction", "motion")
+SURROUNDINGS = ("wall", "channel")
 DEGREES_OF_FREEDOM = ("us", "uq", "ur", "os", "oq", "or")
 
 
 @dataclass(frozen=True, kw_only=True)
 class Fluid:
-    """Newtonian fluid, unbounded.
+    """Newtonian fluid; what bounds it is a `Wall` or a `Channel` of the swimmer.
 
     Parameters
     ----------
@@ -125,6 +129,10 @@ class Swimmer:
         ``"dimensionless"`` (any consistent units) or ``"SI"``.
     region
         Region calibration that the surrogate uses, as `calibrate_region` makes it.
+    wall
+        `Wall` beside the swimmer, for the boundary elements; none by default.
+    channel
+        `Channel` around the swimmer, for the finite elements; theirs by default.
 
     Raises
     ------
@@ -151,18 +159,32 @@ class Swimmer:
     motion: Motion = field(default_factory=Motion)
     units: Literal["dimensionless", "SI"] = "dimensionless"
     region: Correction | None = None
+    wall: Wall | None = None
+    channel: Channel | None = None
 
     def __post_init__(self) -> None:
-        parts = (Body, Tail, Fluid, Coefficients, Interaction, Motion)
-        for f, kind in zip(fields(self), parts):
-            if not isinstance(getattr(self, f.name), kind):
-                value = type(getattr(self, f.name)).__name__
-                raise SpecError(f.name, value, f"a {kind.__name__}")
+        for name, kind in zip(PARTS, (Fluid, Body, Tail, Coefficients, Interaction, Motion)):
+            self._check_part(name, kind)
+        for name, kind in zip(SURROUNDINGS, (Wall, Channel)):
+            if getattr(self, name) is not None:
+                self._check_part(name, kind)
+        if self.wall is not None and self.channel is not None:
+            raise SpecError("wall, channel: one of them bounds the fluid; remove the other")
         checks.choice("units", self.units, ("dimensionless", "SI"))
         if self.motion.frequency_frame == "lab" and self.tail.surface_motion != "rigid":
             raise SpecError(
                 "motion.frequency_frame", "lab", '"body" for a tail that does not rotate rigidly'
             )
+
+    def _check_part(self, name: str, kind: type) -> None:
+        if not isinstance(getattr(self, name), kind):
+            value = type(getattr(self, name)).__name__
+            raise SpecError(name, value, f"a {kind.__name__}")
+
+    @property
+    def parts(self) -> tuple[str, ...]:
+        """Names of the parts it has, as the tables of a spec file."""
+        return PARTS + tuple(n for n in SURROUNDINGS if getattr(self, n) is not None)
 
     @classmethod
     def from_toml(
@@ -232,11 +254,11 @@ class Swimmer:
             name, *index = name.replace("]", "").split("[")
             owner, new = getattr(self, part, None), grouped.setdefault(part, {})
             if not is_dataclass(owner) or name not in {f.name for f in fields(owner)}:
-                raise SpecError(path, value, "a field of this swimmer", _near(path, self.numbers))
+                raise SpecError(path, value, "a field of this swimmer", nearest(path, self.numbers))
             if index and path not in self.numbers:
                 raise SpecError(path, value, "an entry of a list of this swimmer")
             old = new.get(name, getattr(owner, name))
-            new[name] = _set_item(old, [int(i) for i in index], value) if index else value
+            new[name] = set_item(old, [int(i) for i in index], value) if index else value
         tail = grouped.get("tail", {})
         for one, other in (("waves", "wavelength"), ("wavelength", "waves")):
             if one in tail and other not in tail and hasattr(self.tail, "waves"):
@@ -249,8 +271,8 @@ class Swimmer:
         """Every number of the spec by its dotted name (entries of lists as ``name[i]``)."""
         return {
             f"{part}{path}": value
-            for part in ("fluid", "body", "tail", "coefficients", "interaction")
-            for path, value in _numbers(getattr(self, part))
+            for part in self.parts
+            for path, value in numbers_of(getattr(self, part))
         }
 
     def lifted(self, values: dict[str, Any]) -> Swimmer:
@@ -261,13 +283,15 @@ class Swimmer:
         swimmer = self
         for path, value in values.items():
             if path not in self.numbers:
-                raise SpecError(path, value, "a number of this swimmer", _near(path, self.numbers))
+                raise SpecError(
+                    path, value, "a number of this swimmer", nearest(path, self.numbers)
+                )
             part, name = path.split(".", 1)
             name, *index = name.replace("]", "").split("[")
             owner = getattr(swimmer, part)
             if index:
-                value = _set_item(getattr(owner, name), [int(i) for i in index], value)
-            swimmer = _replaced(swimmer, part, _replaced(owner, name, value))
+                value = set_item(getattr(owner, name), [int(i) for i in index], value)
+            swimmer = replaced(swimmer, part, replaced(owner, name, value))
         return swimmer
 
     def gradient(self, output: str = "mean_velocity", wrt: Any = None) -> dict[str, Any]:
@@ -299,40 +323,3 @@ class Swimmer:
         from .metrics import gradient
 
         return gradient(self, output, wrt)
-
-
-def _numbers(owner: Any, prefix: str = ".") -> list[tuple[str, float]]:
-    found: list[tuple[str, float]] = []
-    for f in fields(owner):
-        found += _entries(f"{prefix}{f.name}", getattr(owner, f.name))
-    return found
-
-
-def _entries(path: str, value: Any) -> list[tuple[str, float]]:
-    if isinstance(value, bool) or value is None or isinstance(value, str):
-        return []
-    if isinstance(value, tuple):
-        return [e for i, v in enumerate(value) for e in _entries(f"{path}[{i}]", v)]
-    return [] if callable(value) else [(path, value)]
-
-
-def _set_item(values: tuple, index: list[int], value: Any) -> tuple:
-    head, *rest = index
-    new = _set_item(values[head], rest, value) if rest else value
-    return (*values[:head], new, *values[head + 1 :])
-
-
-def _replaced(owner: Any, name: str, value: Any) -> Any:
-    """Copy of a frozen dataclass with one field replaced, without its checks."""
-    copy = object.__new__(type(owner))
-    for f in fields(owner):
-        object.__setattr__(copy, f.name, getattr(owner, f.name))
-    object.__setattr__(copy, name, value)
-    return copy
-
-
-def _near(path: str, known: Any) -> str:
-    from difflib import get_close_matches
-
-    match = get_close_matches(path, list(known), n=1)
-    return f'did you mean "{match[0]}"?' if match else "fields: " + ", ".join(known)

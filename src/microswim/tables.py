@@ -148,6 +148,33 @@ class MotionTable(_Table):
     line_element: str = "arc"
 
 
+def _read_angle(value: Any) -> Any:
+    """A bare number in rad or an angle with its unit; neither decides the units of the file."""
+    return to_si(value, "rad") if isinstance(value, str) else _read_number(value)
+
+
+Angle = Annotated[float, BeforeValidator(_read_angle), Field(json_schema_extra={"unit": "rad"})]
+
+
+class WallTable(_Table):
+    """[wall]: a plane wall beside the swimmer (boundary elements)."""
+
+    distance: Length  # type: ignore[valid-type]
+    tilt: Angle = 0.0
+    azimuth: Angle = 0.0
+
+
+class ChannelTable(_Table):
+    """[channel]: the vessel around the swimmer (finite elements)."""
+
+    diameter: Length  # type: ignore[valid-type]
+    length: Length  # type: ignore[valid-type]
+    shape: str = "cylinder"
+    position: list[Length] = [0.0, 0.0, 0.0]  # type: ignore[valid-type]
+    tilt: Angle = 0.0
+    ends: str = "closed"
+
+
 class RegionTable(_Table):
     """[region]: what ``microswim calibrate --region`` found, as text."""
 
@@ -164,3 +191,5 @@ class SpecTable(_Table):
     interaction: InteractionTable = InteractionTable()
     motion: MotionTable = MotionTable()
     region: RegionTable = None  # type: ignore[assignment]
+    wall: WallTable = None  # type: ignore[assignment]
+    channel: ChannelTable = None  # type: ignore[assignment]

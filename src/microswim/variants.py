@@ -102,11 +102,7 @@ def check_names(swimmer: Swimmer, names: Any) -> None:
 
 def known_names(swimmer: Swimmer) -> set[str]:
     """Every dotted name that `vary` can set, those of both kinds of wave included."""
-    own = {
-        f"{part}.{f.name}"
-        for part in ("fluid", "body", "tail", "coefficients", "interaction", "motion")
-        for f in fields(getattr(swimmer, part))
-    }
+    own = {f"{part}.{f.name}" for part in swimmer.parts for f in fields(getattr(swimmer, part))}
     waves = {"tail.handedness"} if isinstance(swimmer.tail, PlaneWaveTail) else set()
     return own | set(swimmer.numbers) | set(KINDS) | waves
 
@@ -115,7 +111,7 @@ def describe(swimmer: Swimmer) -> dict[str, Any]:
     """The swimmer as the tables of a spec file, plain numbers and strings only."""
     tags = {"body": "shape", "tail": "kind", "coefficients": "law"}
     tables: dict[str, Any] = {}
-    for part in ("fluid", "body", "tail", "coefficients", "interaction", "motion"):
+    for part in swimmer.parts:
         owner = getattr(swimmer, part)
         table = {tags[part]: getattr(owner, tags[part])} if part in tags else {}
         for f in fields(owner):

@@ -74,6 +74,8 @@ def command(
         print_json(numbers)
     else:
         _print.print_table(tables[0])
+        for remark in gait.info.get("remarks", ()):
+            click.echo(f"  note: {remark}")
         click.echo(f"  solved in {seconds:.3g} s")
     if out is not None:
         _folder.say_where(out)

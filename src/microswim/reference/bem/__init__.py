@@ -1,7 +1,8 @@
 """Boundary-element Stokes solver: the judge in free space and beside a wall.
 
-`gait` gives the gait of a swimmer, `solve` the flow at one phase, `resistance` the matrix of any
-closed surface. Depends on swimmer, bodies, tails, gait, errors; see
+The wall is a swimmer's `wall`, by the image tensor of Blake, J. R. (1971) Proc. Camb. Phil. Soc.
+70, 303-310. `gait` gives the gait of a swimmer, `solve` the flow at one phase, `resistance` the
+matrix of any closed surface. Depends on swimmer, bodies, tails, gait, errors; see
 docs/decisions/boundary-elements.md.
 """
 
@@ -13,7 +14,6 @@ from .levels import LEVELS, Level, get_level
 from .solution import Solution, solve
 from .surface import Surface, ellipsoid, torus
 from .system import Layer, Quadrature, resistance
-from .wall import Wall
 
 
 def gait(swimmer: Any, **options: Any) -> Any:
@@ -34,7 +34,7 @@ def body_resistance(body: Any, viscosity: float, level: str = "standard") -> Any
 
 
 __all__ = [
-    "LEVELS", "Layer", "Level", "Quadrature", "Solution", "Surface", "Wall",
+    "LEVELS", "Layer", "Level", "Quadrature", "Solution", "Surface",
     "body_resistance", "ellipsoid", "gait", "get_level",
     "resistance", "solve", "torus",
 ]  # fmt: skip

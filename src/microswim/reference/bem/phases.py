@@ -19,7 +19,6 @@ from microswim.gait import Gait
 from .. import geometry
 from .levels import Level, coarser, get_level
 from .solution import Solution, solve
-from .wall import Wall
 
 Array = NDArray[np.float64]
 
@@ -28,18 +27,19 @@ MIRROR_Q = np.array([1.0, -1.0, 1.0, -1.0, 1.0, -1.0])
 TURN_S = np.array([1.0, -1.0, -1.0, 1.0, -1.0, -1.0])
 
 
-def turns_as_a_whole(swimmer: Any, wall: Wall | None) -> bool:
+def turns_as_a_whole(swimmer: Any) -> bool:
     """Whether one phase holds the whole gait: helix, body of revolution, no wall.
 
     Phase turns the surface of a helix about s, whatever its sections, and the surface's velocity
     with it, whatever its motion.
     """
-    return wall is None and swimmer.tail.kind == "helix" and bool(swimmer.body.is_axisymmetric)
+    helix = swimmer.tail.kind == "helix" and bool(swimmer.body.is_axisymmetric)
+    return helix and swimmer.wall is None
 
 
-def half_period_signs(swimmer: Any, wall: Wall | None) -> Array | None:
+def half_period_signs(swimmer: Any) -> Array | None:
     """Signs that carry phase to phase + pi, or None if nothing does."""
-    if wall is not None:
+    if swimmer.wall is not None:
         return None
     return {"plane_wave": MIRROR_Q, "helix": TURN_S}.get(swimmer.tail.kind)
 
@@ -65,7 +65,7 @@ def _carried(sample: dict[str, Any], signs: Array) -> dict[str, Any]:
     }
 
 
-def _info(solutions: list[Solution], level: str, wall: Wall | None) -> dict[str, Any]:
+def _info(solutions: list[Solution], level: str) -> dict[str, Any]:
     seconds = {k: sum(s.seconds[k] for s in solutions) for k in ("geometry", "assembly", "solve")}
     first = solutions[0]
     return {
@@ -76,7 +76,7 @@ def _info(solutions: list[Solution], level: str, wall: Wall | None) -> dict[str,
         "phases_solved": len(solutions),
         "seconds": seconds,
         "asymmetry": max(s.asymmetry for s in solutions),
-        "wall": wall,
+        "wall": first.swimmer.wall,
         "remarks": geometry.check(first.swimmer.body, first.swimmer.tail, first.phase),
         "joint": "torque and lateral force on the body alone drift with the logarithm of the mesh "
         "size; R, F_p and velocities converge",
@@ -88,7 +88,6 @@ def gait(
     *,
     level: str | Level = "standard",
     order: int | None = None,
-    wall: Wall | None = None,
     estimate_error: bool = False,
     progress: Callable[[int, int], None] | None = None,
 ) -> Gait:
@@ -97,12 +96,11 @@ def gait(
     Parameters
     ----------
     swimmer : Swimmer
+        With its `wall`, if it has one: the gait holds at that pose.
     level : str or Level
         "coarse", "standard" (default) or "fine", or a `Level` of one's own.
     order : int, optional
         Order p of the density on the level's patches.
-    wall : Wall, optional
-        Plane no-slip wall, fixed in the swimmer's frame: the gait holds at that pose.
     estimate_error : bool
         Solve the next coarser level too and put the differences into ``info["error"]``.
     progress : callable, optional
@@ -114,16 +112,16 @@ def gait(
         With ``info``: unknowns, seconds of geometry, assembly and solve, asymmetry of R, error.
     """
     chosen = get_level(level, order) if isinstance(level, str) else level
-    count = 1 if turns_as_a_whole(swimmer, wall) else chosen.phases
-    signs = half_period_signs(swimmer, wall)
+    count = 1 if turns_as_a_whole(swimmer) else chosen.phases
+    signs = half_period_signs(swimmer)
     wanted = count // 2 if count > 1 and signs is not None else count
     solutions = []
     for n in range(wanted):
         phase = 2 * np.pi * n / count
-        solutions.append(solve(swimmer, phase, level=chosen, wall=wall))
+        solutions.append(solve(swimmer, phase, level=chosen))
         if progress is not None:
             progress(n + 1, wanted)
-    info = _info(solutions, chosen.name, wall)
+    info = _info(solutions, chosen.name)
     result = _assembled(swimmer, solutions, count, signs, info)
     if not estimate_error:
         return result
@@ -131,7 +129,7 @@ def gait(
     info["error"] = (
         None
         if below is None
-        else _difference(result, gait(swimmer, level=below, order=order, wall=wall), below)
+        else _difference(result, gait(swimmer, level=below, order=order), below)
     )
     return _assembled(swimmer, solutions, count, signs, info)
 

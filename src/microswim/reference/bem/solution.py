@@ -6,7 +6,7 @@
 Force and torque are by the surface on the fluid, about the body's centre. Where the tail turns
 against the body the velocity jumps at the joint: the torque and the lateral force *on the body
 alone* then drift with the logarithm of the mesh size; R, F_p and the velocities converge. Depends
-on mesh, system, levels, wall.
+on mesh, system, levels.
 """
 
 from __future__ import annotations
@@ -20,13 +20,14 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from microswim.errors import SpecError
+
 from .. import geometry
 from . import flow
 from .levels import Level, get_level
 from .mesh import swimmer_surface
 from .surface import Surface
 from .system import Layer, require_memory, rigid_modes, solve_density, wrench_rows
-from .wall import Wall
 
 Array = NDArray[np.float64]
 
@@ -238,7 +239,6 @@ def solve(
     *,
     level: str | Level = "standard",
     order: int | None = None,
-    wall: Wall | None = None,
 ) -> Solution:
     """Solve the Stokes equations about a swimmer with its tail at one phase.
 
@@ -251,13 +251,11 @@ def solve(
         "coarse", "standard" or "fine".
     order : int, optional
         Order p of the density on the level's patches.
-    wall : Wall, optional
-        Plane no-slip wall.
 
     Raises
     ------
     SpecError
-        If the geometry makes no sense.
+        If the geometry makes no sense, or the swimmer is in a channel.
     MicroswimError
         If the matrix does not fit into memory.
     """
@@ -268,12 +266,22 @@ def solve(
     surface = swimmer_surface(body, tail, phase, chosen.resolution)
     require_memory(surface.unknowns)
     centre = np.asarray(body.centre, float)
-    if wall is not None:
-        wall.check(surface, centre)
-    plane = None if wall is None else wall.plane(centre)
+    plane = _wall_beside(swimmer, surface, centre)
     layer = Layer(surface, float(swimmer.fluid.viscosity), chosen.rule, plane)
     modes = rigid_modes(surface.nodes, centre)
     velocities = np.concatenate([modes, surface.node_motion[..., None]], axis=-1)
     meshed = time.perf_counter() - start
     solved = solve_density(layer, velocities)
     return Solution(swimmer, phase, layer, solved.density, {"geometry": meshed, **solved.seconds})
+
+
+def _wall_beside(swimmer: Any, surface: Surface, centre: Array) -> Array | None:
+    """Point and normal (6,) of the wall, if there is one, clear of the swimmer."""
+    if swimmer.channel is not None:
+        raise SpecError(
+            'channel: model = "bem" knows free fluid or one [wall]; remove [channel] or take "fem"'
+        )
+    if swimmer.wall is None:
+        return None
+    swimmer.wall.check_clear(surface.controls, centre)
+    return swimmer.wall.plane(centre)

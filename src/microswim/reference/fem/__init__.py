@@ -8,22 +8,20 @@ from __future__ import annotations
 from importlib.util import find_spec
 from typing import TYPE_CHECKING, Any
 
-from microswim.errors import MicroswimError
-from microswim.reference.channel import Channel
+from microswim.errors import SpecError
+from microswim.surroundings import Channel
 
 if TYPE_CHECKING:
     import xarray as xr
 
     from microswim.gait import Gait
 
-__all__ = ["Channel", "body_resistance", "gait", "swim"]
+__all__ = ["Channel", "body_resistance", "gait", "last_period", "require_viewer", "swim"]
 
 
 def _require() -> None:
     if find_spec("ngsolve") is None:
-        raise MicroswimError(
-            "model = fem: finite elements need NGSolve; pip install microswim[fem]"
-        )
+        raise SpecError('model = "fem" needs NGSolve: pip install "microswim[fem]"')
 
 
 def gait(swimmer: Any, **options: Any) -> Gait:
@@ -48,3 +46,19 @@ def body_resistance(body: Any, **options: Any) -> Any:
     from .quasi_steady import body_resistance as solve
 
     return solve(body, **options)
+
+
+def last_period(data: xr.Dataset) -> dict[str, Any]:
+    """Means and amplitudes over the last period of what `swim` returned; see `record`."""
+    _require()
+    from .record import last_period as summary
+
+    return summary(data)
+
+
+def require_viewer() -> None:
+    """Refuse pictures where the extra ``viz`` is not installed, in one sentence."""
+    _require()
+    from .picture import require_viewer as require
+
+    require()

@@ -16,7 +16,7 @@ from netgen import occ
 from netgen.meshing import MeshingParameters
 
 from microswim.errors import MicroswimError, SpecError
-from microswim.reference.channel import Channel
+from microswim.surroundings import Channel
 
 
 @dataclass(frozen=True)

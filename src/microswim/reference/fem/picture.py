@@ -5,13 +5,15 @@ Depends on stokes; PyVista is imported on call.
 
 from __future__ import annotations
 
+from dataclasses import dataclass
+from importlib.util import find_spec
 from pathlib import Path
 from typing import Any
 
 import ngsolve as ngs
 import numpy as np
 
-from microswim.errors import MicroswimError
+from microswim.errors import MicroswimError, SpecError
 
 from .stokes import SWIMMER, Stokes
 
@@ -43,16 +45,75 @@ def flow_files(folder: str | Path) -> list[Path]:
     return [f for f in sorted(Path(folder).glob("*.vtu")) if not f.stem.endswith(".skin")]
 
 
+def step_of(file: Path) -> int:
+    """Number of the time step in the name of a flow file, ``flow-00012.vtu``."""
+    return int(file.stem.rpartition("-")[2])
+
+
+def write_collection(folder: str | Path, step: float) -> list[Path]:
+    """Write ``flow.pvd`` and ``skin.pvd`` beside a folder of flow files, for ParaView.
+
+    Parameters
+    ----------
+    folder
+        Where the flow files are.
+    step
+        Time step between two numbers of their names.
+    """
+    files, written = flow_files(folder), []
+    head = '<VTKFile type="Collection" version="1.0" byte_order="LittleEndian"><Collection>'
+    for name, ending in (("flow", ".vtu"), ("skin", ".skin.vtu")):
+        entries = [
+            f'<DataSet timestep="{step * step_of(f)!r}" part="0" '
+            f'file="{Path(folder).name}/{f.with_suffix(ending).name}"/>'
+            for f in files
+        ]
+        text = ['<?xml version="1.0"?>', head, *entries, "</Collection></VTKFile>", ""]
+        written.append(Path(folder).parent / f"{name}.pvd")
+        written[-1].write_text("\n".join(text), encoding="ascii")
+    return written
+
+
+def require_viewer() -> None:
+    """Refuse to start what will want pictures where PyVista is not installed.
+
+    Raises
+    ------
+    SpecError
+        One sentence that says what to install.
+    """
+    if find_spec("pyvista") is None:
+        raise SpecError('pictures of the flow need PyVista: pip install "microswim[viz]"')
+
+
 def _pyvista() -> Any:
-    try:
-        import pyvista
-    except ImportError:
-        raise MicroswimError("pictures need PyVista; pip install microswim[viz]") from None
+    require_viewer()
+    import pyvista
+
     pyvista.OFF_SCREEN = True
     return pyvista
 
 
-def _draw(plotter: Any, file: Path, reach: float, fastest: float) -> None:
+@dataclass(frozen=True)
+class View:
+    """Middle of the view, its half width along s, and the upper end of the colour scale."""
+
+    middle: tuple[float, float, float]
+    reach: float
+    fastest: float
+
+    @classmethod
+    def of(cls, file: Path, reach: float | None, fastest: float | None) -> View:
+        """Around the swimmer of a flow file, its fastest point on top of the scale."""
+        skin = _pyvista().read(file.with_suffix(".skin.vtu"))
+        low, high = np.array(skin.bounds).reshape(3, 2).T
+        if fastest is None:
+            fastest = float(np.linalg.norm(skin["velocity"], axis=1).max())
+        half = 0.5 * (high[0] - low[0]) + 0.5 if reach is None else reach
+        return cls(tuple(0.5 * (low + high)), float(half), fastest)
+
+
+def _draw(plotter: Any, file: Path, view: View) -> None:
     """Swimmer's surface over the speed in the plane r = 0, seen along r."""
     pv = _pyvista()
     plotter.set_background("#440154")  # the resting fluid's colour
@@ -60,16 +121,19 @@ def _draw(plotter: Any, file: Path, reach: float, fastest: float) -> None:
     grid["speed"] = np.linalg.norm(grid["velocity"], axis=1)
     skin = pv.read(file.with_suffix(".skin.vtu"))
     plotter.add_mesh(skin.extract_surface(algorithm="dataset_surface"), color="#c9a227")
+    (s, q, _), half = view.middle, view.reach
     plane = grid.slice(normal=(0, 0, 1), origin=(0, 0, 0))
-    plane = plane.clip_box([-reach, reach + 1.5, -reach, reach, -1, 1], invert=False)
+    plane = plane.clip_box([s - half, s + half, q - half, q + half, -1, 1], invert=False)
     bar = {"title": "speed / (body diameter x rate)", "color": "white"}
-    look = {"scalars": "speed", "cmap": "viridis", "clim": [0.0, fastest]}
+    look = {"scalars": "speed", "cmap": "viridis", "clim": [0.0, view.fastest]}
     plotter.add_mesh(plane, scalar_bar_args=bar, **look)
-    middle = (0.75, 0.0, 0.0)
-    plotter.camera_position = [(0.75, -1.6 * reach, 2.6 * reach), middle, (0.0, 1.0, 0.0)]
+    eye = (s, q - 1.6 * half, 2.6 * half)
+    plotter.camera_position = [eye, (s, q, 0.0), (0.0, 1.0, 0.0)]
 
 
-def render(file: str | Path, out: str | Path, *, reach: float = 1.5, fastest: float = 0.1) -> Path:
+def render(
+    file: str | Path, out: str | Path, *, reach: float | None = None, fastest: float | None = None
+) -> Path:
     """Picture (PNG) of one VTK file: the swimmer and the speed around it.
 
     Parameters
@@ -79,19 +143,25 @@ def render(file: str | Path, out: str | Path, *, reach: float = 1.5, fastest: fl
     out
         Name of the picture.
     reach
-        Half width of the view in body diameters.
+        Half width of the view in body diameters; by default the swimmer and a half on each side.
     fastest
-        Upper end of the colour scale.
+        Upper end of the colour scale; by default the swimmer's fastest point.
     """
+    view = View.of(Path(file), reach, fastest)
     plotter = _pyvista().Plotter(off_screen=True, window_size=(1200, 800))
-    _draw(plotter, Path(file), reach, fastest)
+    _draw(plotter, Path(file), view)
     plotter.screenshot(str(out))
     plotter.close()
     return Path(out)
 
 
 def animate(
-    folder: str | Path, out: str | Path, *, reach: float = 1.5, fastest: float = 0.1, fps: int = 8
+    folder: str | Path,
+    out: str | Path,
+    *,
+    reach: float | None = None,
+    fastest: float | None = None,
+    fps: int = 8,
 ) -> Path:
     """Animation (GIF) of all VTK files in a folder, in the order of their names."""
     files = flow_files(folder)
@@ -99,10 +169,10 @@ def animate(
         raise MicroswimError(f"folder = {folder}: no .vtu in it; run swim(..., vtk=folder) first")
     from PIL import Image
 
-    frames = []
+    view, frames = View.of(files[-1], reach, fastest), []
     for file in files:
         plotter = _pyvista().Plotter(off_screen=True, window_size=(900, 600))
-        _draw(plotter, file, reach, fastest)
+        _draw(plotter, file, view)
         frames.append(Image.fromarray(plotter.screenshot(return_img=True)))
         plotter.close()
     frames[0].save(out, save_all=True, append_images=frames[1:], duration=1000 // fps, loop=0)

@@ -13,13 +13,14 @@ from __future__ import annotations
 import time
 from collections.abc import Callable
 from dataclasses import asdict, dataclass, replace
+from itertools import count
 from typing import Any
 
 import numpy as np
 
-from microswim.errors import MicroswimError
+from microswim.errors import MicroswimError, SpecError
 from microswim.gait import Gait
-from microswim.reference.channel import Channel
+from microswim.surroundings import Channel
 
 from .displacement import Wave
 from .mesh import Level, Outline, Zone, check_in_channel, level_named, straight_mesh
@@ -78,11 +79,18 @@ def tail_data(wave: Wave, flow: Stokes, phase: float) -> np.ndarray:
     return flow.without_flux(flow.given(velocity, on), flow.given(normal, on))
 
 
-def snapshot(wave: Wave, flow: Stokes, phase: float, viscosity: float) -> Snapshot:
-    """Solve the seven flows at one phase."""
+def snapshot(
+    wave: Wave,
+    flow: Stokes,
+    phase: float,
+    viscosity: float,
+    tell: Callable[[], None] = lambda: None,
+) -> Snapshot:
+    """Solve the seven flows at one phase; `tell` is called after the factorisation and each."""
     X = flow.nodes.points
     flow.move(X + wave.displacement(X, phase))
     flow.factorise(1.0)
+    tell()
     modes = flow.rigid_modes(wave.outline.centre)
     data = [*modes, tail_data(wave, flow, phase)]
     total, body = np.zeros((6, 7)), np.zeros((6, 7))
@@ -90,6 +98,7 @@ def snapshot(wave: Wave, flow: Stokes, phase: float, viscosity: float) -> Snapsh
         reaction = flow.apply(flow.solve(motion))
         body[:, j] = flow.forces(reaction, modes, "body")
         total[:, j] = body[:, j] + flow.forces(reaction, modes, "tail")
+        tell()
     activity = data[6] @ reaction
     return _in_units(total, body, float(activity), wave.outline.unit, viscosity)
 
@@ -150,24 +159,29 @@ def gait(
     swimmer
         The swimmer.
     channel
-        The vessel; by default `Channel.around` (ten body diameters).
+        The vessel; by default the swimmer's own, or `Channel.around` (ten body diameters).
     level
         ``"coarse"``, ``"standard"``, ``"fine"`` or a `Level`.
     phases
         Phases solved over the period. A rigid helix on the axis of a cylinder needs one only.
     progress
-        Called as ``progress(done, of)`` after each phase.
+        Called as ``progress(done, of)`` after the mesh, and in each phase after the factorisation
+        and each of the seven flows.
     """
     start = time.perf_counter()
-    channel = channel or Channel.around(swimmer)
-    wave, flow = problem(swimmer, channel, level_named(level))
+    channel = vessel(swimmer, channel)
     turning = turns_rigidly(swimmer, channel)
     angles = np.arange(1 if turning else phases) * 2.0 * np.pi / phases
-    shots = []
-    for angle in angles:
-        shots.append(snapshot(wave, flow, float(angle), float(swimmer.fluid.viscosity)))
+    done, of = count(1), 1 + 8 * len(angles)
+
+    def tell() -> None:
         if progress:
-            progress(len(shots), len(angles))
+            progress(next(done), of)
+
+    wave, flow = problem(swimmer, channel, level_named(level))
+    tell()
+    viscosity = float(swimmer.fluid.viscosity)
+    shots = [snapshot(wave, flow, float(angle), viscosity, tell) for angle in angles]
     info = {
         "level": level if isinstance(level, str) else asdict(level),
         "unknowns": int(flow.unknowns),
@@ -177,6 +191,13 @@ def gait(
         "wall_seconds": time.perf_counter() - start,
     }
     return _assembled(swimmer, shots, turning, info)
+
+
+def vessel(swimmer: Any, channel: Channel | None) -> Channel:
+    """The channel asked for, the swimmer's own, or ten body diameters."""
+    if swimmer.wall is not None:
+        raise SpecError('wall: model = "fem" knows a [channel], not a [wall]; take "bem"')
+    return channel or swimmer.channel or Channel.around(swimmer)
 
 
 def is_round(swimmer: Any) -> bool:

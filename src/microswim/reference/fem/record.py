@@ -117,3 +117,36 @@ def dataset(run: Any, march: March, info: dict[str, Any]) -> xr.Dataset:
         },
         attrs={"model": "fem", "units": run.swimmer.units, "reynolds": run.reynolds, **info},
     )
+
+
+def last_period(data: xr.Dataset) -> dict[str, Any]:
+    """Means and amplitudes over the last full period of a run, or over all of a shorter one.
+
+    Parameters
+    ----------
+    data
+        What `swim` returns.
+
+    Returns
+    -------
+    dict
+        ``mean_velocity``, ``velocity_amplitude`` (half of peak to peak), ``wrench_body`` and
+        ``wrench_tail`` (means), and ``settling``: largest change of the mean velocity since the
+        period before, over its own size (linear and angular apart); None in the first period.
+    """
+    n = round(2.0 * np.pi / abs(float(data.phase[0])))
+    velocity = data.velocity.values
+    now, before = velocity[-n:], velocity[-2 * n : -n]
+    return {
+        "mean_velocity": now.mean(axis=0).tolist(),
+        "velocity_amplitude": (0.5 * np.ptp(now, axis=0)).tolist(),
+        "wrench_body": data.wrench_body.values[-n:].mean(axis=0).tolist(),
+        "wrench_tail": data.wrench_tail.values[-n:].mean(axis=0).tolist(),
+        "settling": _change(before.mean(axis=0), now.mean(axis=0)) if len(before) == n else None,
+    }
+
+
+def _change(before: np.ndarray, now: np.ndarray) -> float:
+    size = [np.linalg.norm(now[:3]), np.linalg.norm(now[3:])]
+    gap = [np.linalg.norm((now - before)[:3]), np.linalg.norm((now - before)[3:])]
+    return max(float(g / s) if s > 0 else 0.0 for g, s in zip(gap, size))

@@ -6,7 +6,7 @@ with velocity given on swimmer and walls. Forces are consistent residuals, not i
 the force of the surface on the fluid along a test motion w is w' (K u - f), w taken on the surface
 alone, which is five to ten times more accurate. In a closed vessel one pressure unknown is pinned,
 surface velocities are made free of net flux and the mean pressure is set to zero.
-Depends on nodes, errors, ngsolve.
+Depends on memory, nodes, errors, ngsolve.
 """
 
 from __future__ import annotations
@@ -19,6 +19,7 @@ import numpy as np
 
 from microswim.errors import MicroswimError
 
+from . import memory
 from .nodes import Nodes
 
 SWIMMER = "body|tail"
@@ -108,8 +109,11 @@ class Stokes:
     def factorise(self, viscosity: float, inertia: float = 0.0) -> None:
         """Assemble K and factorise it; `inertia` is the coefficient c of the mass term.
 
-        The symbolic analysis is kept from one position of the mesh to the next.
+        The symbolic analysis is kept from one position of the mesh to the next. Refused where the
+        memory foreseen is not there.
         """
+        if self.inverse is None:
+            memory.check(self.unknowns, self.order)
         self._viscosity.Set(viscosity)
         self._inertia.Set(inertia)
         start = time.perf_counter()

@@ -19,12 +19,12 @@ import xarray as xr
 from scipy.spatial.transform import Rotation
 
 from microswim.errors import SpecError
-from microswim.reference.channel import Channel
+from microswim.surroundings import Channel
 
 from .displacement import Carrier, Wave
 from .mesh import Level, Outline, level_named
 from .navier_stokes import Past, Step
-from .quasi_steady import is_round, problem
+from .quasi_steady import is_round, problem, vessel
 from .record import March, dataset, load_march, save_march
 from .stokes import Stokes
 from .watch import watched
@@ -157,7 +157,7 @@ def swim(
     swimmer
         The swimmer; zero density is quasi-steady Stokes flow, its motion in the channel included.
     channel
-        The vessel; by default `Channel.around`.
+        The vessel; by default the swimmer's own, or `Channel.around`.
     periods
         How many periods of the tail.
     steps_per_period
@@ -182,7 +182,7 @@ def swim(
         ``wrench_tail`` (of the fluid, body frame), ``position``, ``quaternion`` (wxyz), ``phase``.
     """
     began = time.perf_counter()
-    channel = channel or Channel.around(swimmer)
+    channel = vessel(swimmer, channel)
     free = swimmer.motion.mask if free is None else free
     run = Swim(swimmer, channel, level_named(level), steps_per_period, free)
     total = round(periods * steps_per_period)

@@ -1,6 +1,7 @@
-"""The vessel around a swimmer: a cylindrical channel or a box, closed or open at its ends.
+"""What bounds the fluid: a plane wall, or a vessel (a cylindrical channel or a box).
 
-A plain description; the finite elements (`fem`) build its mesh. Depends on checks.
+Plain descriptions, fixed in the swimmer's frame: a gait beside a wall holds at that pose. The
+boundary elements know the wall, the finite elements the vessel. Depends on checks.
 """
 
 from __future__ import annotations
@@ -10,14 +11,76 @@ from dataclasses import dataclass
 from typing import Any, Literal
 
 import numpy as np
+from numpy.typing import NDArray
 
-from microswim import checks
-from microswim.errors import SpecError
+from . import checks
+from .errors import SpecError
+
+Array = NDArray[np.float64]
+
+
+@dataclass(frozen=True)
+class Wall:
+    """A plane no-slip wall beside the swimmer; ``model = "bem"`` knows it.
+
+    Parameters
+    ----------
+    distance
+        From the body's centre to the wall (length; without a body: from the joint).
+    tilt
+        Angle (rad) between the s axis and the wall; positive: the body noses towards the wall.
+    azimuth
+        Angle (rad) about s from q to the side that faces away from the wall.
+
+    Raises
+    ------
+    SpecError
+        If the distance is not positive or an angle is out of range.
+
+    Examples
+    --------
+    >>> import microswim as ms
+    >>> ms.Wall(2.0).normal
+    (0.0, 1.0, 0.0)
+    """
+
+    distance: float
+    tilt: float = 0.0
+    azimuth: float = 0.0
+
+    def __post_init__(self) -> None:
+        checks.positive("wall.distance", self.distance, "length")
+        _angle("wall.tilt", self.tilt, math.pi / 2, "within a right angle (rad)")
+        _angle("wall.azimuth", self.azimuth, 2 * math.pi, "within a full turn (rad)")
+
+    @property
+    def normal(self) -> tuple[float, float, float]:
+        """Unit normal of the wall, into the fluid, in the body's axes (s, q, r)."""
+        flat = math.cos(self.tilt)
+        across = flat * math.cos(self.azimuth), flat * math.sin(self.azimuth)
+        return (math.sin(self.tilt), *across)
+
+    def plane(self, centre: Any) -> Array:
+        """Point and unit normal (6,) of the wall for a body centred at `centre`."""
+        n = np.array(self.normal)
+        return np.concatenate([np.asarray(centre, float) - self.distance * n, n])
+
+    def check_clear(self, points: Array, centre: Any) -> None:
+        """Refuse a swimmer, given by points (n, 3) of its surface, that reaches into the wall."""
+        plane = self.plane(centre)
+        gap = float(((points - plane[:3]) @ plane[3:]).min())
+        if gap <= 0:
+            raise SpecError(
+                "wall.distance",
+                self.distance,
+                f"more than {self.distance - gap:.4g}, where the swimmer touches the wall",
+                "move the wall away or tilt the swimmer",
+            )
 
 
 @dataclass(frozen=True, kw_only=True)
 class Channel:
-    """A channel whose axis is parallel to the swimmer's, unless the swimmer is tilted.
+    """A vessel whose axis is parallel to the swimmer's, unless tilted; ``model = "fem"`` knows it.
 
     Parameters
     ----------
@@ -42,7 +105,8 @@ class Channel:
 
     Examples
     --------
-    >>> Channel(diameter=10.0, length=10.0).centred
+    >>> import microswim as ms
+    >>> ms.Channel(diameter=10.0, length=10.0).centred
     True
     """
 
@@ -60,9 +124,7 @@ class Channel:
         checks.choice("channel.ends", self.ends, ("closed", "open"))
         checks.numbers("channel.position", self.position, 3, "three lengths [s, q, r]")
         object.__setattr__(self, "position", tuple(float(x) for x in self.position))
-        quarter = math.pi / 2
-        checks.number("channel.tilt", self.tilt, "within a right angle (rad)", most=quarter)
-        checks.number("channel.tilt", self.tilt, "within a right angle (rad)", least=-quarter)
+        _angle("channel.tilt", self.tilt, math.pi / 2, "within a right angle (rad)")
 
     @property
     def centred(self) -> bool:
@@ -108,3 +170,7 @@ class Channel:
         widest = 2.0 * max(swimmer.body.semi_axes3) or swimmer.tail.apparent_length / 2.0
         whole = 2.0 * swimmer.body.semi_axes3[0] + swimmer.tail.apparent_length
         return cls(diameter=10.0 * widest, length=max(10.0 * widest, 3.0 * whole))
+
+
+def _angle(field: str, value: Any, most: float, allowed: str) -> None:
+    checks.number(field, value, allowed, least=-most, most=most)

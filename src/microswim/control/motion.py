@@ -1,0 +1,303 @@
+"""One control period, compiled: a state and what is held over the period in, the next state out.
+
+The state is ``y = [x (lab), q (wxyz, body to lab), phase]``, the inputs are the 25 numbers of
+`INPUTS`, all vectors in the lab frame. With V from `response`
+
+    x' = R_L U + u(x)          u(x) = flow + gradient x
+    w  = Omega + R_L' curl(u)/2
+    T  = torque + m x B        B(t) = field, turned with the angular velocity field_rate
+
+integrated by the Runge-Kutta-Munthe-Kaas method of order 4 of trajectory. No allocation; all
+analytic, so that complex-step derivatives run through it. A model is ``(table of M and v, table of
+K, moment)``. Depends on kernels, kinematics.
+"""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+from numba import njit, prange
+
+from ..kernels import FAST
+from ..kinematics import to_lab
+from ..stepping import LOWER as LOWER
+
+INPUTS = {
+    "motor_rate": slice(0, 1),
+    "force": slice(1, 4),
+    "torque": slice(4, 7),
+    "field": slice(7, 10),
+    "field_rate": slice(10, 13),
+    "flow": slice(13, 16),
+    "gradient": slice(16, 25),
+}
+STATE, INPUT = 8, 25
+#: Scratch: a row of the response and ``K e``.
+WORK = 36 + 6
+
+compiled = njit(cache=True, fastmath=FAST, error_model="numpy")
+
+
+@compiled
+def row(table: Any, phase: Any, out: Any) -> None:
+    """Write the value of a table of series at a phase; multiples of it by angle addition."""
+    n, m = table.shape
+    for j in range(m):
+        out[j] = table[0, j]
+    if n == 1:
+        return
+    c1, s1 = np.cos(phase), np.sin(phase)
+    c, s = c1, s1
+    for h in range(1, n, 2):
+        for j in range(m):
+            out[j] += c * table[h, j] + s * table[h + 1, j]
+        c, s = c * c1 - s * s1, s * c1 + c * s1
+
+
+@compiled
+def field_at(u: Any, t: Any) -> Any:
+    """Field after a time t: turned about field_rate, ``B + a w x B + b w x (w x B)``."""
+    b0, b1, b2 = u[7], u[8], u[9]
+    w0, w1, w2 = u[10] * t, u[11] * t, u[12] * t
+    square = w0 * w0 + w1 * w1 + w2 * w2
+    if square.real < 1e-6:
+        a = 1.0 - square / 6.0 * (1.0 - square / 20.0)
+        b = 0.5 - square / 24.0 * (1.0 - square / 30.0)
+    else:
+        angle = np.sqrt(square)
+        a, b = np.sin(angle) / angle, (1.0 - np.cos(angle)) / square
+    c0, c1, c2 = w1 * b2 - w2 * b1, w2 * b0 - w0 * b2, w0 * b1 - w1 * b0
+    d0, d1, d2 = w1 * c2 - w2 * c1, w2 * c0 - w0 * c2, w0 * c1 - w1 * c0
+    return b0 + a * c0 + b * d0, b1 + a * c1 + b * d1, b2 + a * c2 + b * d2
+
+
+@compiled
+def relative_twist(
+    model: Any, q: Any, phase: Any, u: Any, B: Any, shear: bool, work: Any
+) -> tuple[Any, Any, Any, Any, Any, Any]:
+    """V, the twist relative to the flow."""
+    twist, strain, moment = model
+    w0, w1, w2 = to_lab(q, u[1], u[2], u[3], -1.0)
+    t0, t1, t2 = to_lab(q, u[4], u[5], u[6], -1.0)
+    b0, b1, b2 = to_lab(q, B[0], B[1], B[2], -1.0)
+    w3 = t0 + moment[1] * b2 - moment[2] * b1
+    w4 = t1 + moment[2] * b0 - moment[0] * b2
+    w5 = t2 + moment[0] * b1 - moment[1] * b0
+    row(twist, phase, work)
+    M, r = work, u[0]  # lower triangle row by row, then v; written out, or memory rules the time
+    V0 = M[0] * w0 + M[1] * w1 + M[3] * w2 + M[6] * w3 + M[10] * w4 + M[15] * w5 + M[21] * r
+    V1 = M[1] * w0 + M[2] * w1 + M[4] * w2 + M[7] * w3 + M[11] * w4 + M[16] * w5 + M[22] * r
+    V2 = M[3] * w0 + M[4] * w1 + M[5] * w2 + M[8] * w3 + M[12] * w4 + M[17] * w5 + M[23] * r
+    V3 = M[6] * w0 + M[7] * w1 + M[8] * w2 + M[9] * w3 + M[13] * w4 + M[18] * w5 + M[24] * r
+    V4 = M[10] * w0 + M[11] * w1 + M[12] * w2 + M[13] * w3 + M[14] * w4 + M[19] * w5 + M[25] * r
+    V5 = M[15] * w0 + M[16] * w1 + M[17] * w2 + M[18] * w3 + M[19] * w4 + M[20] * w5 + M[26] * r
+    if shear:
+        d0, d1, d2, d3, d4, d5 = strained(strain, q, phase, u, work)
+        V0, V1, V2, V3, V4, V5 = V0 + d0, V1 + d1, V2 + d2, V3 + d3, V4 + d4, V5 + d5
+    return V0, V1, V2, V3, V4, V5
+
+
+@compiled
+def sheared(u: Any) -> bool:
+    """Whether the flow has a gradient."""
+    for i in range(16, 25):
+        if u[i] != 0:
+            return True
+    return False
+
+
+@compiled
+def body_strain(q: Any, u: Any) -> tuple[Any, Any, Any, Any, Any, Any]:
+    """Entries 00, 11, 22, 01, 02, 12 of ``E = R_L' (A + A')/2 R_L``."""
+    s01, s02, s12 = (u[17] + u[19]) / 2.0, (u[18] + u[22]) / 2.0, (u[21] + u[23]) / 2.0
+    a, b, c = to_lab(q, 1.0, 0.0, 0.0, 1.0)
+    x, y, z = u[16] * a + s01 * b + s02 * c, s01 * a + u[20] * b + s12 * c, s02 * a + s12 * b
+    e00, e01, e02 = to_lab(q, x, y, z + u[24] * c, -1.0)
+    a, b, c = to_lab(q, 0.0, 1.0, 0.0, 1.0)
+    x, y, z = u[16] * a + s01 * b + s02 * c, s01 * a + u[20] * b + s12 * c, s02 * a + s12 * b
+    _, e11, e12 = to_lab(q, x, y, z + u[24] * c, -1.0)
+    return e00, e11, u[16] + u[20] + u[24] - e00 - e11, e01, e02, e12
+
+
+@compiled
+def strained(
+    strain: Any, q: Any, phase: Any, u: Any, work: Any
+) -> tuple[Any, Any, Any, Any, Any, Any]:
+    """``K e``."""
+    e0, e1, e2, e3, e4, e5 = body_strain(q, u)
+    row(strain, phase, work)
+    for i in range(6):
+        K = work[6 * i : 6 * i + 6]
+        work[36 + i] = K[0] * e0 + K[1] * e1 + K[2] * e2 + K[3] * e3 + K[4] * e4 + K[5] * e5
+    return work[36], work[37], work[38], work[39], work[40], work[41]
+
+
+@compiled
+def turned(q: Any, v: Any) -> tuple[Any, Any, Any, Any]:
+    """``q exp(v/2)`` as `kinematics.turn`, in registers."""
+    square = (v[0] * v[0] + v[1] * v[1] + v[2] * v[2]) / 4.0
+    if square.real < 1e-6:  # series to rounding
+        ratio = 1.0 - square / 6.0 * (1.0 - square / 20.0)
+        w = 1.0 - square / 2.0 * (1.0 - square / 12.0 * (1.0 - square / 30.0))
+    else:
+        root = np.sqrt(square)
+        ratio, w = np.sin(root) / root, np.cos(root)
+    x, y, z = ratio * v[0] / 2.0, ratio * v[1] / 2.0, ratio * v[2] / 2.0
+    a, b, c, d = q
+    return (
+        a * w - b * x - c * y - d * z,
+        a * x + b * w + c * z - d * y,
+        a * y - b * z + c * w + d * x,
+        a * z + b * y - c * x + d * w,
+    )
+
+
+@compiled
+def background(q: Any, u: Any, x0: Any, x1: Any, x2: Any) -> tuple[Any, Any, Any, Any, Any, Any]:
+    """``gradient x`` in the lab frame and the flow's rotation in the body frame."""
+    a = u[16] * x0 + u[17] * x1 + u[18] * x2
+    b = u[19] * x0 + u[20] * x1 + u[21] * x2
+    c = u[22] * x0 + u[23] * x1 + u[24] * x2
+    w0, w1, w2 = to_lab(q, u[23] - u[21], u[18] - u[22], u[19] - u[17], -1.0)
+    return a, b, c, w0 / 2.0, w1 / 2.0, w2 / 2.0
+
+
+@compiled
+def velocity(
+    model: Any, q: Any, x: Any, phase: Any, u: Any, B: Any, shear: bool, work: Any
+) -> tuple[Any, Any, Any, Any, Any, Any]:
+    """Velocity of the centre in the lab frame, angular velocity in the body frame."""
+    V0, V1, V2, w0, w1, w2 = relative_twist(model, q, phase, u, B, shear, work)
+    a, b, c = to_lab(q, V0, V1, V2, 1.0)
+    a, b, c = a + u[13], b + u[14], c + u[15]
+    if shear:
+        d0, d1, d2, o0, o1, o2 = background(q, u, x[0], x[1], x[2])
+        a, b, c, w0, w1, w2 = a + d0, b + d1, c + d2, w0 + o0, w1 + o1, w2 + o2
+    return a, b, c, w0, w1, w2
+
+
+@compiled
+def substep(model: Any, y: Any, u: Any, t: Any, h: Any, shear: bool, work: Any) -> None:
+    """One step of order 4; `t` is the time since the inputs were set, y is overwritten."""
+    q = (y[3], y[4], y[5], y[6])
+    zero = 0 * (y[0] + u[0])
+    x0, x1, x2, r0, r1, r2 = zero, zero, zero, zero, zero, zero  # moved, turned
+    k0, k1, k2, v0, v1, v2 = zero, zero, zero, zero, zero, zero  # last velocity, rotation so far
+    B = field_at(u, t)
+    ahead = 0.0 * h
+    for i in range(4):
+        if i == 1 or i == 3:
+            ahead = h / 2.0 if i == 1 else h
+            B = field_at(u, t + ahead)
+        x = (y[0] + ahead * k0, y[1] + ahead * k1, y[2] + ahead * k2)
+        p, phase = turned(q, (v0, v1, v2)), y[7] + u[0] * ahead
+        k0, k1, k2, w0, w1, w2 = velocity(model, p, x, phase, u, B, shear, work)
+        # v' = w + v x w / 2 + v x (v x w) / 12
+        c0, c1, c2 = v1 * w2 - v2 * w1, v2 * w0 - v0 * w2, v0 * w1 - v1 * w0
+        s0 = w0 + c0 / 2.0 + (v1 * c2 - v2 * c1) / 12.0
+        s1 = w1 + c1 / 2.0 + (v2 * c0 - v0 * c2) / 12.0
+        s2 = w2 + c2 / 2.0 + (v0 * c1 - v1 * c0) / 12.0
+        weight = h / 6.0 if i == 0 or i == 3 else h / 3.0
+        x0, x1, x2 = x0 + weight * k0, x1 + weight * k1, x2 + weight * k2
+        r0, r1, r2 = r0 + weight * s0, r1 + weight * s1, r2 + weight * s2
+        reach = h if i == 2 else h / 2.0
+        v0, v1, v2 = reach * s0, reach * s1, reach * s2
+    a, b, c, d = turned(q, (r0, r1, r2))
+    # one Newton step towards norm 1 keeps rounding from adding up
+    unit = 1.5 - 0.5 * (a * a + b * b + c * c + d * d)
+    y[0], y[1], y[2], y[7] = y[0] + x0, y[1] + x1, y[2] + x2, y[7] + u[0] * h
+    y[3], y[4], y[5], y[6] = a * unit, b * unit, c * unit, d * unit
+
+
+@compiled
+def size(u: Any, first: int, n: int) -> float:
+    """Euclidean norm of n inputs."""
+    square = 0.0
+    for i in range(first, first + n):
+        square += u[i].real ** 2
+    return np.sqrt(square)
+
+
+@compiled
+def internal_steps(limits: Any, u: Any, dt: float) -> int:
+    """Steps that turn the tail, the field and the body by at most ``limits[0]`` radians each.
+
+    The body's rotation is bounded by ``limits[1:] = (per motor rate, per force, per torque, by
+    torque of the field per field)``.
+    """
+    body = limits[1] * abs(u[0].real) + limits[2] * size(u, 1, 3) + limits[3] * size(u, 4, 3)
+    body += limits[4] * size(u, 7, 3) + size(u, 16, 9)
+    fastest = max(abs(u[0].real), size(u, 10, 3), body)
+    return max(1, int(np.ceil(fastest * abs(dt) / limits[0] - 1e-6)))
+
+
+@compiled
+def advance(model: Any, limits: Any, y: Any, u: Any, dt: Any, steps: int, work: Any) -> None:
+    """Advance one state by dt in so many steps, 0 = as many as it takes; y is overwritten."""
+    n = steps if steps > 0 else internal_steps(limits, u, dt)
+    h, shear = dt / n, sheared(u)
+    for i in range(n):
+        substep(model, y, u, i * h, h, shear, work)
+
+
+@compiled
+def advance_all(model: Any, limits: Any, Y: Any, U: Any, dt: Any, steps: int, work: Any) -> None:
+    """Advance all states, one after the other; inputs with one row are shared."""
+    for i in range(Y.shape[0]):
+        u = U[i if U.shape[0] > 1 else 0]
+        advance(model, limits, Y[i], u, dt, steps, work[0])
+
+
+@njit(cache=True, parallel=True, fastmath=FAST, error_model="numpy")
+def advance_parallel(
+    model: Any, limits: Any, Y: Any, U: Any, dt: Any, steps: int, work: Any
+) -> None:
+    """`advance_all` on all cores; `work` has one row per block of swimmers."""
+    blocks, n = work.shape[0], Y.shape[0]
+    for b in prange(blocks):
+        for i in range(b * n // blocks, (b + 1) * n // blocks):
+            u = U[i if U.shape[0] > 1 else 0]
+            advance(model, limits, Y[i], u, dt, steps, work[b])
+
+
+@compiled
+def outputs(model: Any, motor: Any, Y: Any, U: Any, work: Any, out: Any) -> None:
+    """Twist in the body frame (6) and torque of the motor (1) of all states, into (n, 7)."""
+    for i in range(Y.shape[0]):
+        u, y = U[i if U.shape[0] > 1 else 0], Y[i]
+        q, B, shear = (y[3], y[4], y[5], y[6]), (u[7], u[8], u[9]), sheared(u)
+        V = relative_twist(model, q, y[7], u, B, shear, work)
+        v = velocity(model, q, (y[0], y[1], y[2]), y[7], u, B, shear, work)
+        row(motor, y[7], work)
+        torque = work[6] * u[0]
+        for k in range(6):
+            torque += work[k] * V[k]
+        if shear:
+            e = body_strain(q, u)
+            for k in range(6):
+                torque -= work[7 + k] * e[k]
+        a, b, c = to_lab(q, v[0], v[1], v[2], -1.0)
+        out[i, 0], out[i, 1], out[i, 2] = a, b, c
+        out[i, 3], out[i, 4], out[i, 5], out[i, 6] = v[3], v[4], v[5], torque
+
+
+@compiled
+def derivatives(model: Any, limits: Any, y: Any, u: Any, dt: float, steps: int) -> Any:
+    """``dy'/dy`` (8, 8) and ``dy'/du`` (8, 25) of one period, by complex steps: exact to rounding."""
+    n = steps if steps > 0 else internal_steps(limits, u, dt)
+    A, B = np.empty((STATE, STATE)), np.empty((STATE, INPUT))
+    work, tiny = np.empty(WORK, dtype=np.complex128), 1e-40
+    for k in range(STATE + INPUT):
+        z, w = y.astype(np.complex128), u.astype(np.complex128)
+        if k < STATE:
+            z[k] += 1j * tiny
+        else:
+            w[k - STATE] += 1j * tiny
+        advance(model, limits, z, w, dt, n, work)
+        for i in range(STATE):
+            if k < STATE:
+                A[i, k] = z[i].imag / tiny
+            else:
+                B[i, k - STATE] = z[i].imag / tiny
+    return A, B

@@ -1,0 +1,308 @@
+"""Stepper: a swimmer sample by sample, for a controller's loop.
+
+Inputs are held over a step; only the field may turn within it. Inside, a step is divided so that
+tail, field and body turn little (`motion.internal_steps`), each part of order 4. Depends on
+response, motion.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import cached_property
+from typing import Any
+
+import numpy as np
+
+from .. import checks
+from ..errors import SpecError
+from ..gait import Gait
+from ..swimmer import Swimmer
+from . import motion
+from .response import Response, response
+
+#: Swimmers from which on all cores are worth waking.
+MANY = 256
+_SHAPES = {name: (3, 3) if name == "gradient" else (3,) for name in motion.INPUTS}
+_SHAPES["motor_rate"] = ()
+
+
+@dataclass(frozen=True, eq=False)
+class State:
+    """Pose and phase of one swimmer or of many.
+
+    Parameters
+    ----------
+    values
+        Position of the body's centre (lab), quaternion ``wxyz`` body to lab, phase: (8,) or
+        (n, 8).
+
+    Examples
+    --------
+    >>> import microswim as ms
+    >>> ms.State.at(position=[1.0, 0.0, 0.0]).position
+    array([1., 0., 0.])
+    """
+
+    values: np.ndarray
+
+    @classmethod
+    def at(
+        cls, position: Any = (0, 0, 0), quaternion: Any = (1, 0, 0, 0), phase: Any = 0.0
+    ) -> State:
+        """State from its parts, which broadcast over swimmers.
+
+        Raises
+        ------
+        SpecError
+            If a part has the wrong shape, is not finite, or the quaternion is not a unit one.
+        """
+        parts = {"position": (position, 3), "quaternion": (quaternion, 4), "phase": (phase, 0)}
+        arrays = []
+        for name, (value, width) in parts.items():
+            try:
+                a = np.asarray(value, dtype=float)
+            except (TypeError, ValueError):
+                raise SpecError(name, value, "made of numbers") from None
+            if a.ndim > 1 + (width > 0) or (width and a.shape[-1:] != (width,)):
+                raise SpecError(name, value, f"{width} numbers, or as many rows as swimmers")
+            if not np.isfinite(a).all():
+                raise SpecError(name, value, "finite")
+            arrays.append(a if width else a[..., None])
+        norm = np.linalg.norm(arrays[1], axis=-1, keepdims=True)
+        if (abs(norm - 1.0) > 0.01).any():
+            raise SpecError("quaternion", quaternion, "a unit quaternion wxyz")
+        arrays[1] = arrays[1] / norm
+        try:
+            n = np.broadcast_shapes(*(a.shape[:-1] for a in arrays))
+        except ValueError:
+            raise SpecError("position, quaternion and phase: give as many rows of each") from None
+        full = [np.broadcast_to(a, (*n, a.shape[-1])) for a in arrays]
+        return cls(np.concatenate(full, axis=-1))
+
+    @property
+    def position(self) -> np.ndarray:
+        """Position of the body's centre, lab frame, (..., 3)."""
+        return self.values[..., :3]
+
+    @property
+    def quaternion(self) -> np.ndarray:
+        """Attitude ``wxyz``, body to lab, (..., 4)."""
+        return self.values[..., 3:7]
+
+    @property
+    def phase(self) -> np.ndarray:
+        """Phase of the tail relative to the body (rad), (...)."""
+        return self.values[..., 7]
+
+
+@dataclass(frozen=True, eq=False)
+class Stepper:
+    """Steps a swimmer, or thousands at once, from sample to sample.
+
+    Deterministic; the compiled part allocates nothing. Use one stepper per thread.
+
+    Parameters
+    ----------
+    gait
+        Gait of the swimmer, by any model.
+    swimmer
+        The swimmer itself, if it shall feel the strain of a background flow; without it only the
+        flow's velocity and rotation at the body's centre count.
+    moment
+        Magnetic moment fixed in the body, body frame.
+    locked
+        Motor locked at the phase of the state's start, which is then 0: a rigid robot.
+    resolution
+        Internal steps per turn of tail, field or body; the error falls with its fourth power.
+    steps
+        Internal steps per step, if they shall be the same always.
+
+    Raises
+    ------
+    SpecError
+        If a parameter is out of range.
+
+    Examples
+    --------
+    >>> import microswim as ms
+    >>> stepper = ms.Stepper(ms.Swimmer.preset("tabak/helix").gait())
+    >>> state = ms.State.at()
+    >>> for _ in range(10):
+    ...     state = stepper.step(state, motor_rate=6.0, dt=0.1)
+    >>> bool(state.position[0] < 0)  # body first
+    True
+    """
+
+    gait: Gait
+    swimmer: Swimmer | None = None
+    moment: Any = (0.0, 0.0, 0.0)
+    locked: bool = False
+    resolution: float = 64.0
+    steps: int | None = None
+
+    def __post_init__(self) -> None:
+        checks.numbers("moment", self.moment, 3, "three finite numbers, in the body frame")
+        checks.number("resolution", self.resolution, "4 or more steps per turn", least=4)
+        if self.steps is not None:
+            checks.number("steps", self.steps, "a whole number from 1 on", least=1)
+            if int(self.steps) != self.steps:
+                raise SpecError("steps", self.steps, "a whole number from 1 on")
+
+    @classmethod
+    def of(cls, swimmer: Swimmer, model: str = "rft", **options: Any) -> Stepper:
+        """Stepper of a swimmer that feels the strain of a flow; options as of the class."""
+        return cls(swimmer.gait(model), swimmer, **options)
+
+    @cached_property
+    def response(self) -> Response:
+        """The gait solved for all phases."""
+        solved = response(self.gait, self.swimmer)
+        return solved.at(0.0) if self.locked else solved
+
+    @cached_property
+    def magnet(self) -> np.ndarray:
+        """Moment as an array, body frame (3,)."""
+        return np.array(self.moment, dtype=float)
+
+    @cached_property
+    def limits(self) -> np.ndarray:
+        """What bounds an internal step, as `motion.internal_steps` reads it."""
+        return step_limits(self.response, self.resolution, self.magnet)
+
+    @cached_property
+    def _model(self) -> tuple[Any, ...]:
+        return (self.response.twist, self.response.strain, self.magnet), self.limits
+
+    @cached_property
+    def _work(self) -> np.ndarray:
+        return np.empty((8, motion.WORK))
+
+    @cached_property
+    def _rest(self) -> np.ndarray:
+        rest = np.zeros((1, motion.INPUT))
+        rest[0, 0] = 0.0 if self.locked else self.gait.rate
+        return rest
+
+    def step(self, state: State, *, dt: float, **inputs: Any) -> State:
+        """Pose and phase after a time dt.
+
+        Parameters
+        ----------
+        state
+            State of one swimmer, or of many.
+        dt
+            Duration, positive.
+        **inputs
+            Held over the step; one for all swimmers or one row each. ``motor_rate`` (rad per
+            time, negative = reversed; the gait's own by default), ``force`` and ``torque`` on the
+            body about its centre, ``field`` B, ``field_rate`` (angular velocity with which the
+            field turns during the step), ``flow`` and ``gradient`` (3, 3) of the background
+            velocity ``u(x) = flow + gradient x``; all vectors in the lab frame.
+
+        Returns
+        -------
+        State
+            A new one; the old one is left as it was.
+
+        Raises
+        ------
+        SpecError
+            If an input is unknown, of the wrong shape or not finite.
+        """
+        try:
+            fits = 0.0 < dt < np.inf
+        except TypeError:
+            fits = False
+        if not fits:
+            raise SpecError("dt", dt, "a positive time")
+        Y = state.values.reshape(-1, motion.STATE).copy()
+        U = self.held(Y.shape[0], inputs)
+        run = motion.advance_parallel if Y.shape[0] >= MANY else motion.advance_all
+        run(*self._model, Y, U, dt, self.steps or 0, self._work)
+        return State(Y.reshape(state.values.shape))
+
+    def held(self, n: int, inputs: dict[str, Any]) -> np.ndarray:
+        """The inputs as an array, one row for all or (n, 25); checked."""
+        U = self._rest.copy()
+        for name, value in inputs.items():
+            if value is None:
+                continue
+            if name not in _SHAPES:
+                raise SpecError(name, value, "one of the inputs " + ", ".join(_SHAPES))
+            try:
+                given = np.asarray(value, dtype=float)
+            except (TypeError, ValueError):
+                raise SpecError(name, value, "made of numbers") from None
+            shape = _SHAPES[name]
+            if given.shape == (n, *shape) and n != len(U):
+                U = np.repeat(U, n, axis=0)
+            elif given.shape not in (shape, (n, *shape)):
+                wanted = f"of shape {shape} or {(n, *shape)}"
+                raise SpecError(name, value, wanted, "one for all swimmers or one each")
+            U[:, motion.INPUTS[name]] = given.reshape(
+                given.shape[: given.ndim - len(shape)] + (-1,)
+            )
+        if not np.isfinite(U).all():
+            bad = next(k for k, part in motion.INPUTS.items() if not np.isfinite(U[:, part]).all())
+            raise SpecError(bad, inputs[bad], "finite")
+        if inputs.get("gradient") is not None:
+            _check_gradient(U[:, 16:])
+        if self.locked and U[:, 0].any():
+            raise SpecError(
+                "motor_rate", inputs["motor_rate"], "0 for a swimmer whose motor is locked"
+            )
+        return U
+
+    def outputs(self, state: State, **inputs: Any) -> tuple[np.ndarray, np.ndarray]:
+        """Twist (..., 6) in the body frame, relative to the lab, and torque of the motor (...).
+
+        The torque is what the motor gives per unit phase rate: for a helix the torque about its
+        axis. Inputs as of `step`.
+        """
+        Y = state.values.reshape(-1, motion.STATE)
+        U = self.held(Y.shape[0], inputs)
+        out = np.empty((Y.shape[0], 7))
+        motion.outputs(self._model[0], self.response.motor, Y, U, self._work[0], out)
+        out = out.reshape(*state.values.shape[:-1], 7)
+        return out[..., :6], out[..., 6]
+
+    def twist(self, state: State, **inputs: Any) -> np.ndarray:
+        """Twist in the body frame about the body's centre, relative to the lab, (..., 6)."""
+        return self.outputs(state, **inputs)[0]
+
+    def derivatives(
+        self, state: State, *, dt: float, **inputs: Any
+    ) -> tuple[np.ndarray, np.ndarray]:
+        """Exact derivatives of the next state of one swimmer: (8, 8) and (8, 25).
+
+        With respect to the state, and to the inputs in the order of `motion.INPUTS`; by complex
+        steps through the compiled step.
+        """
+        if state.values.shape != (motion.STATE,):
+            raise SpecError("state", f"{len(state.values)} swimmers", "one swimmer")
+        checks.positive("dt", dt, "time")
+        u = self.held(1, inputs)[0]
+        return motion.derivatives(*self._model, state.values, u, dt, self.steps or 0)
+
+
+def step_limits(solved: Response, resolution: float, magnet: np.ndarray) -> np.ndarray:
+    """Largest turn of an internal step, and the body's rotation per unit of what drives it."""
+    n = 1 if len(solved.twist) == 1 else 32
+    tables = np.array([solved.at(2.0 * np.pi * i / n).twist[0] for i in range(n)])
+    M = np.zeros((n, 6, 6))
+    for m, (i, j) in enumerate(motion.LOWER):
+        M[:, i, j] = M[:, j, i] = tables[:, m]
+    turns = [
+        np.linalg.norm(tables[:, 24:27], axis=1).max(),
+        np.linalg.norm(M[:, 3:, :3], 2, axis=(1, 2)).max(),
+        np.linalg.norm(M[:, 3:, 3:], 2, axis=(1, 2)).max(),
+    ]
+    return np.array([2.0 * np.pi / resolution, *turns, turns[2] * np.linalg.norm(magnet)])
+
+
+def _check_gradient(A: np.ndarray) -> None:
+    trace = A[:, 0] + A[:, 4] + A[:, 8]
+    if (abs(trace) > 1e-9 * np.abs(A).max(axis=1)).any():
+        raise SpecError(
+            "gradient", f"trace {trace[0]:.3g}", "free of trace: the fluid is incompressible"
+        )

@@ -1,0 +1,96 @@
+"""What a straining background flow does to a swimmer, at the level of resistive force theory.
+
+A swimmer held in the flow ``u(X) = E X`` (E symmetric, X from the body's centre) feels the wrench
+``S(phi) e``, e = the six entries `ENTRIES` of E. With the local resistance C of Eqs. (5), (6)
+
+    tail:  S = int [ C u; X x C u ] dl       for the unit flows u = E_k X, as F_p with u for û
+    body:  T_i = K_i (r_j^2 - r_k^2) / (r_j^2 + r_k^2) E_jk      [Jeffery 1922], ijk cyclic
+
+K_i the body's own resistance to rotation. The body of revolution and the ellipsoid are exact when
+alone; that body and tail shade one another in a strain is left out, as in the surrogate itself.
+``g(phi) = int û . C u dl`` is the part of the motor's torque. Depends on rft, kernels, swimmer.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+
+from ..kernels import centreline_tail, gauss
+from ..rft import body_resistance
+from ..swimmer import Swimmer
+
+#: Entries of the strain in the order of the columns of S; an off-diagonal one stands for both.
+ENTRIES = ((0, 0), (1, 1), (2, 2), (0, 1), (0, 2), (1, 2))
+
+
+def unit_gradients() -> np.ndarray:
+    """Velocity gradients of the six unit strains, shape (6, 3, 3)."""
+    E = np.zeros((len(ENTRIES), 3, 3))
+    for k, (i, j) in enumerate(ENTRIES):
+        E[k, i, j] = E[k, j, i] = 1.0
+    return E
+
+
+def coupling(swimmer: Swimmer, phases: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """``S`` (n, 6, 6) and ``g`` (n, 6) at the phases."""
+    S, g = tail_coupling(swimmer, phases, unit_gradients())
+    return S + body_coupling(swimmer), g
+
+
+def body_coupling(swimmer: Swimmer) -> np.ndarray:
+    """Jeffery's torque on the body alone per unit strain, (6, 6)."""
+    S, K = np.zeros((6, 6)), np.diag(body_resistance(swimmer))[3:]
+    square = np.array(swimmer.body.semi_axes3, dtype=float) ** 2
+    for i in range(3):
+        j, k = (i + 1) % 3, (i + 2) % 3
+        if square[j] + square[k] > 0:
+            column = ENTRIES.index((min(j, k), max(j, k)))
+            S[3 + i, column] = K[i] * (square[j] - square[k]) / (square[j] + square[k])
+    return S
+
+
+def tail_coupling(
+    swimmer: Swimmer, phases: np.ndarray, gradients: np.ndarray
+) -> tuple[np.ndarray, np.ndarray]:
+    """Wrench (n, 6, m) and motor's part (n, m) of the tail held in m linear flows about the centre.
+
+    The flows have the gradients (m, 3, 3); they turn no section about itself (no spin).
+    """
+    tail = swimmer.tail
+    local = swimmer.coefficients.local(tail, swimmer.fluid.viscosity)
+    c = tuple(float(f * x) for f, x in zip(swimmer.interaction.tail, local))
+    x, w = _nodes(swimmer)
+    arc = swimmer.motion.line_element == "arc"
+    length = tail.apparent_length
+    P, P_s, U = tail.centreline(length * x[None, :], np.asarray(phases)[:, None])
+    X = P + np.array([swimmer.body.semi_axes3[0], 0.0, 0.0])
+    S = np.empty((len(phases), 6, len(gradients)))
+    g = np.empty((len(phases), len(gradients)))
+    for n in range(len(phases)):
+        at = [np.ascontiguousarray(v[n], dtype=float) for v in (X, P_s, U)]
+
+        def held(flow: np.ndarray, at: list[np.ndarray] = at) -> tuple[np.ndarray, float]:
+            _, F, G = centreline_tail(at[0], at[1], flow, length * w, arc, c, 0.0)
+            return F, G
+
+        for k, A in enumerate(gradients):
+            flow = at[0] @ A.T
+            S[n, :, k], alone = held(flow)
+            beating = held(at[2])[1]
+            like = np.sqrt(beating / alone) if alone > 0 and beating > 0 else 1.0
+            up, down = held(at[2] + like * flow)[1], held(at[2] - like * flow)[1]
+            g[n, k] = (up - down) / (4.0 * like)  # C is symmetric
+    return S, g
+
+
+def _nodes(swimmer: Swimmer) -> tuple[np.ndarray, np.ndarray]:
+    """Gauss-Legendre panels along the tail, on [0, 1], with a break where the ramp ends."""
+    tail = swimmer.tail
+    edges = tail.edges if tail.kind == "custom" else (0.0, float(tail.ramp), 1.0)
+    panels = []
+    for a, b in zip(edges, edges[1:]):
+        if b > a:
+            x, w = gauss(int(24 + 24 * float(tail.number_of_waves) * (b - a)))
+            panels.append((a + (b - a) * x, (b - a) * w))
+    x, w = (np.concatenate(part) for part in zip(*panels))
+    return x, w

@@ -129,6 +129,20 @@ class Joint:
         """(s, Theta) of the tube's section and generator through the curve."""
         return self.s + self._evaluate(1, psi), psi + self._evaluate(2, psi)
 
+    def azimuth(self, turn: Array) -> Array:
+        """psi at equal steps of the turn (psi + Theta)/2: smooth where either of the two rushes.
+
+        Where a generator grazes the body, Theta runs through a radian while psi hardly moves.
+        """
+        grid = np.linspace(0.0, 2 * np.pi, 2001)
+        ahead = self._evaluate(2, grid)
+        psi = np.interp(turn, grid + 0.5 * (ahead - ahead[0]), grid)
+        for _ in range(2):
+            slope = np.interp(psi, grid, 1.0 + 0.5 * np.gradient(ahead, grid))
+            miss = psi + 0.5 * (self._evaluate(2, psi) - ahead[0]) - turn
+            psi = psi - miss / np.maximum(slope, 0.2)
+        return psi
+
     def sphere_point(self, angle: Array, psi: Array) -> Array:
         """Unit-sphere point at polar angle and azimuth about the pole."""
         radial = np.cos(psi)[..., None] * self.first + np.sin(psi)[..., None] * self.second

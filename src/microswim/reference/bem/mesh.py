@@ -16,15 +16,13 @@ from numpy.typing import NDArray
 
 from .. import geometry
 from ..joint import Joint, trace_joint
-from .surface import Surface, cube_face, grid_boxes, sample, sample_parameters
+from .surface import Surface, cube_face, grid_boxes, sample_adapted
 
 Array = NDArray[np.float64]
 
 
 # A joint that reaches this many filament radii along the tail counts as steep: more patches there.
 STEEP = 0.6
-# From this curvature x radius on panels shrink towards the crease at one.
-CREASE = 0.45
 
 
 @dataclass(frozen=True)
@@ -75,11 +73,7 @@ def _wanted_length(tail: Any, phase: float, s: Array, r: Resolution) -> tuple[Ar
     swing = np.sum((curve.P_s - curve.P_s.mean(axis=0)) ** 2)
     wavenumber = np.sqrt(np.sum(curve.P_ss**2) / max(swing, 1e-20))
     h = np.minimum(h, r.wave * speed / max(wavenumber, 1e-12))
-    # towards curvature x radius = 1 the inner side of the bend sharpens to a crease; sections that
-    # are only displaced (sheared) do not crease
-    sharp = bend * tail.radius if tail.sections == "perpendicular" else 0.0 * bend
-    crease = np.clip((1 - sharp) / (1 - CREASE), 0.05, 1.0)
-    return arc, np.minimum(h, np.where(crease < 1, r.bend, 2 * r.bend) / bend * crease)
+    return arc, np.minimum(h, 2 * r.bend / bend)
 
 
 def tube_edges(tail: Any, phase: float, start: float, r: Resolution, root: float | None) -> Array:
@@ -127,15 +121,26 @@ def _tube(tail: Any, phase: float, edges: Array, around: int, joint: Any) -> tup
     """Positions and s of the tube's patches; u runs around, v along."""
     panels = np.arange(float(edges.size))
     rows = 0 if joint is None else _rows_bent(edges, joint)
+    start = edges[0] if joint is None else edges[0] - 1.05 * joint.depth
     more = 2 * around if joint is not None and joint.depth > STEEP * tail.radius else around
     root = grid_boxes(np.linspace(0, 2 * np.pi, more + 1), panels[: rows + 1])
     rest = grid_boxes(np.linspace(0, 2 * np.pi, around + 1), panels[rows:])
-    psi, v = sample_parameters(np.concatenate([root, rest]))
-    s, theta = (np.interp(v, panels, edges), psi) if joint is None else _bent(edges, joint, v, psi)
-    grid = np.linspace(min(s.min(), edges[0]), edges[-1], 4001)
+    grid = np.linspace(start, edges[-1], 4001)
     twist = geometry.section_twist(tail, grid, phase)
-    theta = theta - np.interp(s, grid, twist) + np.interp(edges[0], grid, twist)
-    return geometry.tube_point(tail, s, theta, phase), s
+    twist = twist - np.interp(edges[0], grid, twist)
+
+    def chart(u: Array, v: Array) -> Array:
+        s, theta = np.interp(v, panels, edges), u
+        if joint is not None:
+            bent = v <= rows
+            psi = u.copy()
+            psi[bent] = joint.azimuth(u[bent])
+            s, theta = _bent(edges, joint, v, psi)
+        X = geometry.tube_point(tail, s, theta - np.interp(s, grid, twist), phase)
+        return np.concatenate([X, s[..., None]], axis=-1)
+
+    values = sample_adapted(chart, np.concatenate([root, rest]))
+    return values[..., :3], values[..., 3]
 
 
 def _half_sphere(axis: Array, first: Array, second: Array, side: int) -> Array:
@@ -198,7 +203,7 @@ def _body(body: Any, joint: Joint, r: Resolution) -> Array:
         turn = np.linspace(-np.pi / 4, 2 * np.pi - np.pi / 4, sectors + 1)
         if steep and outer < 4 * mean:
             turn = np.linspace(0, 2 * np.pi, 2 * sectors + 1)
-        parts.append(sample(chart, grid_boxes(np.array([low, high]), turn)))
+        parts.append(sample_adapted(chart, grid_boxes(np.array([low, high]), turn)))
     parts.append(centre + axes * _half_sphere(-joint.pole, joint.second, joint.first, side))
     return np.concatenate(parts)
 

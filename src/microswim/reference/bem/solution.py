@@ -1,12 +1,14 @@
 """The flow about a swimmer at one phase: densities, wrenches, velocities, traction.
 
-    R = [force; torque] of the six rigid motions,  F_p = the same of the tail's motion at unit
-    phase rate, G = int f . u_hat dS
+    R = [force; torque] of the six rigid motions,
+    F_p,i = int f_i . u_hat dS,  f_i the density of rigid motion i      (Lorentz reciprocity)
+    G = int f . u_hat dS,  f the density of the tail's motion at unit phase rate
 
 Force and torque are by the surface on the fluid, about the body's centre. Where the tail turns
-against the body the velocity jumps at the joint: the torque and the lateral force *on the body
-alone* then drift with the logarithm of the mesh size; R, F_p and the velocities converge. Depends
-on mesh, system, levels.
+against the body the velocity jumps at the joint and f grows there like 1/distance: the resultant
+of f converges slowly, the torque and the lateral force *on the body alone* drift with the logarithm
+of the mesh size. The densities f_i of rigid motions see no jump, so F_p is taken from them; what
+the resultant of f says instead is `raw_propulsion`. Depends on mesh, system, levels.
 """
 
 from __future__ import annotations
@@ -94,10 +96,22 @@ class Solution:
         R = self.raw_resistance
         return float((np.abs(R - R.T) / np.sqrt(np.outer(R.diagonal(), R.diagonal()))).max())
 
-    @property
+    @cached_property
     def propulsion(self) -> Array:
-        """F_p (6,) per unit phase rate."""
+        """F_p (6,) per unit phase rate, by the reciprocal theorem from the rigid densities."""
+        return self.surface.moments[3].reshape(-1) @ self.density[:, :6]
+
+    @property
+    def raw_propulsion(self) -> Array:
+        """F_p (6,) as the resultant of the tail's own density; converges slowly at the joint."""
         return self._wrenches[:, 6]
+
+    @property
+    def reciprocity(self) -> float:
+        """Largest |raw F_p - F_p| over sqrt(R_ii G): how well the corner at the joint is met."""
+        power = self.surface.moments[3].reshape(-1) @ self.density[:, 6]
+        scale = np.sqrt(self.raw_resistance.diagonal() * power)
+        return float((np.abs(self.raw_propulsion - self.propulsion) / scale).max())
 
     @cached_property
     def _outer(self) -> Array:
@@ -166,7 +180,8 @@ class Solution:
         self, part: str = "all", twist: Array | None = None, rate: float | None = None
     ) -> Array:
         """Force and torque (6,) by the fluid on `part` = "all", "body" or "tail"."""
-        both, body = self._wrenches, self._body_wrenches
+        both = np.column_stack([self.raw_resistance, self.propulsion])
+        body = self._body_wrenches
         parts = {"all": both, "body": body, "tail": both - body}
         V = self.twist if twist is None else np.asarray(twist, float)
         return -parts[part] @ np.append(V, self.rate if rate is None else rate)

@@ -17,6 +17,9 @@ from .coefficients import GrayHancock as GrayHancock
 from .coefficients import Lighthill as Lighthill
 from .coefficients import ValidityWarning as ValidityWarning
 from .coefficients import closed_form as closed_form
+from .control.sensor import Sensor as Sensor
+from .control.stepper import State as State
+from .control.stepper import Stepper as Stepper
 from .customtail import CustomTail as CustomTail
 from .design import Optimum as Optimum
 from .design import design as design

@@ -8,8 +8,8 @@ The state is ``y = [x (lab), q (wxyz, body to lab), phase]``, the inputs are the
     T  = torque + m x B        B(t) = field, turned with the angular velocity field_rate
 
 integrated by the Runge-Kutta-Munthe-Kaas method of order 4 of trajectory. No allocation; all
-analytic, so that complex-step derivatives run through it. A model is ``(table of M and v, table of
-K, moment)``. Depends on kernels, kinematics.
+analytic, so that complex-step derivatives run through it. ``twist``, ``strain``: tables of M
+and v, and of K, `response`; ``moment``: magnetic, in the body frame. Depends on kernels, kinematics.
 """
 
 from __future__ import annotations
@@ -74,10 +74,9 @@ def field_at(u: Any, t: Any) -> Any:
 
 @compiled
 def relative_twist(
-    model: Any, q: Any, phase: Any, u: Any, B: Any, shear: bool, work: Any
+    twist: Any, strain: Any, moment: Any, q: Any, phase: Any, u: Any, B: Any, shear: bool, work: Any
 ) -> tuple[Any, Any, Any, Any, Any, Any]:
     """V, the twist relative to the flow."""
-    twist, strain, moment = model
     w0, w1, w2 = to_lab(q, u[1], u[2], u[3], -1.0)
     t0, t1, t2 = to_lab(q, u[4], u[5], u[6], -1.0)
     b0, b1, b2 = to_lab(q, B[0], B[1], B[2], -1.0)
@@ -128,8 +127,9 @@ def strained(
     e0, e1, e2, e3, e4, e5 = body_strain(q, u)
     row(strain, phase, work)
     for i in range(6):
-        K = work[6 * i : 6 * i + 6]
-        work[36 + i] = K[0] * e0 + K[1] * e1 + K[2] * e2 + K[3] * e3 + K[4] * e4 + K[5] * e5
+        m = 6 * i
+        work[36 + i] = work[m] * e0 + work[m + 1] * e1 + work[m + 2] * e2
+        work[36 + i] += work[m + 3] * e3 + work[m + 4] * e4 + work[m + 5] * e5
     return work[36], work[37], work[38], work[39], work[40], work[41]
 
 
@@ -165,10 +165,19 @@ def background(q: Any, u: Any, x0: Any, x1: Any, x2: Any) -> tuple[Any, Any, Any
 
 @compiled
 def velocity(
-    model: Any, q: Any, x: Any, phase: Any, u: Any, B: Any, shear: bool, work: Any
+    twist: Any,
+    strain: Any,
+    moment: Any,
+    q: Any,
+    x: Any,
+    phase: Any,
+    u: Any,
+    B: Any,
+    shear: bool,
+    work: Any,
 ) -> tuple[Any, Any, Any, Any, Any, Any]:
     """Velocity of the centre in the lab frame, angular velocity in the body frame."""
-    V0, V1, V2, w0, w1, w2 = relative_twist(model, q, phase, u, B, shear, work)
+    V0, V1, V2, w0, w1, w2 = relative_twist(twist, strain, moment, q, phase, u, B, shear, work)
     a, b, c = to_lab(q, V0, V1, V2, 1.0)
     a, b, c = a + u[13], b + u[14], c + u[15]
     if shear:
@@ -178,7 +187,9 @@ def velocity(
 
 
 @compiled
-def substep(model: Any, y: Any, u: Any, t: Any, h: Any, shear: bool, work: Any) -> None:
+def substep(
+    twist: Any, strain: Any, moment: Any, y: Any, u: Any, t: Any, h: Any, shear: bool, work: Any
+) -> None:
     """One step of order 4; `t` is the time since the inputs were set, y is overwritten."""
     q = (y[3], y[4], y[5], y[6])
     zero = 0 * (y[0] + u[0])
@@ -192,7 +203,7 @@ def substep(model: Any, y: Any, u: Any, t: Any, h: Any, shear: bool, work: Any) 
             B = field_at(u, t + ahead)
         x = (y[0] + ahead * k0, y[1] + ahead * k1, y[2] + ahead * k2)
         p, phase = turned(q, (v0, v1, v2)), y[7] + u[0] * ahead
-        k0, k1, k2, w0, w1, w2 = velocity(model, p, x, phase, u, B, shear, work)
+        k0, k1, k2, w0, w1, w2 = velocity(twist, strain, moment, p, x, phase, u, B, shear, work)
         # v' = w + v x w / 2 + v x (v x w) / 12
         c0, c1, c2 = v1 * w2 - v2 * w1, v2 * w0 - v0 * w2, v0 * w1 - v1 * w0
         s0 = w0 + c0 / 2.0 + (v1 * c2 - v2 * c1) / 12.0
@@ -233,42 +244,72 @@ def internal_steps(limits: Any, u: Any, dt: float) -> int:
 
 
 @compiled
-def advance(model: Any, limits: Any, y: Any, u: Any, dt: Any, steps: int, work: Any) -> None:
+def advance(
+    twist: Any,
+    strain: Any,
+    moment: Any,
+    limits: Any,
+    y: Any,
+    u: Any,
+    dt: Any,
+    steps: int,
+    work: Any,
+) -> None:
     """Advance one state by dt in so many steps, 0 = as many as it takes; y is overwritten."""
     n = steps if steps > 0 else internal_steps(limits, u, dt)
     h, shear = dt / n, sheared(u)
     for i in range(n):
-        substep(model, y, u, i * h, h, shear, work)
+        substep(twist, strain, moment, y, u, i * h, h, shear, work)
 
 
 @compiled
-def advance_all(model: Any, limits: Any, Y: Any, U: Any, dt: Any, steps: int, work: Any) -> None:
+def advance_all(
+    twist: Any,
+    strain: Any,
+    moment: Any,
+    limits: Any,
+    Y: Any,
+    U: Any,
+    dt: Any,
+    steps: int,
+    work: Any,
+) -> None:
     """Advance all states, one after the other; inputs with one row are shared."""
     for i in range(Y.shape[0]):
         u = U[i if U.shape[0] > 1 else 0]
-        advance(model, limits, Y[i], u, dt, steps, work[0])
+        advance(twist, strain, moment, limits, Y[i], u, dt, steps, work[0])
 
 
 @njit(cache=True, parallel=True, fastmath=FAST, error_model="numpy")
 def advance_parallel(
-    model: Any, limits: Any, Y: Any, U: Any, dt: Any, steps: int, work: Any
+    twist: Any,
+    strain: Any,
+    moment: Any,
+    limits: Any,
+    Y: Any,
+    U: Any,
+    dt: Any,
+    steps: int,
+    work: Any,
 ) -> None:
     """`advance_all` on all cores; `work` has one row per block of swimmers."""
     blocks, n = work.shape[0], Y.shape[0]
     for b in prange(blocks):
         for i in range(b * n // blocks, (b + 1) * n // blocks):
             u = U[i if U.shape[0] > 1 else 0]
-            advance(model, limits, Y[i], u, dt, steps, work[b])
+            advance(twist, strain, moment, limits, Y[i], u, dt, steps, work[b])
 
 
 @compiled
-def outputs(model: Any, motor: Any, Y: Any, U: Any, work: Any, out: Any) -> None:
+def outputs(
+    twist: Any, strain: Any, moment: Any, motor: Any, Y: Any, U: Any, work: Any, out: Any
+) -> None:
     """Twist in the body frame (6) and torque of the motor (1) of all states, into (n, 7)."""
     for i in range(Y.shape[0]):
         u, y = U[i if U.shape[0] > 1 else 0], Y[i]
         q, B, shear = (y[3], y[4], y[5], y[6]), (u[7], u[8], u[9]), sheared(u)
-        V = relative_twist(model, q, y[7], u, B, shear, work)
-        v = velocity(model, q, (y[0], y[1], y[2]), y[7], u, B, shear, work)
+        V = relative_twist(twist, strain, moment, q, y[7], u, B, shear, work)
+        v = velocity(twist, strain, moment, q, (y[0], y[1], y[2]), y[7], u, B, shear, work)
         row(motor, y[7], work)
         torque = work[6] * u[0]
         for k in range(6):
@@ -283,7 +324,9 @@ def outputs(model: Any, motor: Any, Y: Any, U: Any, work: Any, out: Any) -> None
 
 
 @compiled
-def derivatives(model: Any, limits: Any, y: Any, u: Any, dt: float, steps: int) -> Any:
+def derivatives(
+    twist: Any, strain: Any, moment: Any, limits: Any, y: Any, u: Any, dt: float, steps: int
+) -> Any:
     """``dy'/dy`` (8, 8) and ``dy'/du`` (8, 25) of one period, by complex steps: exact to rounding."""
     n = steps if steps > 0 else internal_steps(limits, u, dt)
     A, B = np.empty((STATE, STATE)), np.empty((STATE, INPUT))
@@ -294,7 +337,7 @@ def derivatives(model: Any, limits: Any, y: Any, u: Any, dt: float, steps: int) 
             z[k] += 1j * tiny
         else:
             w[k - STATE] += 1j * tiny
-        advance(model, limits, z, w, dt, n, work)
+        advance(twist, strain, moment, limits, z, w, dt, n, work)
         for i in range(STATE):
             if k < STATE:
                 A[i, k] = z[i].imag / tiny

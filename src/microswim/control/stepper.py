@@ -171,7 +171,7 @@ class Stepper:
 
     @cached_property
     def _model(self) -> tuple[Any, ...]:
-        return (self.response.twist, self.response.strain, self.magnet), self.limits
+        return self.response.twist, self.response.strain, self.magnet, self.limits
 
     @cached_property
     def _work(self) -> np.ndarray:
@@ -262,7 +262,7 @@ class Stepper:
         Y = state.values.reshape(-1, motion.STATE)
         U = self.held(Y.shape[0], inputs)
         out = np.empty((Y.shape[0], 7))
-        motion.outputs(self._model[0], self.response.motor, Y, U, self._work[0], out)
+        motion.outputs(*self._model[:3], self.response.motor, Y, U, self._work[0], out)
         out = out.reshape(*state.values.shape[:-1], 7)
         return out[..., :6], out[..., 6]
 

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 import microswim as ms
-from microswim.errors import MicroswimError, SpecError
+from microswim.errors import SpecError
 from microswim.surroundings import Channel
 
 pytest.importorskip("ngsolve", reason="needs the extra fem")

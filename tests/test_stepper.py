@@ -144,7 +144,7 @@ def test_a_spheroid_follows_the_orbit_of_jeffery():
     ratio, shear = 3.0, 0.7
     body = ms.Spheroid(semi_axes=(ratio, 1.0))
     tail = ms.HelicalTail(length=1.0, amplitude=0.1, waves=1, radius=0.01)
-    nothing = ms.Constant(normal=1e-12, tangential=1e-12)
+    nothing = ms.Constant(normal=1e-12, tangential=1e-12, spin=False)
     lone = ms.Swimmer(body=body, tail=tail, fluid=ms.Fluid(viscosity=1.0), coefficients=nothing)
     flow = [[0, shear, 0], [0, 0, 0], [0, 0, 0]]
     one = ms.Stepper.of(lone, resolution=400)

@@ -17,6 +17,8 @@ from .coefficients import GrayHancock as GrayHancock
 from .coefficients import Lighthill as Lighthill
 from .coefficients import ValidityWarning as ValidityWarning
 from .coefficients import closed_form as closed_form
+from .control.cmodel import CModel as CModel
+from .control.cmodel import c_model as c_model
 from .control.sensor import Sensor as Sensor
 from .control.stepper import State as State
 from .control.stepper import Stepper as Stepper

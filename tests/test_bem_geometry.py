@@ -160,6 +160,34 @@ def test_tube_along_the_body_is_refused():
         joint.trace_joint(POINTED, STEEP, 0.6)
 
 
+def test_tail_that_comes_back_to_the_body_is_refused():
+    def hook(s, phase):
+        s = s + 0 * phase
+        return np.stack([0.4 * np.sin(3 * s), 0.8 * s, 0 * s], axis=-1)
+
+    tail = ms.CustomTail(shape=hook, length=1.04, radius=0.05, sections="perpendicular")
+    body = ms.Ellipsoid(semi_axes=(0.3, 3.0, 0.5))
+    with pytest.raises(SpecError, match="pierces the body"):
+        swimmer_surface(body, tail, 0.0, RESOLUTION)
+
+
+@pytest.mark.parametrize(("waves", "folds"), [(4.4, False), (4.6, True)])
+def test_a_crease_counts_only_outside_the_body(waves, folds):
+    """Curvature x radius at the root is 2 k r_t g / (1 + g^2), g = b / (ramp L): it reaches one
+    between 4.4 and 4.6 waves, where the inner side of the bend just looks out of the sphere.
+    """
+    tail = ms.HelicalTail(length=1.3, amplitude=0.19, waves=waves, radius=0.05)
+    slope = 0.19 / 0.13
+    fold = 2 * tail.wavenumber * 0.05 * slope / (1 + slope**2)
+    assert (fold > 1) == folds
+    if folds:
+        with pytest.raises(SpecError, match="fold into itself"):
+            geometry.check(ms.Sphere(radius=0.6), tail)
+    else:
+        remarks = geometry.check(ms.Sphere(radius=0.6), tail)
+        assert any("nearly a crease" in remark for remark in remarks)
+
+
 def test_legitimate_corners_of_the_design_range_are_accepted():
     for amplitude, waves, radius, length in [
         (0.2, 4.5, 0.3, 3.0),

@@ -24,8 +24,9 @@ from microswim.errors import SpecError
 
 Array = NDArray[np.float64]
 
-# Curvature x radius from which the inner side of a bend is a crease that no mesh resolves.
-CREASED = 0.9
+# Curvature x radius at which the inner side of a bend folds into itself, and from which on it is
+# nearly a crease.
+FOLDED, CREASED = 1.0, 0.9
 
 
 def rounded_ramp(s: Array, start: float, half_width: float) -> tuple[Array, Array, Array]:
@@ -199,49 +200,67 @@ def surface_velocity(tail: Any, X: Array, s: Array, phase: float = 0.0) -> Array
     return curve.P_phi + np.cross(turning, X - curve.P)
 
 
+def level_set(body: Any, X: Array) -> Array:
+    """Ellipsoid's level function: negative inside the body, zero on it."""
+    scaled = (X - body.centre) / np.asarray(body.semi_axes3)
+    return np.sum(scaled**2, axis=-1) - 1.0
+
+
+def _bend_outside(body: Any, tail: Any, s: Array, curve: Curve, alone: bool) -> Array:
+    """Curvature x radius at every s whose section's inner side lies outside the body, else zero."""
+    if alone:
+        return np.where(s >= 0, curve.curvature * tail.radius, 0.0)
+    T = curve.tangent
+    inward = curve.P_ss - np.sum(curve.P_ss * T, axis=-1, keepdims=True) * T
+    size = np.linalg.norm(inward, axis=-1, keepdims=True)
+    inner = curve.P + tail.radius * inward / np.where(size > 0, size, 1.0)
+    return np.where(level_set(body, inner) > 0, curve.curvature * tail.radius, 0.0)
+
+
 def check(body: Any, tail: Any, phase: float = 0.0) -> list[str]:
     """Refuse geometry that cannot be built; return remarks on geometry that is merely extreme.
 
     Raises
     ------
     SpecError
-        If the tube folds into itself (curvature x radius above 0.9 outside the body), touches
-        itself (pitch below two filament radii), or does not leave the body.
+        If the tube folds into itself (curvature x radius of one and more, the inner side of the
+        bend outside the body) or touches itself (turns closer than two filament radii).
     """
-    length, radius = tail.apparent_length, tail.radius
-    s = np.linspace(0.0, length, 2001)
+    radius = tail.radius
+    s = np.linspace(-2 * radius, tail.apparent_length, 2001)
     curve = smooth_centreline(tail, s, phase)
     remarks = []
     alone = not np.any(np.asarray(body.semi_axes3, float) > 0)
-    # at a body the inner side of the bend comes out about half a radius further on
-    outside = curve.curvature * (s >= (0.0 if alone else 0.5 * radius))
-    fold = float(outside.max()) * radius
+    bend = _bend_outside(body, tail, s, curve, alone)
+    fold = float(bend.max())
     if tail.sections == "perpendicular":
-        if fold >= CREASED:
+        if fold >= FOLDED:
             raise SpecError(
                 "tail.radius",
                 radius,
-                f"less than {CREASED * radius / fold:.4g}, {CREASED:g} of the centreline's radius "
-                f"of curvature at s = {s[outside.argmax()]:.3g}",
-                "the tube would crease or fold into itself: use a thinner filament, a smaller "
-                "amplitude, fewer waves or a longer ramp",
+                f"less than {radius / fold:.4g}, the centreline's radius of curvature at "
+                f"s = {s[bend.argmax()]:.3g}",
+                "the tube would fold into itself: use a thinner filament, a smaller amplitude, "
+                "fewer waves or a longer ramp",
             )
-        if fold > 0.7:
+        if fold > CREASED:
             remarks.append(
                 f"curvature x radius reaches {fold:.2f}: nearly a crease, check with level fine"
             )
-        _check_clearance(tail, curve)
+        outside = s >= 0
+        _check_clearance(tail, curve.P[outside])
     if alone:
         return remarks
-    slope = float(np.linalg.norm(curve.P_s[0, 1:]) / max(abs(curve.P_s[0, 0]), 1e-12))
+    P_s = curve.P_s[np.searchsorted(s, 0.0)]
+    slope = float(np.linalg.norm(P_s[1:]) / max(abs(P_s[0]), 1e-12))
     if slope > 0.9:
         remarks.append(f"the tail leaves the body at a slope of {slope:.2f}")
     return remarks
 
 
-def _check_clearance(tail: Any, curve: Curve) -> None:
+def _check_clearance(tail: Any, P: Array) -> None:
     """Refuse a tube that touches another part of itself."""
-    P = curve.P[::5]
+    P = P[::5]
     arc = np.concatenate([[0.0], np.cumsum(np.linalg.norm(np.diff(P, axis=0), axis=-1))])
     apart = np.linalg.norm(P[:, None] - P[None, :], axis=-1)
     gap = np.where(np.abs(arc[:, None] - arc[None, :]) > np.pi * tail.radius, apart, np.inf)

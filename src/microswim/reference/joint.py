@@ -13,15 +13,9 @@ from numpy.typing import NDArray
 
 from microswim.errors import SpecError
 
-from .geometry import section_axes, section_twist, smooth_centreline
+from .geometry import level_set, section_axes, section_twist, smooth_centreline, tube_point
 
 Array = NDArray[np.float64]
-
-
-def level_set(body: Any, X: Array) -> Array:
-    """Ellipsoid's level function: negative inside the body, zero on it."""
-    scaled = (X - body.centre) / np.asarray(body.semi_axes3)
-    return np.sum(scaled**2, axis=-1) - 1.0
 
 
 def _last_crossing(values: Array) -> int:
@@ -223,3 +217,24 @@ def trace_joint(body: Any, tail: Any, phase: float = 0.0, points: int = 96) -> J
     if left > 0.01:
         raise _lies_on_body(tail)
     return Joint(start, pole, first, bare.second, series)
+
+
+def check_clear(body: Any, tail: Any, joint: Joint, phase: float = 0.0) -> None:
+    """Refuse a tail that comes back to the body beyond the joint.
+
+    Raises
+    ------
+    SpecError
+        If the tube touches the body anywhere but at its root.
+    """
+    s = np.linspace(joint.s + 1.05 * joint.depth, tail.apparent_length, 400)
+    turn = np.linspace(0.0, 2 * np.pi, 8, endpoint=False)
+    touching = level_set(body, tube_point(tail, s[:, None], turn, phase)).min(axis=1) < 0
+    if touching.any():
+        place = float(s[touching.argmax()])
+        raise SpecError(
+            "tail.amplitude",
+            getattr(tail, "amplitude", None),
+            f"small enough for the tail to stay clear of the body at s = {place:.3g}",
+            "the tail pierces the body: use a smaller amplitude, a longer ramp or a smaller body",
+        )

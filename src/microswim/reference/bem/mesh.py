@@ -15,7 +15,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from .. import geometry
-from ..joint import Joint, trace_joint
+from ..joint import Joint, check_clear, trace_joint
 from .surface import Surface, cube_face, grid_boxes, sample_adapted
 
 Array = NDArray[np.float64]
@@ -221,6 +221,7 @@ def swimmer_surface(body: Any, tail: Any, phase: float, r: Resolution) -> Surfac
     start = 0.0 if joint is None else joint.s
     root = None
     if joint is not None:
+        check_clear(body, tail, joint, phase)
         root = r.root * min(1.0, STEEP * tail.radius / max(joint.depth, 1e-3 * tail.radius))
     edges = tube_edges(tail, phase, start, r, root)
     parts = [_tube(tail, phase, edges, r.around, joint), _cap(tail, phase, length, 1.0)]

@@ -15,9 +15,12 @@ from numba import njit
 
 from .errors import MicroswimError, SpecError
 from .gait import MIRROR_Q
-from .kernels import HELIX, PLANE_WAVE, gauss, node_numbers, solve_designs
+from .kernels import HELIX, PLANE_WAVE, gauss, node_numbers, wave_tail
 from .metrics import summary
+from .mobility import solve
+from .planarwave import solve_waves
 from .rft import body_resistance, parameters
+from .rigidhelix import FEWEST_WAVES, MOST_NODES, ramp_nodes, ramp_rules, solve_helices
 from .swimmer import Swimmer
 
 CHUNK = 8192
@@ -91,18 +94,50 @@ def _chunk(swimmer: Swimmer, arrays: dict[str, Any], tolerance: float) -> dict[s
         rate = np.broadcast_to(many.tail.rate, (n,))
     if swimmer.region is not None:
         return _calibrated(swimmer, arrays, good, rate)
-    helix = swimmer.tail.kind == "helix"
-    phase = np.zeros(1) if helix else np.pi * np.arange(PHASES) / PHASES
-    V = np.full((n, phase.size, 6), np.nan)
-    power = np.full((n, phase.size), np.nan)
-    arc = swimmer.motion.line_element == "arc"
-    kind = HELIX if helix else PLANE_WAVE
-    for rules, group in _groups(kind, p, good, tolerance):
-        free = np.array(swimmer.motion.mask)
-        V[group], power[group] = solve_designs(
-            kind, arc, p[group], body[group], phase, free, *rules
-        )
-    return (_helix if helix else _plane_wave)(swimmer, V, power, body, rate)
+    if swimmer.tail.kind == "helix":
+        return _helix(swimmer, *_solved_helices(swimmer, p, body, good, tolerance), body, rate)
+    return _plane_wave(swimmer, *_solved_waves(swimmer, p, body, good, tolerance), body, rate)
+
+
+def _solved_helices(
+    swimmer: Swimmer, p: Any, body: Any, good: Any, tolerance: float
+) -> tuple[Any, Any]:
+    """Twists (n, 1, 6) and tail powers (n, 1) of helices at phase 0."""
+    arc, free = swimmer.motion.line_element == "arc", np.array(swimmer.motion.mask)
+    waves, digits = p[:, 0] * p[:, 2] / (2.0 * np.pi), -np.log10(tolerance)
+    counts = _ramp_counts(waves, p[:, 1] * p[:, 2], p[:, 3], digits, good)
+    V, power = solve_helices(arc, p, body, free, counts, *ramp_rules())
+    for i in np.flatnonzero(good & (counts < 0)):
+        rules = node_numbers(HELIX, waves[i], p[i, 1] * p[i, 2], p[i, 3])
+        R, F, G = wave_tail(HELIX, arc, p[i], 0.0, *map(gauss, rules))
+        V[i] = -F
+        solve(R + body[i], V[i], free)
+        power[i] = G + F @ V[i]
+    return V[:, None], power[:, None]
+
+
+@njit(cache=True)
+def _ramp_counts(waves: Any, bk: Any, ramp: Any, digits: float, good: Any) -> Any:
+    """Nodes on the ramp; negative for designs that are not good or not for closed integrals."""
+    counts = np.full(waves.size, -1)
+    for i in range(waves.size):
+        if good[i] and waves[i] >= FEWEST_WAVES:
+            needed = ramp_nodes(waves[i] * ramp[i], bk[i], digits)
+            counts[i] = needed if needed <= MOST_NODES else -1
+    return counts
+
+
+def _solved_waves(
+    swimmer: Swimmer, p: Any, body: Any, good: Any, tolerance: float
+) -> tuple[Any, Any]:
+    """Twists (n, m, 6) and tail powers (n, m) of plane waves over half a period."""
+    phase = np.pi * np.arange(PHASES) / PHASES
+    V = np.full((len(p), PHASES, 6), np.nan)
+    power = np.full((len(p), PHASES), np.nan)
+    arc, free = swimmer.motion.line_element == "arc", np.array(swimmer.motion.mask)
+    for rules, group in _groups(p, good, tolerance):
+        V[group], power[group] = solve_waves(arc, p[group], body[group], phase, free, *rules)
+    return V, power
 
 
 def _calibrated(swimmer: Swimmer, arrays: dict[str, Any], good: Any, rate: Any) -> dict[str, Any]:
@@ -152,11 +187,11 @@ def _buildable(many: Swimmer, p: np.ndarray, body: np.ndarray) -> np.ndarray:
     return good
 
 
-def _groups(kind: int, p: np.ndarray, good: np.ndarray, tolerance: float) -> Any:
+def _groups(p: np.ndarray, good: np.ndarray, tolerance: float) -> Any:
     """Quadrature rules with the designs that need them."""
     digits = -np.log10(tolerance) / 12.0
     waves, bk = p[:, 0] * p[:, 2] / (2.0 * np.pi), p[:, 1] * p[:, 2]
-    need = _node_table(kind, waves, bk, np.ascontiguousarray(p[:, 3]), good)
+    need = _node_table(waves, bk, np.ascontiguousarray(p[:, 3]), good)
     need = np.where(need > 0, np.ceil(6 + (need - 6) * digits).astype(np.int64), 0)
     rung = np.where(need > 64, 64, 8)  # few distinct rules: making one takes longer than a design
     need = rung * -(-need // rung)
@@ -167,12 +202,12 @@ def _groups(kind: int, p: np.ndarray, good: np.ndarray, tolerance: float) -> Any
 
 
 @njit(cache=True)
-def _node_table(kind: int, waves: Any, bk: Any, ramp: Any, good: Any) -> Any:
+def _node_table(waves: Any, bk: Any, ramp: Any, good: Any) -> Any:
     """`node_numbers` of every design that is good, zero of the others, shape (n, 2)."""
     need = np.zeros((waves.size, 2), dtype=np.int64)
     for i in range(waves.size):
         if good[i]:
-            need[i, 0], need[i, 1] = node_numbers(kind, waves[i], bk[i], ramp[i])
+            need[i, 0], need[i, 1] = node_numbers(PLANE_WAVE, waves[i], bk[i], ramp[i])
     return need
 
 

@@ -1,7 +1,7 @@
-"""Compiled kernels of resistive force theory: one segment, one tail, many designs.
+"""Compiled kernels of resistive force theory: one segment, one tail.
 
 The theory stands in rft; here are the sums. Everything stays analytic (no abs, no conjugates), so
-that complex-step derivatives run through the same kernels. Depends on numba and mobility.
+that complex-step derivatives run through the same kernels. Depends on numba.
 """
 
 from __future__ import annotations
@@ -10,9 +10,7 @@ from functools import cache
 from typing import Any
 
 import numpy as np
-from numba import njit, prange
-
-from .mobility import solve
+from numba import njit
 
 HELIX, PLANE_WAVE = 0, 1
 
@@ -134,18 +132,6 @@ def wave_tail(kind: int, arc: bool, p: Any, phase: Any, ramp_rule: Any, rule: An
 
 
 @njit(cache=True, fastmath=FAST)
-def wave_tail_phases(kind: int, arc: bool, p: Any, phases: Any, ramp_rule: Any, rule: Any) -> Any:
-    """`wave_tail` at several phases: shapes (n, 6, 6), (n, 6), (n,)."""
-    n = phases.size
-    R = np.empty((n, 6, 6), dtype=p.dtype)
-    F = np.empty((n, 6), dtype=p.dtype)
-    G = np.empty(n, dtype=p.dtype)
-    for j in range(n):
-        R[j], F[j], G[j] = wave_tail(kind, arc, p, phases[j], ramp_rule, rule)
-    return R, F, G
-
-
-@njit(cache=True, fastmath=FAST)
 def centreline_tail(X: Any, P_s: Any, U: Any, ds: Any, arc: bool, c: Any, spin: float) -> Any:
     """``(B_t, F_p, G)`` from a centreline on nodes: arrays (n, 3), quadrature weights ds (n,)."""
     R = np.zeros((6, 6), dtype=X.dtype)
@@ -162,26 +148,3 @@ def centreline_tail(X: Any, P_s: Any, U: Any, ds: Any, arc: bool, c: Any, spin: 
         for j in range(i):
             R[j, i] = R[i, j]
     return R, F, G
-
-
-@njit(cache=True, parallel=True, fastmath=FAST)
-def solve_designs(
-    kind: int, arc: bool, p: Any, body: Any, phases: Any, free: Any, ramp_rule: Any, rule: Any
-) -> Any:
-    """Velocities and tail powers per unit rate of many designs, in parallel.
-
-    `p` (n, 10) as in `PARAMETERS`, `body` (n, 6, 6). Returns V (n, m, 6) and
-    ``F_p . V + G`` (n, m) over the m phases.
-    """
-    n, m = p.shape[0], phases.size
-    V = np.empty((n, m, 6), dtype=p.dtype)
-    power = np.empty((n, m), dtype=p.dtype)
-    for d in prange(n):
-        for j in range(m):
-            R, F, G = wave_tail(kind, arc, p[d], phases[j], ramp_rule, rule)
-            V[d, j] = -F
-            solve(R + body[d], V[d, j], free)
-            power[d, j] = G
-            for i in range(6):
-                power[d, j] += F[i] * V[d, j, i]
-    return V, power

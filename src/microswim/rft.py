@@ -29,8 +29,9 @@ from .kernels import (
     gauss,
     node_numbers,
     wave_tail,
-    wave_tail_phases,
 )
+from .planarwave import wave_phases
+from .rigidhelix import FEWEST_WAVES, helix_tail, ramp_nodes
 from .swimmer import SURROUNDINGS, Swimmer
 
 
@@ -70,7 +71,8 @@ def gait(swimmer: Swimmer, *, nodes: int | None = None, phases: int | None = Non
     swimmer
         Any swimmer; its numbers may be complex (`Swimmer.lifted`).
     nodes
-        Gauss-Legendre nodes along the tail behind the ramp; enough for rounding by default.
+        Gauss-Legendre nodes along the tail behind the ramp; by default enough for rounding, or
+        the closed integrals of a helix.
     phases
         Phases over half a period of a tail that is not a rigid helix; enough by default.
 
@@ -84,7 +86,7 @@ def gait(swimmer: Swimmer, *, nodes: int | None = None, phases: int | None = Non
     if tail.kind == "helix":
         p = parameters(swimmer)
         arc = swimmer.motion.line_element == "arc"
-        R, F, G = wave_tail(HELIX, arc, p, 0.0, *rules(swimmer, nodes))
+        R, F, G = _helix(arc, p, nodes, swimmer)
         series = rotate(R, tail.sign), rotate(F, tail.sign), np.array([G])
     else:
         series = _deforming(swimmer, nodes, phases)
@@ -100,6 +102,13 @@ def gait(swimmer: Swimmer, *, nodes: int | None = None, phases: int | None = Non
     if swimmer.motion.frequency_frame == "lab":
         return made.in_lab_frame(tail.rate, tail.sign)
     return made
+
+
+def _helix(arc: bool, p: np.ndarray, nodes: int | None, swimmer: Swimmer) -> tuple[Any, ...]:
+    waves, bk, ramp = (x.real for x in (p[0] * p[2] / (2.0 * np.pi), p[1] * p[2], p[3]))
+    if nodes is not None or waves < FEWEST_WAVES:
+        return wave_tail(HELIX, arc, p, 0.0, *rules(swimmer, nodes))
+    return helix_tail(arc, p, 0.0, gauss(ramp_nodes(waves * ramp, bk, 12.0)))
 
 
 def _about(swimmer: Swimmer) -> dict[str, Any]:
@@ -132,7 +141,7 @@ def _samples(swimmer: Swimmer, nodes: int | None, n: int) -> tuple[np.ndarray, .
     if swimmer.tail.kind == "custom":
         return _custom_samples(swimmer, nodes, phase)
     p = parameters(swimmer)
-    R, F, G = wave_tail_phases(PLANE_WAVE, arc, p, phase[:n], *rules(swimmer, nodes))
+    R, F, G = wave_phases(arc, p, phase[:n], *rules(swimmer, nodes))
     mirrored = R * MIRROR_Q[:, None] * MIRROR_Q, F * MIRROR_Q, G
     return tuple(np.concatenate(pair) for pair in zip((R, F, G), mirrored))
 

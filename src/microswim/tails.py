@@ -224,6 +224,10 @@ class WaveTail(Tail):
         return P, P_s, P_phase
 
 
+#: (bk)^2 above which a helix comes back towards itself within a turn: min theta/|sin theta|.
+SHALLOW = 4.60333885
+
+
 @dataclass(frozen=True, kw_only=True)
 class HelicalTail(WaveTail):
     """Rotating rigid helix of either hand.
@@ -277,14 +281,20 @@ class HelicalTail(WaveTail):
         from each other; beyond half a turn a shallow helix only moves away from itself.
         """
         b, k = self.amplitude, self.wavenumber
+        B2 = np.asarray((b * k) ** 2)
         with np.errstate(divide="ignore", over="ignore"):
-            bend = (1.0 + (b * k) ** 2) / np.asarray(b * k**2)
-        end = 2.0 * np.pi * np.clip(self.number_of_waves, 0.5, 1.0)
-        theta = np.pi + np.multiply.outer(end - np.pi, np.linspace(0.0, 1.0, 65))
-        apart2 = theta**2 + 2.0 * np.asarray((b * k) ** 2)[..., None] * (1.0 - np.cos(theta))
-        least = np.min(apart2, axis=-1)
-        turns = np.where(least < apart2[..., 0], np.sqrt(least) / k / 2.0, np.inf)
-        return np.minimum(bend, turns)
+            bend = (1.0 + B2) / np.asarray(b * k**2)
+        deep = B2 > SHALLOW
+        if not deep.any():
+            return bend
+        B2 = np.where(deep, B2, 2.0 * SHALLOW)
+        theta = np.full_like(B2, 2.0 * np.pi)
+        for _ in range(8):  # theta + (bk)^2 sin theta = 0, from the side where Newton cannot miss
+            theta = theta - (theta + B2 * np.sin(theta)) / (1.0 + B2 * np.cos(theta))
+        theta = np.minimum(theta, 2.0 * np.pi * np.maximum(self.number_of_waves, 0.5))
+        apart2 = theta**2 + 2.0 * B2 * (1.0 - np.cos(theta))
+        nearer = deep & (apart2 < np.pi**2 + 4.0 * B2)
+        return np.minimum(bend, np.where(nearer, np.sqrt(apart2) / k / 2.0, np.inf))
 
 
 @dataclass(frozen=True, kw_only=True)

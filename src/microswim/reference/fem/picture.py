@@ -89,7 +89,9 @@ def require_viewer() -> None:
 def _pyvista() -> Any:
     require_viewer()
     import pyvista
+    from vtkmodules.vtkCommonCore import vtkLogger
 
+    vtkLogger.SetStderrVerbosity(vtkLogger.VERBOSITY_ERROR)  # it warns where there is no screen
     pyvista.OFF_SCREEN = True
     return pyvista
 
@@ -117,16 +119,17 @@ def _draw(plotter: Any, file: Path, view: View) -> None:
     """Swimmer's surface over the speed in the plane r = 0, seen along r."""
     pv = _pyvista()
     plotter.set_background("#440154")  # the resting fluid's colour
-    grid = pv.read(file)
+    grid = pv.read(file).clean(tolerance=1e-7)  # the elements come apart, each with its points
     grid["speed"] = np.linalg.norm(grid["velocity"], axis=1)
-    skin = pv.read(file.with_suffix(".skin.vtu"))
-    plotter.add_mesh(skin.extract_surface(algorithm="dataset_surface"), color="#c9a227")
+    skin = pv.read(file.with_suffix(".skin.vtu")).extract_surface(algorithm="dataset_surface")
+    plotter.add_mesh(skin.clean(), color="#c9a227", smooth_shading=True)
     (s, q, _), half = view.middle, view.reach
-    plane = grid.slice(normal=(0, 0, 1), origin=(0, 0, 0))
-    plane = plane.clip_box([s - half, s + half, q - half, q + half, -1, 1], invert=False)
-    bar = {"title": "speed / (body diameter x rate)", "color": "white"}
+    bar = {"title": "speed / (body diameter x rate)\n", "color": "white", "n_labels": 3}
     look = {"scalars": "speed", "cmap": "viridis", "clim": [0.0, view.fastest]}
-    plotter.add_mesh(plane, scalar_bar_args=bar, **look)
+    for r in (0.0, -0.02):  # the second shows through where flat pieces of curved elements gape
+        plane = grid.slice(normal=(0, 0, 1), origin=(0, 0, r))
+        plane = plane.clip_box([s - half, s + half, q - half, q + half, -1, 1], invert=False)
+        plotter.add_mesh(plane, scalar_bar_args={**bar, "fmt": "%.2g"}, **look)
     eye = (s, q - 1.6 * half, 2.6 * half)
     plotter.camera_position = [eye, (s, q, 0.0), (0.0, 1.0, 0.0)]
 

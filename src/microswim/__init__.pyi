@@ -19,6 +19,7 @@ from .coefficients import ValidityWarning as ValidityWarning
 from .coefficients import closed_form as closed_form
 from .control.cmodel import CModel as CModel
 from .control.cmodel import c_model as c_model
+from .control.fmu import export_fmu as export_fmu
 from .control.sensor import Sensor as Sensor
 from .control.stepper import State as State
 from .control.stepper import Stepper as Stepper

@@ -94,7 +94,9 @@ def c_model(stepper: Stepper, name: str = "swimmer", spec: str = "") -> CModel:
     if not np.isrealobj(stepper.response.twist) or not np.isfinite(stepper.response.twist).all():
         raise SpecError("the gait holds numbers that are not finite and real; check the swimmer")
     values = _values(stepper, name, spec)
-    texts = [(files(__package__) / "c" / f).read_text("utf-8") for f in ("model.h.in", "model.c.in")]
+    texts = [
+        (files(__package__) / "c" / f).read_text("utf-8") for f in ("model.h.in", "model.c.in")
+    ]
     return CModel(name, *(filled(t, values) for t in texts), values["banner"])
 
 
@@ -105,7 +107,9 @@ def filled(template: str, values: dict[str, str]) -> str:
 
 def _values(stepper: Stepper, name: str, spec: str) -> dict[str, str]:
     gait, units = stepper.gait, UNITS[stepper.gait.units]
-    digest = sha256(spec.encode() or repr(stepper.response.twist.tolist()).encode()).hexdigest()[:16]
+    digest = sha256(spec.encode() or repr(stepper.response.twist.tolist()).encode()).hexdigest()[
+        :16
+    ]
     values = {
         **{"name": name, "NAME": name.upper(), "version": __version__, "digest": digest, **units},
         "limits": numbers(stepper.limits[:4]),

@@ -13,7 +13,16 @@ from pathlib import Path
 from ..errors import MicroswimError
 from .cmodel import CModel
 
-FLAGS = ["-std=c99", "-O2", "-fPIC", "-Wall", "-Wextra", "-Werror", "-pedantic", "-ffp-contract=off"]
+FLAGS = [
+    "-std=c99",
+    "-O2",
+    "-fPIC",
+    "-Wall",
+    "-Wextra",
+    "-Werror",
+    "-pedantic",
+    "-ffp-contract=off",
+]
 
 TIMER = """
 #include "@name@.h"

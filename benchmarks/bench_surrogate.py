@@ -160,7 +160,7 @@ def throughput():
         runs["C"] = in_c
     for run in runs.values():
         run()
-    micro = {name: 1e6 * least(run, 5) / DESIGNS for name, run in runs.items()}
+    micro = {name: 1e6 * least(run, 15) / DESIGNS for name, run in runs.items()}
     scale = np.abs(V["NumPy"]).max(axis=0)
     for name, values in V.items():
         other, most = ("NumPy", 1e-10) if name in ("C", "Numba") else ("microswim, 12 digits", 1e-8)

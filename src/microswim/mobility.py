@@ -1,4 +1,4 @@
-"""The 6x6 solve for a twist, compiled. Depends on numba.
+"""The 6x6 solve for a twist, compiled: one, or several side by side. Depends on numba.
 
 Analytic, so that complex-step derivatives run through it.
 """
@@ -36,3 +36,39 @@ def solve(A: Any, V: Any, free: Any) -> None:
     for j in range(4, -1, -1):
         for i in range(j + 1, 6):
             V[j] -= A[j, i] * V[i]
+
+
+@njit(cache=True, error_model="numpy")
+def solve_lanes(A: Any, V: Any, free: Any, W: Any) -> None:
+    """`solve` of as many systems as the last axis of A (6, 6, n) and V (6, n) is long.
+
+    The same steps; the inner loops run over the systems, which the processor takes several at
+    once. W (2, n) is scratch.
+    """
+    n = V.shape[1]
+    for i in range(6):
+        if not free[i]:
+            for l in range(n):
+                V[i, l] = 0.0
+                for j in range(6):
+                    A[i, j, l] = 0.0
+                    A[j, i, l] = 0.0
+                A[i, i, l] = 1.0
+    for j in range(6):
+        for l in range(n):
+            W[0, l] = 1.0 / A[j, j, l]
+        for i in range(j + 1, 6):
+            for l in range(n):
+                W[1, l] = A[i, j, l] * W[0, l]
+            for m in range(j + 1, i + 1):
+                for l in range(n):
+                    A[i, m, l] -= W[1, l] * A[m, j, l]
+            for l in range(n):
+                V[i, l] -= W[1, l] * V[j, l]
+                A[j, i, l] = W[1, l]
+        for l in range(n):
+            V[j, l] *= W[0, l]
+    for j in range(4, -1, -1):
+        for i in range(j + 1, 6):
+            for l in range(n):
+                V[j, l] -= A[j, i, l] * V[i, l]

@@ -20,17 +20,17 @@ import numpy as np
 from numba import njit, prange
 
 from .kernels import FAST, gauss
-from .mobility import solve
+from .mobility import solve_lanes
 
 #: Below this number of waves the closed integrals lose digits to cancellation.
 FEWEST_WAVES = 0.05
-BLOCK = 64  #: designs that share scratch arrays
+LANES = 16  #: designs whose 6x6 systems are solved side by side
 MOST_NODES = 96
 
 
 @njit(cache=True)
 def ramp_nodes(turns: float, bk: float, digits: float) -> int:
-    """Nodes on the ramp for a number of digits, `turns` being the waves on it.
+    """Nodes on the ramp for a number of digits, in fours; `turns` are the waves on it.
 
     The sines take nodes in proportion to the turns; the arc length, analytic to a distance
     ``1/bk`` of the ramp's root, takes some more. Found by trial for 8 and 12 digits, and linear
@@ -40,7 +40,8 @@ def ramp_nodes(turns: float, bk: float, digits: float) -> int:
         return 0
     x = (digits - 8.0) / 4.0
     more = (2.0 + 1.5 * x) * np.sqrt(turns * min(bk, 14.0))
-    return max(2, int(np.ceil(5.0 + x + (3.5 + 0.5 * x) * turns + more)))
+    needed = 5.0 + x + (3.5 + 0.5 * x) * turns + more
+    return 4 * max(1, int(np.ceil(needed / 4.0)))
 
 
 @cache
@@ -227,23 +228,29 @@ def solve_helices(
     n = p.shape[0]
     V = np.full((n, 6), np.nan)
     power = np.full(n, np.nan)
-    for block in prange((n + BLOCK - 1) // BLOCK):
-        R, F, trig = np.empty((6, 6)), np.empty(6), np.empty((2, MOST_NODES))
-        for d in range(block * BLOCK, min(n, (block + 1) * BLOCK)):
-            m = counts[d]
-            if m < 0:
+    for block in prange((n + LANES - 1) // LANES):
+        R, F, trig = np.empty((6, 6)), np.empty((LANES, 6)), np.empty((2, MOST_NODES))
+        A, U, G = np.ones((6, 6, LANES)), np.ones((6, LANES)), np.empty(LANES)
+        first = block * LANES
+        lanes = min(LANES, n - first)
+        for l in range(lanes):
+            d = first + l
+            if counts[d] < 0:
                 continue
-            F[:] = 0.0
+            F[l] = 0.0
+            R[:] = body[d]
+            m = counts[d]
+            G[l] = add_ramp(R, F[l], p[d], 0.0, arc, (xi[m, :m], weight[m, :m]), trig)
+            G[l] += add_constant_part(R, F[l], p[d], 0.0, arc)
             for i in range(6):
+                U[i, l] = -F[l, i]
                 for j in range(i + 1):
-                    R[i, j] = body[d, i, j]
-            rule = (xi[m, :m], weight[m, :m])
-            G = add_ramp(R, F, p[d], 0.0, arc, rule, trig)
-            G += add_constant_part(R, F, p[d], 0.0, arc)
-            for i in range(6):
-                V[d, i] = -F[i]
-            solve(R, V[d], free)
-            for i in range(6):
-                G += F[i] * V[d, i]
-            power[d] = G
+                    A[i, j, l] = R[i, j]
+        solve_lanes(A, U, free, np.empty((2, LANES)))
+        for l in range(lanes):
+            if counts[first + l] >= 0:
+                for i in range(6):
+                    V[first + l, i] = U[i, l]
+                    G[l] += F[l, i] * U[i, l]
+                power[first + l] = G[l]
     return V, power

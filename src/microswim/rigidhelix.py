@@ -39,7 +39,7 @@ def ramp_nodes(turns: float, bk: float, digits: float) -> int:
     if turns <= 0:
         return 0
     x = (digits - 8.0) / 4.0
-    more = (2.0 + 1.5 * x) * np.sqrt(turns * min(bk, 14.0))
+    more = (2.6 + 1.6 * x) * np.sqrt(turns * min(bk, 14.0))
     needed = 5.0 + x + (3.5 + 0.5 * x) * turns + more
     return 4 * max(1, int(np.ceil(needed / 4.0)))
 

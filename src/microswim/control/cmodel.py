@@ -40,7 +40,7 @@ BANNER = """\
    Phase in radians, of the tail relative to the body; a positive motor rate sends the wave away
    from the body{hand}.
    Torque of a magnetic field: m x B, m fixed in the body. Stokes flow: no inertia.
-   A step needs no memory, calls nothing but libm, allocates nothing and keeps no static state. */"""
+   A step needs no memory, calls nothing but libm, allocates nothing, keeps no static state. */"""
 
 
 @dataclass(frozen=True)
@@ -111,7 +111,11 @@ def _values(stepper: Stepper, name: str, spec: str) -> dict[str, str]:
         :16
     ]
     values = {
-        **{"name": name, "NAME": name.upper(), "version": __version__, "digest": digest, **units},
+        "name": name,
+        "NAME": name.upper(),
+        "version": __version__,
+        "digest": digest,
+        **units,
         "limits": numbers(stepper.limits[:4]),
         "locked": "1.0" if stepper.locked else "0.0",
         "viscosity_value": repr(viscosity(stepper)),
@@ -122,7 +126,10 @@ def _values(stepper: Stepper, name: str, spec: str) -> dict[str, str]:
         ),
     }
     values["banner"] = BANNER.format(
-        **{"name": name, "version": __version__, "model": gait.model, "digest": digest},
+        name=name,
+        version=__version__,
+        model=gait.model,
+        digest=digest,
         units=gait.units + " (" + ", ".join(f"{k} {v}" for k, v in units.items()) + ")",
         strain=_about_strain(stepper),
         hand=_about_hand(stepper),

@@ -41,8 +41,9 @@ def variables(stepper: Stepper) -> list[dict[str, Any]]:
         start = list(start) or [0.0] * len(names_)
         for name, value in zip(names_, start):
             number = len(made)
-            made.append(dict(name=name, reference=number, kind=kind, unit=unit, about=about))
-            made[-1]["start"] = None if kind in ("time", "calculated") else float(value)
+            start_value = None if kind in ("time", "calculated") else float(value)
+            made.append({"name": name, "reference": number, "kind": kind, "unit": unit})
+            made[-1] |= {"about": about, "start": start_value}
 
     add("time", "time", "s", "simulation time")
     add("viscosity", "tunable", "Pa.s", "of the fluid, positive", [cmodel.viscosity(stepper)])
@@ -184,7 +185,9 @@ def _wrapper(model: cmodel.CModel, known: list[dict[str, Any]], fmi: str) -> str
         k: next(v["reference"] for v in known if v["kind"] == k) for k in ("input", "calculated")
     }
     values = {
-        **{"name": model.name, "banner": model.banner, "token": "@token@"},
+        "name": model.name,
+        "banner": model.banner,
+        "token": "@token@",
         "first_input": str(first["input"]),
         "first_output": str(first["calculated"]),
         "variables": str(len(known)),

@@ -9,7 +9,8 @@ The state is ``y = [x (lab), q (wxyz, body to lab), phase]``, the inputs are the
 
 integrated by the Runge-Kutta-Munthe-Kaas method of order 4 of trajectory. No allocation; all
 analytic, so that complex-step derivatives run through it. ``twist``, ``strain``: tables of M
-and v, and of K, `response`; ``moment``: magnetic, in the body frame. Depends on kernels, kinematics.
+and v, and of K, `response`; ``moment``: magnetic, in the body frame.
+Depends on kernels, kinematics.
 """
 
 from __future__ import annotations
@@ -100,10 +101,10 @@ def relative_twist(
 @compiled
 def sheared(u: Any) -> bool:
     """Whether the flow has a gradient."""
+    felt = False
     for i in range(16, 25):
-        if u[i] != 0:
-            return True
-    return False
+        felt |= u[i] != 0
+    return felt
 
 
 @compiled
@@ -327,7 +328,7 @@ def outputs(
 def derivatives(
     twist: Any, strain: Any, moment: Any, limits: Any, y: Any, u: Any, dt: float, steps: int
 ) -> Any:
-    """``dy'/dy`` (8, 8) and ``dy'/du`` (8, 25) of one period, by complex steps: exact to rounding."""
+    """``dy'/dy`` (8, 8) and ``dy'/du`` (8, 25) of one period, by complex steps."""
     n = steps if steps > 0 else internal_steps(limits, u, dt)
     A, B = np.empty((STATE, STATE)), np.empty((STATE, INPUT))
     work, tiny = np.empty(WORK, dtype=np.complex128), 1e-40

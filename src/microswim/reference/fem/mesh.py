@@ -214,14 +214,27 @@ def _tetrahedra(outline: Outline, channel: Channel, level: Level, zone: Zone | N
     )
     if zone:
         for at in _zone_points(outline, zone):
-            sizes.RestrictH(*at, zone.size)
+            sizes.RestrictH(*at)
     return occ.OCCGeometry(fluid).GenerateMesh(sizes)
 
 
-def _zone_points(outline: Outline, zone: Zone) -> list[tuple[float, float, float]]:
-    """Points on two rings a mesh size apart along the tail."""
-    s = np.arange(0.0, outline.length + zone.radius, zone.size)
-    angles = np.arange(8) * np.pi / 4
-    rings = [(0.55 * zone.radius, angles), (zone.radius, angles + np.pi / 8)]
-    points = [(x, rho * np.cos(a), rho * np.sin(a)) for x in s for rho, turn in rings for a in turn]
-    return [tuple(map(float, p)) for p in points if not outline.in_body(p)]
+def _zone_points(outline: Outline, zone: Zone) -> list[tuple[float, float, float, float]]:
+    """Points a mesh size apart in the cylinder around the tail; closer by half about its tip."""
+    near = max(3.0 * outline.radius, zone.size)
+    whole = _lattice(0.0, outline.length + near, outline.radius, zone.radius, zone.size)
+    low, high = outline.length - near, outline.length + near
+    tip = _lattice(low, high, outline.radius, outline.radius + near, 0.5 * zone.size)
+    return [p for p in [*whole, *tip] if not outline.in_body(p[:3])]
+
+
+def _lattice(
+    low: float, high: float, inner: float, outer: float, size: float
+) -> list[tuple[float, float, float, float]]:
+    """Points (s, q, r) between two cylinders, each with the mesh size wanted there."""
+    points = []
+    for i, s in enumerate(np.arange(low, high, size)):
+        for rho in np.arange(inner + 0.5 * size, outer, size):
+            n = max(6, int(np.ceil(2.0 * np.pi * rho / size)))
+            angles = (np.arange(n) + 0.5 * (i % 2)) * 2.0 * np.pi / n
+            points += [(s, rho * np.cos(a), rho * np.sin(a), size) for a in angles]
+    return [tuple(map(float, p)) for p in points]

@@ -52,12 +52,12 @@ def problem(swimmer: Any, channel: Channel, level: Level) -> tuple[Wave, Stokes]
     check_in_channel(outline, channel, wave.reach + outline.radius)
     wave.check()
     zone = None
-    for attempt in range(4):
+    for attempt in range(6):
         flow = Stokes(straight_mesh(outline, channel, level, zone), level.order)
         if (smallest := smallest_jacobian(wave, flow)) > 2 * FOLDED:
             return wave, flow
         level = replace(level, curvature=1.1 * level.curvature)
-        zone = Zone(outline.radius + 0.7 * wave.width, wave.scale * 1.8 * 0.75**attempt)
+        zone = Zone(outline.radius + 0.7 * wave.width, wave.scale * 1.2 * 0.93**attempt)
     raise MicroswimError(
         f"no mesh carries this wave without folding (smallest Jacobian {smallest:.2g}); "
         "lower the wave, use fewer waves or sections = sheared"

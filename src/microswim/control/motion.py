@@ -57,17 +57,27 @@ def row(table: Any, phase: Any, out: Any) -> None:
 
 
 @compiled
+def ratios(square: Any) -> tuple[Any, Any]:
+    """``sin(x)/x`` and ``(1 - cos(x))/x^2`` from x^2; below 1 rad by series, to rounding."""
+    if square.real >= 1.0:
+        x = np.sqrt(square)
+        return np.sin(x) / x, (1.0 - np.cos(x)) / square
+    a, b = 1.0 - square / 272.0, 1.0 - square / 240.0
+    a, b = 1.0 - square / 210.0 * a, 1.0 - square / 182.0 * b
+    a, b = 1.0 - square / 156.0 * a, 1.0 - square / 132.0 * b
+    a, b = 1.0 - square / 110.0 * a, 1.0 - square / 90.0 * b
+    a, b = 1.0 - square / 72.0 * a, 1.0 - square / 56.0 * b
+    a, b = 1.0 - square / 42.0 * a, 1.0 - square / 30.0 * b
+    a, b = 1.0 - square / 20.0 * a, 1.0 - square / 12.0 * b
+    return 1.0 - square / 6.0 * a, b / 2.0
+
+
+@compiled
 def field_at(u: Any, t: Any) -> Any:
     """Field after a time t: turned about field_rate, ``B + a w x B + b w x (w x B)``."""
     b0, b1, b2 = u[7], u[8], u[9]
     w0, w1, w2 = u[10] * t, u[11] * t, u[12] * t
-    square = w0 * w0 + w1 * w1 + w2 * w2
-    if square.real < 1e-6:
-        a = 1.0 - square / 6.0 * (1.0 - square / 20.0)
-        b = 0.5 - square / 24.0 * (1.0 - square / 30.0)
-    else:
-        angle = np.sqrt(square)
-        a, b = np.sin(angle) / angle, (1.0 - np.cos(angle)) / square
+    a, b = ratios(w0 * w0 + w1 * w1 + w2 * w2)
     c0, c1, c2 = w1 * b2 - w2 * b1, w2 * b0 - w0 * b2, w0 * b1 - w1 * b0
     d0, d1, d2 = w1 * c2 - w2 * c1, w2 * c0 - w0 * c2, w0 * c1 - w1 * c0
     return b0 + a * c0 + b * d0, b1 + a * c1 + b * d1, b2 + a * c2 + b * d2
@@ -138,12 +148,8 @@ def strained(
 def turned(q: Any, v: Any) -> tuple[Any, Any, Any, Any]:
     """``q exp(v/2)`` as `kinematics.turn`, in registers."""
     square = (v[0] * v[0] + v[1] * v[1] + v[2] * v[2]) / 4.0
-    if square.real < 1e-6:  # series to rounding
-        ratio = 1.0 - square / 6.0 * (1.0 - square / 20.0)
-        w = 1.0 - square / 2.0 * (1.0 - square / 12.0 * (1.0 - square / 30.0))
-    else:
-        root = np.sqrt(square)
-        ratio, w = np.sin(root) / root, np.cos(root)
+    ratio, versine = ratios(square)
+    w = 1.0 - square * versine
     x, y, z = ratio * v[0] / 2.0, ratio * v[1] / 2.0, ratio * v[2] / 2.0
     a, b, c, d = q
     return (
@@ -225,10 +231,7 @@ def substep(
 @compiled
 def size(u: Any, first: int, n: int) -> float:
     """Euclidean norm of n inputs."""
-    square = 0.0
-    for i in range(first, first + n):
-        square += u[i].real ** 2
-    return np.sqrt(square)
+    return np.sqrt(np.sum(u[first : first + n].real ** 2))
 
 
 @compiled

@@ -28,7 +28,7 @@ def wander(path: Any, length: float, bend: float, keys: Any, i: int) -> None:
     path[0, 0], path[0, 1], path[0, 2] = 0.0, 0.0, 0.0
     for k in range(1, n):
         x = 2.0 * np.pi * waves * k / n
-        p, q = 0.7 * bend * h * np.sin(x + first), 0.7 * bend * h * np.cos(1.3 * x + second)
+        p, q = 0.5 * bend * h * np.sin(x + first), 0.5 * bend * h * np.cos(1.3 * x + second)
         w0, w1, w2 = p * a0 + q * b0, p * a1 + q * b1, p * a2 + q * b2
         t0, t1, t2 = t0 + w1 * t2 - w2 * t1, t1 + w2 * t0 - w0 * t2, t2 + w0 * t1 - w1 * t0
         size = np.sqrt(t0 * t0 + t1 * t1 + t2 * t2)

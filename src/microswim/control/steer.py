@@ -76,7 +76,7 @@ def settings(
     return Settings(
         dt=0.02, field=4e-3, top=10.0, gust=disturbance * MM, calm=2.0, noise=position_noise * MM,
         angle_noise=angle_noise, interval=int(frame_interval), latency=int(latency),
-        steps=int(max_steps), length=10.0 * MM, bend=0.6 / MM, lost=3.0 * MM, ahead=1.0 * MM,
+        steps=int(max_steps), length=10.0 * MM, bend=0.8 / MM, lost=3.0 * MM, ahead=1.0 * MM,
     )  # fmt: skip
 
 

@@ -10,13 +10,22 @@ from typing import Any
 import click
 
 from ..errors import SpecError
-from ._options import Given, change, example, json_option, model_option, print_json, swimmer_options
+from ._options import (
+    Given,
+    change,
+    example,
+    json_option,
+    level_option,
+    model_option,
+    print_json,
+    swimmer_options,
+)
 
 
 @click.command(
     epilog=example(
         "microswim sweep robot.toml --over tail.amplitude=0.1:0.5:9,tail.waves=1:5:9 --out a.zarr",
-        "microswim sweep robot.toml --over tail.waves=1:5:20 --model bem --out b.zarr --resume",
+        "microswim sweep robot.toml --over tail.waves=1:5:20 --model bem --level fine --out b.zarr",
         "microswim sweep robot.toml --designs designs.csv --model bem --out bem.zarr --resume",
         "microswim sweep robot.toml --over ... --model fem --scheduler HOST:8786 --out fem.zarr",
     )
@@ -35,12 +44,13 @@ from ._options import Given, change, example, json_option, model_option, print_j
     help="A list of designs instead: CSV, a column for each dotted name.",
 )
 @model_option
+@level_option
 @click.option(
     "--option",
     "options",
     multiple=True,
     metavar="NAME=VALUE",
-    help='What the model takes, as in --option level="fine".',
+    help="What else the model takes, as in --option phases=12 (fem).",
 )
 @click.option(
     "--out",
@@ -63,7 +73,7 @@ from ._options import Given, change, example, json_option, model_option, print_j
     help="Solve in jobs of a cluster (queue and limits: Dask's jobqueue configuration).",
 )
 @json_option
-def command(given: Given, out: Path, as_json: bool, **asked: Any) -> None:
+def command(given: Given, out: Path, as_json: bool, level: str | None, **asked: Any) -> None:
     """Solve a grid or a list of designs into a Zarr store.
 
     Results are on disk as they come. Killed at any moment, a sweep loses at most the solves in
@@ -76,6 +86,8 @@ def command(given: Given, out: Path, as_json: bool, **asked: Any) -> None:
     if asked["scheduler"] and asked["cluster"]:
         raise SpecError("--scheduler and --cluster: one of the two")
     options = dict(change(text) for text in asked.pop("options"))
+    if level is not None and asked["model"] != "rft":
+        options["level"] = level
     begun = time.perf_counter()
     with bar(f"sweep {given.name}") as progress:
         result = sweep(

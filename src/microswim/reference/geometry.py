@@ -9,7 +9,7 @@ sections). The kink of the ramp [Tabak Sec. 2] is rounded over +-r_t, and the ce
 continued to s < 0 (analytically for helix and plane wave, straight for other tails) so that the
 tube grows out of the body without a gap.
 
-Depends on: numpy, microswim.errors.
+Depends on: numpy, scipy, microswim.errors.
 """
 
 from __future__ import annotations
@@ -19,6 +19,7 @@ from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
+from scipy.spatial.distance import cdist
 
 from microswim.errors import SpecError
 
@@ -262,7 +263,7 @@ def _check_clearance(tail: Any, P: Array) -> None:
     """Refuse a tube that touches another part of itself."""
     P = P[::5]
     arc = np.concatenate([[0.0], np.cumsum(np.linalg.norm(np.diff(P, axis=0), axis=-1))])
-    apart = np.linalg.norm(P[:, None] - P[None, :], axis=-1)
+    apart = cdist(P, P)
     gap = np.where(np.abs(arc[:, None] - arc[None, :]) > np.pi * tail.radius, apart, np.inf)
     if gap.min() <= 2 * tail.radius:
         raise SpecError(

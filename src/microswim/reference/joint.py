@@ -48,10 +48,10 @@ def piercing(body: Any, tail: Any, phase: float = 0.0) -> float:
             "tail.length", tail.apparent_length, "long enough to leave the body", "make it longer"
         )
     low, high = s[last], s[last + 1]
-    for _ in range(60):
-        mid = 0.5 * (low + high)
-        inside = level_set(body, smooth_centreline(tail, np.array(mid), phase).P) < 0
-        low, high = (mid, high) if inside else (low, mid)
+    for _ in range(6):
+        grid = np.linspace(low, high, 129)
+        inside = _last_crossing(level_set(body, smooth_centreline(tail, grid, phase).P))
+        low, high = grid[max(inside, 0)], grid[min(max(inside, 0) + 1, 128)]
     return float(0.5 * (low + high))
 
 
@@ -174,6 +174,8 @@ def _crossing(tail: Any, excess: Any, step: float, psi: Array) -> Array:
         out = f > 0
         f_low, f_high = np.where(out, 0.5 * f_low, f), np.where(out, f, 0.5 * f_high)
         low, high = np.where(out, low, middle), np.where(out, middle, high)
+        if np.abs(f).max() < 1e-10 * tail.radius:
+            break
     return middle
 
 

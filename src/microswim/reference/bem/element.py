@@ -147,6 +147,7 @@ def own_rule(p: int, steps: int, radial: int, angular: int) -> OwnRule:
     )
 
 
+@lru_cache(maxsize=16)
 def patch_matrix(p: int) -> tuple[Array, Array, Array]:
     """Geometry (value, d/du, d/dv) at the p x p Gauss nodes from q x q nodes: (p^2, q^2) each."""
     nodes = np.polynomial.legendre.leggauss(p)[0]

@@ -25,7 +25,9 @@ class Level:
 _BY_NAME = {
     "coarse": Level(
         "coarse",
-        Resolution(order=2, panel=4.0, stretch=8.0, bend=0.8, wave=1.8, root=1.0, growth=2.5),
+        Resolution(
+            order=2, panel=4.0, stretch=6.0, bend=1.0, wave=1.4, root=1.0, growth=2.5, body=1
+        ),
         Quadrature(points=4, near=2.0, far=8.0),
         12,
     ),
@@ -34,15 +36,15 @@ _BY_NAME = {
         Resolution(
             order=3,
             panel=5.0,
-            stretch=6.5,
-            bend=1.2,
-            wave=1.6,
+            stretch=8.0,
+            bend=1.6,
+            wave=2.0,
             around=3,
-            root=1.0,
-            growth=2.5,
+            root=1.5,
+            growth=3.0,
             body=1,
         ),
-        Quadrature(),
+        Quadrature(points=5, near=2.0, far=6.0),
         12,
     ),
     "fine": Level(

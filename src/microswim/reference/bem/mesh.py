@@ -21,7 +21,7 @@ from .surface import Surface, cube_face, grid_boxes, sample_adapted
 Array = NDArray[np.float64]
 
 
-# A joint that reaches this many filament radii along the tail counts as steep: more patches there.
+# A joint that reaches this many filament radii along the tail counts as steep: shorter first rows.
 STEEP = 0.6
 
 
@@ -81,7 +81,8 @@ def tube_edges(tail: Any, phase: float, start: float, r: Resolution, root: float
 
     root : length of the first panel in filament radii, None for a tail without a body.
     """
-    s = np.linspace(start, tail.apparent_length, 3001)
+    # not a round number: no grid point on a kink, where rounding would choose the curvature
+    s = np.linspace(start, tail.apparent_length, 2999)
     arc, h = _wanted_length(tail, phase, s, r)
     tip = 1.6 * tail.radius + 0.6 * (arc[-1] - arc)
     if root is None:
@@ -122,9 +123,6 @@ def _tube(tail: Any, phase: float, edges: Array, around: int, joint: Any) -> tup
     panels = np.arange(float(edges.size))
     rows = 0 if joint is None else _rows_bent(edges, joint)
     start = edges[0] if joint is None else edges[0] - 1.05 * joint.depth
-    more = 2 * around if joint is not None and joint.depth > STEEP * tail.radius else around
-    root = grid_boxes(np.linspace(0, 2 * np.pi, more + 1), panels[: rows + 1])
-    rest = grid_boxes(np.linspace(0, 2 * np.pi, around + 1), panels[rows:])
     grid = np.linspace(start, edges[-1], 4001)
     twist = geometry.section_twist(tail, grid, phase)
     twist = twist - np.interp(edges[0], grid, twist)
@@ -139,7 +137,7 @@ def _tube(tail: Any, phase: float, edges: Array, around: int, joint: Any) -> tup
         X = geometry.tube_point(tail, s, theta - np.interp(s, grid, twist), phase)
         return np.concatenate([X, s[..., None]], axis=-1)
 
-    values = sample_adapted(chart, np.concatenate([root, rest]))
+    values = sample_adapted(chart, grid_boxes(np.linspace(0, 2 * np.pi, around + 1), panels))
     return values[..., :3], values[..., 3]
 
 
@@ -193,7 +191,6 @@ def _body(body: Any, joint: Joint, r: Resolution) -> Array:
     mean = float(joint.series[0, 0].real)
     side = r.body + int(axes.max() > 1.5 * axes.min())
     quarter = 0.5 * np.pi / side
-    steep = joint.depth > STEEP * mean * axes.min()
     t = _ring_radii(mean, r.root * mean, r.growth, quarter)
     parts = []
     for low, high in zip(t[:-1], t[1:], strict=True):
@@ -201,8 +198,6 @@ def _body(body: Any, joint: Joint, r: Resolution) -> Array:
         outer = mean + high * (np.pi / 2 - mean)
         sectors = 4 * int(np.clip(np.ceil(outer / (2.2 * width)), 1, max(side, r.around // 4)))
         turn = np.linspace(-np.pi / 4, 2 * np.pi - np.pi / 4, sectors + 1)
-        if steep and outer < 4 * mean:
-            turn = np.linspace(0, 2 * np.pi, 2 * sectors + 1)
         parts.append(sample_adapted(chart, grid_boxes(np.array([low, high]), turn)))
     parts.append(centre + axes * _half_sphere(-joint.pole, joint.second, joint.first, side))
     return np.concatenate(parts)

@@ -16,7 +16,6 @@ from numpy.typing import NDArray
 
 from microswim.gait import Gait
 
-from .. import geometry
 from .levels import Level, coarser, get_level
 from .solution import Solution, solve
 
@@ -76,8 +75,9 @@ def _info(solutions: list[Solution], level: str) -> dict[str, Any]:
         "phases_solved": len(solutions),
         "seconds": seconds,
         "asymmetry": max(s.asymmetry for s in solutions),
+        "reciprocity": max(s.reciprocity for s in solutions),
         "wall": first.swimmer.wall,
-        "remarks": geometry.check(first.swimmer.body, first.swimmer.tail, first.phase),
+        "remarks": list(first.remarks),
         "joint": "torque and lateral force on the body alone drift with the logarithm of the mesh "
         "size; R, F_p and velocities converge",
     }

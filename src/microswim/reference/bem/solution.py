@@ -50,6 +50,8 @@ class Solution:
         phase rate.
     seconds : dict
         Wall time of geometry, assembly, solve.
+    remarks : tuple of str
+        What is extreme about the geometry.
     """
 
     swimmer: Any
@@ -57,6 +59,7 @@ class Solution:
     layer: Layer
     density: Array
     seconds: dict[str, float]
+    remarks: tuple[str, ...] = ()
 
     @property
     def surface(self) -> Surface:
@@ -277,7 +280,7 @@ def solve(
     chosen = get_level(level, order) if isinstance(level, str) else level
     start = time.perf_counter()
     body, tail = swimmer.body, swimmer.tail
-    geometry.check(body, tail, phase)
+    remarks = geometry.check(body, tail, phase)
     surface = swimmer_surface(body, tail, phase, chosen.resolution)
     require_memory(surface.unknowns)
     centre = np.asarray(body.centre, float)
@@ -287,7 +290,8 @@ def solve(
     velocities = np.concatenate([modes, surface.node_motion[..., None]], axis=-1)
     meshed = time.perf_counter() - start
     solved = solve_density(layer, velocities)
-    return Solution(swimmer, phase, layer, solved.density, {"geometry": meshed, **solved.seconds})
+    seconds = {"geometry": meshed, **solved.seconds}
+    return Solution(swimmer, phase, layer, solved.density, seconds, tuple(remarks))
 
 
 def _wall_beside(swimmer: Any, surface: Surface, centre: Array) -> Array | None:
@@ -298,5 +302,5 @@ def _wall_beside(swimmer: Any, surface: Surface, centre: Array) -> Array | None:
         )
     if swimmer.wall is None:
         return None
-    swimmer.wall.check_clear(surface.controls, centre)
+    swimmer.wall.check_clear(flow.positions(surface, 9).reshape(-1, 3), centre)
     return swimmer.wall.plane(centre)

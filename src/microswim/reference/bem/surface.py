@@ -145,10 +145,11 @@ def area_misfits(controls: Array) -> tuple[Array, Array]:
 
 
 def sample_adapted(
-    chart: Callable[[Array, Array], Array], boxes: Array, misfit: float = 1e-3, depth: int = 3
+    chart: Callable[[Array, Array], Array], boxes: Array, misfit: float = 3e-3, depth: int = 4
 ) -> Array:
-    """Like `sample`; rectangles whose area is missed by `misfit` are halved, at most `depth`
-    times.
+    """Like `sample`; rectangles whose area is missed by `misfit` are halved, at most `depth` times.
+
+    Across the direction that is worse, but no patch becomes narrower than a quarter of its length.
     """
     done = []
     for _ in range(depth):
@@ -158,7 +159,11 @@ def sample_adapted(
         done.append(values[~rough])
         if not rough.any():
             return np.concatenate(done)
-        boxes = _halved(boxes[rough], in_u[rough] >= in_v[rough])
+        X = values[rough][..., :3]
+        length = np.linalg.norm(X[:, -1] - X[:, 0], axis=-1).mean(axis=1)
+        width = np.linalg.norm(X[:, :, -1] - X[:, :, 0], axis=-1).mean(axis=1)
+        slack = np.where(in_u >= in_v, 0.5, 2.0)[rough]
+        boxes = _halved(boxes[rough], length > slack * width)
     return np.concatenate([*done, sample(chart, boxes)])
 
 

@@ -1,10 +1,26 @@
 // Builds the page into the Python package: three files with fixed names, the font inside the style.
+import { createHash } from "node:crypto";
+import { readFileSync, readdirSync, writeFileSync } from "node:fs";
 import { defineConfig } from "vite";
+
+const OUT = "../src/microswim/studio/static";
+
+// Of which sources the page was built: tests/test_studio.py compares.
+const stamp = {
+  name: "stamp",
+  closeBundle() {
+    const sources = [...readdirSync("src").sort().map((f) => `src/${f}`), "index.html", "package-lock.json", "vite.config.js"];
+    const hash = createHash("sha256");
+    for (const f of sources) hash.update(`${f}\n`).update(readFileSync(f, "utf8").replaceAll("\r\n", "\n"));
+    writeFileSync(`${OUT}/sources.txt`, `${hash.digest("hex")}\n`);
+  },
+};
 
 export default defineConfig({
   base: "/static/",
+  plugins: [stamp],
   build: {
-    outDir: "../src/microswim/studio/static",
+    outDir: OUT,
     emptyOutDir: false,
     assetsInlineLimit: 400_000,
     chunkSizeWarningLimit: 1000,

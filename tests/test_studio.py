@@ -1,6 +1,7 @@
 """The studio's server: what it answers, what it refuses, that it remembers nothing."""
 
 import asyncio
+import hashlib
 import json
 import math
 import re
@@ -9,6 +10,7 @@ import sys
 import threading
 import tomllib
 import warnings
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -17,8 +19,9 @@ import microswim as ms
 from microswim import presets
 from microswim.gait import evaluate
 from microswim.spec import from_dict
-from microswim.studio import answers, page, tables, work
+from microswim.studio import answers, around, page, tables, work
 from microswim.studio.app import LARGEST_BODY, create_app
+from microswim.studio.hosts import LOCAL, is_known, name_of
 from microswim.studio.judge import Judge
 from microswim.studio.server import address, listen
 
@@ -27,6 +30,14 @@ WAVE = tomllib.loads(presets.read("tabak/plane_wave"))
 CELL = tomllib.loads(presets.read("goto/A"))
 X = {"field": "tail.amplitude", "from": 0.04, "to": 0.16, "count": 7}
 Y = {"field": "tail.waves", "from": 2.0, "to": 4.0, "count": 5}
+WALL = {"distance": 0.9, "tilt": "20 deg", "azimuth": "-30 deg"}
+CHANNEL = {
+    "diameter": 4.0,
+    "length": 8.0,
+    "shape": "box",
+    "position": [0.2, -0.3, 0.1],
+    "tilt": 0.1,
+}
 CUSTOM = {**HELIX, "tail": {"kind": "custom", "shape": "os:getcwd", "length": 1, "radius": 0.01}}
 
 
@@ -160,6 +171,81 @@ def test_warnings_become_notes():
     assert len(answers.solve(thick)["notes"]) == len({str(w.message) for w in ours})
 
 
+@pytest.mark.parametrize("around", [{"wall": WALL}, {"channel": CHANNEL}], ids=["wall", "channel"])
+@pytest.mark.parametrize("si", [False, True])
+def test_walls_and_channels_come_back_whole(around, si):
+    (part, table), unit = next(iter(around.items())), " um" if si else ""
+    spec = CELL if si else HELIX
+    lengths = {"distance", "diameter", "length"}
+    given = {k: f"{v}{unit}" if si and k in lengths else v for k, v in table.items()}
+    if si and "position" in given:
+        given["position"] = [f"{v}{unit}" for v in given["position"]]
+    swimmer = from_dict({**spec, part: given})
+    full = tables.canonical(swimmer)
+    for again in (from_dict(full), from_dict(tomllib.loads(tables.to_toml(full, part)))):
+        assert getattr(again, part) == getattr(swimmer, part) or again.numbers == pytest.approx(
+            swimmer.numbers, rel=1e-11
+        )
+
+
+def test_the_wall_in_the_scene_is_that_of_the_judge(app):
+    """Distance and normal from the body's centre are those of `Wall.plane`."""
+    made = answer(app, "/api/solve", {"tables": {**HELIX, "wall": WALL}})["around"]
+    swimmer = from_dict({**HELIX, "wall": WALL})
+    plane = swimmer.wall.plane([0.0, 0.0, 0.0])
+    assert np.allclose(-made["distance"] * np.array(made["normal"]), plane[:3])
+    assert np.allclose(made["normal"], plane[3:])
+    assert made["normal"][0] == pytest.approx(math.sin(math.radians(20)))
+
+
+def test_the_channel_in_the_scene_is_that_of_the_judge():
+    mesh = pytest.importorskip("microswim.reference.fem.mesh", reason="needs the extra fem")
+    swimmer = from_dict({**HELIX, "channel": CHANNEL})
+    outline = mesh.Outline.of(swimmer)
+    theirs = outline.unit * (outline.middle_of(swimmer.channel) - outline.centre)
+    assert np.allclose(around.scene(swimmer)["middle"], theirs)
+
+
+@pytest.mark.parametrize("spec", [HELIX, WAVE], ids=["helix", "wave"])
+def test_what_touches_a_wall_is_refused_where_it_touches(app, spec):
+    """The least distance is that of the farthest point of body and tail, by a fine sampling."""
+    swimmer = from_dict({**spec, "wall": {**WALL, "distance": 5.0}})
+    n, tail = np.array(swimmer.wall.normal), swimmer.tail
+    s, phase = np.meshgrid(
+        np.linspace(0, tail.apparent_length, 400), np.linspace(0, 2 * np.pi, 200)
+    )
+    line = tail.centreline(s, phase)[0] + [float(swimmer.body.semi_axes3[0]), 0, 0]
+    least = max(float((-line @ n).max()) + tail.radius, float(swimmer.body.semi_axes3[0]))
+    for share, status in ((0.99, 422), (1.01, 200)):
+        wall = {**WALL, "distance": share * least}
+        got, _, made = call(app, "POST", "/api/solve", {"tables": {**spec, "wall": wall}})
+        assert got == status
+        assert status == 200 or "wall.distance" in made["error"]
+
+
+@pytest.mark.parametrize("change", [{"diameter": 0.8}, {"length": 3.0}, {"position": [0, 0, 1.6]}])
+def test_what_does_not_fit_into_a_channel_is_refused(app, change):
+    spec = {**HELIX, "channel": {**CHANNEL, **change}}
+    assert "channel" in refusal(app, "/api/solve", {"tables": spec})
+
+
+def test_a_map_does_not_offer_what_the_surrogate_does_not_know(app):
+    distance = {"field": "wall.distance", "from": 1.0, "to": 2.0, "count": 4}
+    spec = {**HELIX, "wall": WALL}
+    refusal(app, "/api/map", {"tables": spec, "x": distance, "y": Y})
+    free = answer(app, "/api/map", {"tables": HELIX, "x": X, "y": Y})["values"]
+    assert answer(app, "/api/map", {"tables": spec, "x": X, "y": Y})["values"] == free
+
+
+def test_a_map_without_symmetry_is_thinned(app):
+    body = {"shape": "ellipsoid", "semi_axes": [0.6, 0.5, 0.4]}
+    wide = {"x": {**X, "count": 40}, "y": {**Y, "count": 30}}
+    made = answer(app, "/api/map", {"tables": {**HELIX, "body": body}, **wide})
+    assert (len(made["x"]), len(made["y"])) == answers.MOST_SINGLY
+    assert made["x"][-1] == X["to"]
+    assert len(made["values"]["efficiency"]) == len(made["x"]) * len(made["y"])
+
+
 # ------------------------------------------------------------------ what it refuses
 
 
@@ -238,10 +324,40 @@ def test_other_pages_and_other_names_of_this_machine_are_refused(app):
     body = {"tables": HELIX}
     refusal(app, "/api/solve", body, 415, kind="text/plain")
     refusal(app, "/api/solve", body, 403, headers=[(b"origin", b"http://elsewhere.example")])
-    assert call(app, "GET", "/", host="elsewhere.example")[0] == 400
+    for name in (
+        "elsewhere.example",
+        "127.0.0.1.elsewhere.example",
+        "[::2]:80",
+        "[::1",
+        "",
+        "a]:1",
+    ):
+        assert call(app, "GET", "/", host=name)[0] == 400
+    for name in ("127.0.0.1:8642", "localhost:1", "[::1]:8642", "[::1]", "LOCALHOST"):
+        assert call(app, "GET", "/", host=name)[0] == 200
     assert (
         call(app, "POST", "/api/solve", body, headers=[(b"origin", b"http://127.0.0.1")])[0] == 200
     )
+
+
+@pytest.mark.parametrize(
+    ("host", "local", "open_"),
+    [
+        ("127.0.0.1:8642", True, True),
+        ("[::1]:8642", True, True),
+        ("192.0.2.7:80", False, True),
+        ("[2001:db8::7]:80", False, True),
+        ("rebound.example", False, False),
+        ("192.0.2.7.rebound.example:80", False, False),
+        ("robot.example", False, True),
+        ("127.0.0.1:80:80", False, False),
+        ("[::1]x", False, False),
+    ],
+)
+def test_names_that_can_be_rebound_are_refused(host, local, open_):
+    """Listening to the network: any address in numbers, and the name that was asked for."""
+    assert is_known(name_of(host), LOCAL) is local
+    assert is_known(name_of(host), ("*", "robot.example")) is open_
 
 
 @pytest.mark.parametrize("name", ["../app.py", "..%2fapp.py", "app.py", "", "studio.map"])
@@ -259,6 +375,7 @@ def test_it_listens_on_this_machine_only():
     with listen("127.0.0.1", 0) as one:
         assert one.getsockname()[0] == "127.0.0.1"
         assert re.fullmatch(r"http://127\.0\.0\.1:\d+/", address("127.0.0.1", one))
+        assert address("::1", one).startswith("http://[::1]:")
         one.listen()
         with pytest.raises(ms.MicroswimError, match="--port"):
             listen("127.0.0.1", one.getsockname()[1])
@@ -347,6 +464,20 @@ def test_a_job_that_fails_says_why():
     assert "custom" in messages[0][1]
 
 
+def test_the_flow_ends_at_the_wall_and_is_refused_in_a_channel(monkeypatch):
+    """At the wall the fluid rests; what the image does behind it is not shown."""
+    monkeypatch.setattr(work, "FLOW_PHASES", 2)
+    low = {**WAVE, "tail": {**WAVE["tail"], "waves": 1}, "wall": {"distance": 0.55}}
+    made = work.flow({"tables": low}, lambda i, n: None)
+    mean = np.reshape(made["series"][0], (*made["shape"], 3))
+    q = np.linspace(*made["q"], made["shape"][0])
+    assert np.abs(mean[q < -0.55]).max() == 0.0
+    nearest = int(np.flatnonzero(q > -0.55)[0])
+    assert 0.0 < np.abs(mean[nearest]).max() < 0.5 * np.abs(mean).max()
+    with pytest.raises(ms.SpecError, match="channel"):
+        work.flow({"tables": {**HELIX, "channel": CHANNEL}}, lambda i, n: None)
+
+
 def test_the_flow_obeys_the_no_slip_condition():
     """On the front of the body the fluid moves with the body."""
     spec = {**HELIX, "tail": {**HELIX["tail"], "waves": 1, "amplitude": 0.15}}
@@ -376,6 +507,18 @@ def test_a_snapshot_is_whole_and_safe():
     assert data["designs"][0]["name"] == evil
     assert data["designs"][0]["answer"]["readings"]["swimming_speed"] > 0
     assert len(data["map"]["values"]["efficiency"]) == 35
+
+
+def test_the_built_page_is_that_of_its_sources():
+    """As `studio/vite.config.js` stamps it: whoever changes studio/ must build and commit both."""
+    studio = Path(__file__).parents[1] / "studio"
+    names = sorted(f"src/{f.name}" for f in (studio / "src").iterdir())
+    digest = hashlib.sha256()
+    for name in [*names, "index.html", "package-lock.json", "vite.config.js"]:
+        digest.update(f"{name}\n".encode())
+        digest.update((studio / name).read_bytes().replace(b"\r\n", b"\n"))
+    stamp = page.text("sources.txt").strip()
+    assert stamp == digest.hexdigest(), "run npm ci and npm run build in studio/"
 
 
 def test_built_files_are_small_and_speak_to_nobody_else():

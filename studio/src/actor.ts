@@ -5,6 +5,7 @@ import { Line2 } from "three/examples/jsm/lines/Line2.js";
 import { LineGeometry } from "three/examples/jsm/lines/LineGeometry.js";
 import { LineMaterial } from "three/examples/jsm/lines/LineMaterial.js";
 import { bodyWrench, rotate, start, step, twist, type Drive, type Pose } from "./motion";
+import { Around } from "./around";
 import { Tube } from "./tube";
 import type { Answer } from "./types";
 
@@ -50,6 +51,8 @@ export class Actor {
   /** time, position, quaternion and phase, one row after the other */
   record: number[][] = [];
   readonly sqr = new THREE.Group();
+  readonly around = new Around();
+  private home = new THREE.Group();
   private body: THREE.Mesh;
   private tail: THREE.Mesh;
   private tube = new Tube();
@@ -72,7 +75,8 @@ export class Actor {
     this.path.frustumCulled = false;
     this.sqr.add(this.tail);
     this.root.add(this.body, this.sqr);
-    scene.add(this.root, this.path);
+    this.home.add(this.around.group);
+    scene.add(this.root, this.path, this.home);
     for (const [name, tint] of [["thrust", "#5fd0a0"], ["drag", "#ff8a70"], ["velocity", "#ffffff"]]) {
       this.arrows[name] = arrow(tint);
       scene.add(this.arrows[name]);
@@ -80,7 +84,8 @@ export class Actor {
   }
 
   dispose(): void {
-    this.scene.remove(this.root, this.path, ...Object.values(this.arrows));
+    this.around.dispose();
+    this.scene.remove(this.root, this.path, this.home, ...Object.values(this.arrows));
   }
 
   update(answer: Answer): void {
@@ -90,6 +95,7 @@ export class Actor {
     if (a > 0) this.body.scale.set(a, b, c);
     this.sqr.position.set(a, 0, 0);
     this.tube.update(answer.shape, 0);
+    this.around.update(answer.around, answer.shape);
     this.pose_();
   }
 
@@ -125,6 +131,12 @@ export class Actor {
     this.pose_();
   }
 
+  /** Whether it has come to the wall or an end of the channel since it started. */
+  get touches(): boolean {
+    const room = this.around.room(this.pose, this.answer.shape);
+    return room <= 0 && room < this.around.room(start(), this.answer.shape);
+  }
+
   private remember(): void {
     const { x, q, phase, time } = this.pose;
     this.record.push([time, ...x, ...q, phase]);
@@ -136,6 +148,7 @@ export class Actor {
   /** Put meshes where the pose says. */
   private pose_(): void {
     const { x, q, phase } = this.pose;
+    this.home.position.copy(this.offset);
     this.root.position.set(x[0], x[1], x[2]).add(this.offset);
     this.root.quaternion.set(q[1], q[2], q[3], q[0]);
     const { shape } = this.answer;

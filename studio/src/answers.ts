@@ -64,8 +64,16 @@ export class Answers {
     const { design, model } = this.store;
     if (model === "bem") {
       const fresh = this.store.shown(design) !== design.answer;
-      const text = fresh ? "Boundary elements" : "Boundary elements: asking the judge …";
+      const where = fresh && design.answer.around ? ", at the pose it starts from" : "";
+      const text = fresh ? `${this.store.method}${where}` : `${this.store.method}: asking the judge …`;
       return el("div", { class: `trust ${fresh ? "good" : "open"}`, id: "trust" }, el("i"), text);
+    }
+    const { around } = design.answer;
+    const here = JSON.stringify(design.answer.tables);
+    if (around && design.calibrated !== here) {
+      const what = around.kind === "wall" ? "wall" : "channel";
+      const title = "Local resistance is that of free fluid; ask the judge, then calibrate here.";
+      return el("div", { class: "trust poor", id: "trust", title }, el("i"), `Surrogate: knows nothing of the ${what}`);
     }
     const error = design.answer.expected_error;
     if (error !== null) {
@@ -73,7 +81,6 @@ export class Answers {
       return el("div", { class: `trust ${grade}`, id: "trust" }, el("i"), `Surrogate: expected error ${digits(100 * error, 2)} %`);
     }
     if (design.answer.region) return el("div", { class: "trust fair", id: "trust" }, el("i"), "Surrogate, outside its calibrated region");
-    const here = JSON.stringify(design.answer.tables);
     if (design.calibrated === here) return el("div", { class: "trust good", id: "trust" }, el("i"), "Surrogate, calibrated at this design");
     if (design.calibrated) return el("div", { class: "trust fair", id: "trust" }, el("i"), "Surrogate, calibrated at another design");
     const title = "No reference has been asked; ask the judge, then calibrate here.";

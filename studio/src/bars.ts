@@ -152,7 +152,7 @@ export class Transport {
   private play = el("button", { id: "play", class: "icon", title: "Play or pause (space)" });
   private says = el("span", { class: "pace" });
 
-  constructor(private store: Store, private view: View, parts: { toggles: HTMLElement[]; restart: () => void }) {
+  constructor(private store: Store, private view: View, private parts: { toggles: HTMLElement[]; restart: () => void; resume: () => void }) {
     const pace = el("input", { type: "range", min: -1.6, max: 1.6, step: 0.01, value: Math.log10(view.pace), id: "pace", "aria-label": "Pace" });
     const show = (): void => {
       pace.style.setProperty("--at", `${(100 * (Number(pace.value) + 1.6)) / 3.2}%`);
@@ -173,6 +173,12 @@ export class Transport {
 
   toggle(): void {
     this.view.paused = !this.view.paused;
+    if (!this.view.paused) this.parts.resume();
+    this.draw();
+  }
+
+  pause(): void {
+    this.view.paused = true;
     this.draw();
   }
 

@@ -1,8 +1,8 @@
 // The left panel: every number of the spec as a slider with its unit, choices as segments.
 
 import { digits, el, pretty } from "./dom";
-import { CHOICES, label, quantity, read, sensible, spoken, type Range } from "./fields";
-import type { Store } from "./store";
+import { CHOICES, SIZE, label, quantity, read, sensible, spoken, type Range } from "./fields";
+import type { Design, Store } from "./store";
 import type { Tables, Value } from "./types";
 
 const TITLES: [string, string, boolean][] = [
@@ -15,7 +15,10 @@ const TITLES: [string, string, boolean][] = [
 ];
 const FIRST: Record<string, string[]> = {
   tail: ["kind", "handedness", "length", "amplitude", "waves", "wavelength", "frequency", "radius", "ramp"],
+  wall: ["distance", "tilt", "azimuth"],
+  channel: ["shape", "diameter", "length", "ends", "tilt", "position"],
 };
+const BOUNDS: [string, string][] = [["wall", "Wall"], ["channel", "Channel"]];
 const AXES: Record<string, string[]> = {
   translation: ["s", "q", "r"], rotation: ["s", "q", "r"], tail: ["t", "n", "r"],
 };
@@ -56,9 +59,33 @@ export class Controls {
     const first = FIRST[part] ?? [];
     const names = [...first.filter((n) => n in table), ...Object.keys(table).filter((n) => !first.includes(n))];
     const body = names.flatMap((name) => this.field(`${part}.${name}`, table[name]));
+    if (part === "fluid") body.push(...this.bounds());
     const box = el("details", { open: this.open.get(part) }, el("summary", {}, title), ...body);
     box.addEventListener("toggle", () => this.open.set(part, box.open));
     return box;
+  }
+
+  /** What bounds the fluid: nothing, a wall or a channel, and their numbers. */
+  private bounds(): HTMLElement[] {
+    const { store } = this;
+    const now = (): string => BOUNDS.find(([b]) => b in store.design.tables)?.[0] ?? "";
+    const all: [string, string][] = [["", "Nothing"], ...BOUNDS];
+    const set = (kind: string): void => {
+      const { wall, channel, ...free } = structuredClone(store.design.tables);
+      const old = { wall, channel }[kind];
+      if (kind !== now()) store.replace(kind ? { ...free, [kind]: old ?? boundOf(kind, store.design) } : free);
+    };
+    const buttons = all.map(([kind, text]) => {
+      const b = el("button", { type: "button", "data-field": "bounds", "data-value": kind, onclick: () => set(kind) }, text);
+      this.rows.push(() => b.setAttribute("aria-pressed", String(now() === kind)));
+      return b;
+    });
+    const table = store.design.tables[now()] ?? {};
+    const names = (FIRST[now()] ?? []).filter((n) => n in table);
+    return [
+      el("div", { class: "row bounds" }, el("label", {}, "Bounded by"), el("div", { class: "segments six" }, ...buttons)),
+      ...names.flatMap((name) => this.field(`${now()}.${name}`, table[name])),
+    ];
   }
 
   private field(path: string, value: Value): HTMLElement[] {
@@ -213,6 +240,20 @@ function bodyOf(shape: string, axes: number[], tables: Tables): Record<string, V
   if (shape === "spheroid") return { shape, semi_axes: [say(a === b ? 1.5 * a : a), say(b)] };
   if (shape === "ellipsoid") return { shape, semi_axes: [say(a), say(b), say(b === c ? 0.8 * c : c)] };
   return { shape };
+}
+
+/** A wall below, or a channel three times as wide as the swimmer, as a first guess. */
+function boundOf(kind: string, design: Design): Record<string, Value> {
+  const { unit } = quantity(design.tables.tail.length)!;
+  const { semi_axes: [a, b, c], amplitude, radius, length } = design.answer.shape;
+  const reach = Math.max(b, c, amplitude + radius);
+  const say = (x: number): Value => spoken(Number((x / (SIZE[unit] ?? 1)).toPrecision(3)), unit);
+  if (kind === "wall") return { distance: say(2 * reach), tilt: "0 deg", azimuth: "90 deg" };
+  const none = say(0);
+  return {
+    diameter: say(6 * reach), length: say(2 * (2 * a + length)), shape: "cylinder",
+    position: [none, none, none], tilt: "0 deg", ends: "closed",
+  };
 }
 
 /** Gray and Hancock's pair as a first guess of a constant one: c_n = 2 c_t. */

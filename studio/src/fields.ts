@@ -3,7 +3,7 @@
 import type { Answer, Tables, Value } from "./types";
 
 export const SIZE: Record<string, number> = {
-  nm: 1e-9, um: 1e-6, mm: 1e-3, m: 1, "mPa s": 1e-3, "Pa s": 1, "kg/m^3": 1, Hz: 1,
+  nm: 1e-9, um: 1e-6, mm: 1e-3, m: 1, "mPa s": 1e-3, "Pa s": 1, "kg/m^3": 1, Hz: 1, deg: Math.PI / 180,
 };
 
 export const LABELS: Record<string, string> = {
@@ -19,6 +19,9 @@ export const LABELS: Record<string, string> = {
   "interaction.translation[0]": "γ along s", "interaction.translation[1]": "γ along q", "interaction.translation[2]": "γ along r",
   "interaction.rotation[0]": "γ about s", "interaction.rotation[1]": "γ about q", "interaction.rotation[2]": "γ about r",
   "interaction.tail[0]": "Tail, tangential", "interaction.tail[1]": "Tail, normal", "interaction.tail[2]": "Tail, spin",
+  "wall.distance": "Distance", "wall.tilt": "Tilt", "wall.azimuth": "Side, about s",
+  "channel.shape": "Shape", "channel.diameter": "Diameter", "channel.length": "Length", "channel.tilt": "Tilt", "channel.ends": "Ends",
+  "channel.position[0]": "Place along", "channel.position[1]": "Place across, q", "channel.position[2]": "Place across, r",
   "motion.free": "Free", "motion.frequency_frame": "Frequency in", "motion.line_element": "Line element",
 };
 
@@ -31,6 +34,8 @@ export const CHOICES: Record<string, [string, string][]> = {
   "tail.sections": [["perpendicular", "Normal"], ["sheared", "Sheared"]],
   "tail.surface_motion": [["rigid", "Rigid"], ["translating", "Translating"], ["bending", "Bending"]],
   "coefficients.law": [["lighthill", "Lighthill"], ["gray_hancock", "Gray–Hancock"], ["cox", "Cox"], ["constant", "Constant"]],
+  "channel.shape": [["cylinder", "Tube"], ["box", "Box"]],
+  "channel.ends": [["closed", "Closed"], ["open", "Open"]],
   "motion.frequency_frame": [["body", "Body"], ["lab", "Lab"]],
   "motion.line_element": [["arc", "Arc"], ["apparent", "Apparent"]],
 };
@@ -115,6 +120,7 @@ export function sensible(path: string, q: Quantity, answer: Answer): Range {
   if (path.startsWith("interaction.coupling")) return linear(-1, 1);
   if (path.startsWith("interaction.tail")) return linear(0.2, 3);
   if (path.startsWith("interaction.")) return linear(0.2, 6);
+  if (path.startsWith("channel.position")) return linear(-nice(size), nice(size));
   switch (path) {
     case "tail.length": return linear(nice(q.n) / 10, nice(2.5 * q.n));
     case "tail.amplitude": return linear(0, nice(Math.max(1.6 * q.n, (0.06 * shape.length) / unit)));
@@ -123,6 +129,11 @@ export function sensible(path: string, q: Quantity, answer: Answer): Range {
     case "tail.radius": return linear(nice(q.n / 5), nice(2.5 * q.n));
     case "tail.frequency": return linear(q.n < 0 ? -nice(-2 * q.n) : 0, nice(2 * Math.abs(q.n || 1)));
     case "tail.ramp": return linear(0, 1);
+    case "wall.distance": return linear(nice(size / 2), nice(4 * size));
+    case "wall.tilt": case "channel.tilt": return linear(-45, 45);
+    case "wall.azimuth": return linear(-180, 180);
+    case "channel.diameter": return linear(nice(size), nice(8 * size));
+    case "channel.length": return linear(nice(size), nice((4 * (shape.length + 2 * shape.semi_axes[0])) / unit));
     case "fluid.viscosity": return { low: nice(q.n / 20), high: nice(20 * q.n), log: true };
     case "fluid.density": return linear(0, nice(Math.max(2 * q.n, 1)));
   }

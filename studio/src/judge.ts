@@ -2,7 +2,7 @@
 
 import { Refusal, call } from "./api";
 import { NAMES, digits, el, reading } from "./dom";
-import { attempt, notice, type Store } from "./store";
+import { METHODS, attempt, notice, type Store } from "./store";
 import type { FlowAnswer, JudgeAnswer, Row } from "./types";
 
 interface Status {
@@ -55,7 +55,9 @@ export class Judge {
     levels.value = this.level;
     levels.addEventListener("change", () => (this.level = levels.value));
     const children = [
-      this.result ? null : el("p", {}, "Boundary elements solve the Stokes equations about this very design. They take seconds, and they judge the surrogate."),
+      this.result ? null : el("p", {}, this.store.method === METHODS.fem
+        ? "Finite elements solve the Stokes equations in this very channel. They take a minute or more, and they judge the surrogate."
+        : "Boundary elements solve the Stokes equations about this very design. They take seconds, and they judge the surrogate."),
       el("div", { class: "ask" }, levels, el("button", { class: "primary", id: "ask-judge", onclick: () => this.ask() }, "Ask the judge")),
       ...(this.result ? this.table(this.result.made, this.result.of === this.here) : []),
     ];
@@ -117,7 +119,8 @@ export class Judge {
         el("td", {}, NAMES[r.name].label, el("small", {}, ` ${cells(r)[2]}`)), el("td", {}, cells(r)[0]), el("td", {}, cells(r)[1]),
         el("td", { class: grade(r.error) }, percent(r.error))));
     const fit = made.calibration;
-    const about = `${made.unknowns} unknowns, ${made.phases === 1 ? "one phase" : `${made.phases} phases`}, ${made.level}`;
+    const phases = made.phases === 0 ? "finite elements" : made.phases === 1 ? "one phase" : `${made.phases} phases`;
+    const about = `${made.unknowns} unknowns, ${phases}, ${made.level}`;
     const parts: HTMLElement[] = [
       el("table", { id: "verdict", class: fresh ? "" : "stale" },
         el("thead", {}, el("tr", {}, ...["", "surrogate", "judge", "error"].map((h) => el("th", {}, h)))),

@@ -13,7 +13,7 @@ import { Flow } from "./flow";
 import { Judge, askFlow } from "./judge";
 import { SpeedMap } from "./map";
 import { Stage } from "./stage";
-import { Store, attempt, notice } from "./store";
+import { METHODS, Store, attempt, notice } from "./store";
 import type { Answer } from "./types";
 
 const store = new Store();
@@ -30,7 +30,11 @@ const map = new SpeedMap(store, controls);
 const judge = new Judge(store);
 const driver = new Driver(store, restart);
 
+/** stopped at a wall */
+let touched = false;
+
 function restart(): void {
+  touched = false;
   driver.restart();
   for (const actor of actors) actor.restart();
   frame(true);
@@ -60,7 +64,15 @@ function cast(): void {
 function dress(): void {
   store.designs.forEach((design, i) => actors[i]?.update(store.shown(design)));
   for (const actor of actors) actor.begin();
+  stage.ground = !actors.some((actor) => actor.around.kind);
   stopFlow();
+}
+
+/** The answers hold at the start's pose: what comes to the wall stops. */
+function halt(): void {
+  touched = true;
+  transport.pause();
+  notice("It has come to the wall. The answers hold where it started; play begins there again.");
 }
 
 function stopFlow(): void {
@@ -113,18 +125,27 @@ const toggles = {
 };
 toggles.flow.hidden = store.snapshot !== null;
 
-const transport = new Transport(store, view, { toggles: Object.values(toggles), restart });
+const transport = new Transport(store, view, {
+  toggles: Object.values(toggles), restart: () => {
+    if (touched) transport.toggle();
+    else restart();
+  },
+  resume: () => {
+    if (touched) restart();
+  },
+});
 const top = new TopBar(store, stage, map, () => actors, view);
 
 /** Surrogate or reference: which gait swims. */
 function models(): HTMLElement {
-  const all: ["rft" | "bem", string][] = [["rft", "Surrogate"], ["bem", "Boundary elements"]];
+  const all: ["rft" | "bem", string][] = [["rft", "Surrogate"], ["bem", METHODS.bem]];
   const buttons = all.map(([model, text]) => el("button", { id: `model-${model}`, "aria-pressed": String(model === store.model), onclick: () => {
     store.model = model;
     buttons.forEach((b, i) => b.setAttribute("aria-pressed", String(all[i][0] === model)));
     store.tell("answer", "rest");
     if (model === "bem") tabs.open("judge");
   } }, text));
+  for (const event of ["answer", "designs"] as const) store.on(event, () => (buttons[1].textContent = store.method));
   return el("div", { class: "segments", "aria-label": "Model" }, ...buttons);
 }
 
@@ -170,7 +191,9 @@ function tick(now: number): void {
       const drive = driver.driveOf(actor.answer.gait);
       if (time) actor.advance(time, drive, driver.magnetic ? driver.fastest : Math.abs(actor.answer.gait.rate) || 1);
       actor.draw(drive, view.arrows, 1 / stage.scale);
+      actor.around.look(stage.controls.target, stage.reach);
     }
+    if (time && actors.some((actor) => actor.touches)) halt();
     if (time) driver.watch(actors[store.active].pose);
     flow.update(actors[store.active].pose.phase, time || 0);
     frame(false);

@@ -84,7 +84,7 @@ export class SpeedMap {
 
   private options(): void {
     const { tables } = this.store.design;
-    const known = numbers(tables).filter((f) => f !== "fluid.density" && !f.includes("coupling"));
+    const known = numbers(tables).filter((f) => f !== "fluid.density" && !/coupling|^wall|^channel/.test(f));
     if (!known.includes(this.field.y)) this.field.y = "tail.waves" in tables.tail ? "tail.waves" : this.field.y;
     if (!known.includes(this.field.y)) this.field.y = known.includes("tail.waves") ? "tail.waves" : "tail.wavelength";
     if (!known.includes(this.field.x)) this.field.x = "tail.amplitude";
@@ -107,8 +107,8 @@ export class SpeedMap {
 
   private ask(): MapAsk | null {
     const wave = this.store.design.answer.shape.kind !== "helix";
-    const x = this.axis(this.field.x, wave ? 18 : 40);
-    const y = this.axis(this.field.y, wave ? 14 : 30);
+    const x = this.axis(this.field.x, wave ? 48 : 72);
+    const y = this.axis(this.field.y, wave ? 36 : 54);
     return x && y ? { x, y, output: this.output } : null;
   }
 

@@ -103,9 +103,19 @@ export class Stage {
     this.floor.position.set(at.x, at.y, this.floor.position.z);
     const material = this.floor.material as THREE.ShaderMaterial;
     material.uniforms.middle.value.copy(at);
-    material.uniforms.reach.value = 2.2 + 0.8 * this.camera.position.distanceTo(at);
+    material.uniforms.reach.value = this.reach;
     this.controls.update();
     this.renderer.render(this.scene, this.camera);
+  }
+
+  /** The lab's grid; walls have their own lines. */
+  set ground(shown: boolean) {
+    this.floor.visible = shown;
+  }
+
+  /** How far one sees lines. */
+  get reach(): number {
+    return 2.2 + 0.8 * this.camera.position.distanceTo(this.controls.target);
   }
 
   /** Length on the stage of a pixel at the target. */

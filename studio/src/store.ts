@@ -32,6 +32,9 @@ interface Ask {
 
 export type Event = "tables" | "answer" | "structure" | "designs" | "problem" | "rest";
 
+/** Who judges: boundary elements know a wall, finite elements a channel. */
+export const METHODS = { bem: "Boundary elements", fem: "Finite elements" };
+
 export class Store {
   designs: Design[] = [];
   active = 0;
@@ -57,6 +60,11 @@ export class Store {
 
   get design(): Design {
     return this.designs[this.active];
+  }
+
+  /** The reference's method for the active design. */
+  get method(): string {
+    return this.design?.answer.around && this.design.answer.around.kind !== "wall" ? METHODS.fem : METHODS.bem;
   }
 
   /** What is shown of a design: the surrogate's answer or the reference's. */

@@ -16,6 +16,18 @@ export interface Shape {
   sheared: boolean;
 }
 
+/** Wall or channel, from the body's centre in its axes at the start. */
+export interface Around {
+  kind: "wall" | "cylinder" | "box";
+  distance?: number;
+  normal?: [number, number, number];
+  diameter?: number;
+  length?: number;
+  middle?: [number, number, number];
+  tilt?: number;
+  open?: boolean;
+}
+
 export interface GaitData {
   model: string;
   rate: number;
@@ -30,6 +42,7 @@ export interface Answer {
   units: Record<string, string>;
   dimensional: boolean;
   shape: Shape;
+  around: Around | null;
   gait: GaitData;
   readings: Readings;
   expected_error: number | null;

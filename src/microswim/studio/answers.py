@@ -15,16 +15,18 @@ from typing import Any
 
 import numpy as np
 
-from ..batch import evaluate
+from ..batch import evaluate, is_regular
 from ..errors import SpecError
 from ..gait import Gait
 from ..metrics import summary
 from ..stepping import pack
 from ..swimmer import Swimmer
+from . import around
 from .tables import canonical, swimmer_of, to_toml, units_of
 
 MAP_OUTPUTS = ("swimming_speed", "efficiency", "mean_power", "mean_torque", "body_rate")
 MOST_DESIGNS = 4000
+MOST_SINGLY = (12, 9)  #: values along the sides where symmetry does not help and each design counts
 TOLERANCE = 1e-3  #: of the quadrature of a map
 PHASES = 16  #: over half a period of a plane wave, as in maps
 FELT = 1e-9  #: harmonics below this share of the largest do not travel
@@ -41,6 +43,7 @@ def solve(tables: Any, name: str = "design") -> dict[str, Any]:
     """
     start = time.perf_counter()
     swimmer = swimmer_of(tables)
+    around.check(swimmer)
     with warnings.catch_warnings(record=True) as caught:
         warnings.simplefilter("always")
         gait = surrogate(swimmer)
@@ -80,6 +83,7 @@ def describe(swimmer: Swimmer, gait: Gait) -> dict[str, Any]:
             "sign": float(getattr(tail, "sign", 0.0)),
             "sheared": tail.sections == "sheared",
         },
+        "around": around.scene(swimmer),
         "gait": {
             "model": gait.model,
             "rate": float(gait.rate),
@@ -159,7 +163,9 @@ def axis(swimmer: Swimmer, ask: Any) -> tuple[str, np.ndarray]:
     if not isinstance(ask, dict):
         raise SpecError("an axis of the map needs field, from, to and count")
     field, low, high, count = (ask.get(k) for k in ("field", "from", "to", "count"))
-    known = set(swimmer.numbers) | {"tail.waves", "tail.wavelength"}
+    bounds = ("wall.", "channel.")  # of which the surrogate knows nothing
+    known = {n for n in swimmer.numbers if not n.startswith(bounds)}
+    known |= {"tail.waves", "tail.wavelength"}
     if field not in known:
         raise SpecError("map", field, "a number of this spec, such as tail.amplitude")
     ends = [v for v in (low, high) if isinstance(v, (int, float)) and math.isfinite(v)]
@@ -181,6 +187,8 @@ def map_(tables: Any, x: Any, y: Any) -> dict[str, Any]:
         raise SpecError("map", f"{X.size} x {Y.size}", f"at most {MOST_DESIGNS} designs")
     if fx == fy or {fx, fy} == {"tail.waves", "tail.wavelength"}:
         raise SpecError("map", f"{fx} and {fy}", "two different numbers")
+    if not is_regular(swimmer, {fx: X, fy: Y}):
+        X, Y = (np.linspace(v[0], v[-1], min(v.size, n)) for v, n in zip((X, Y), MOST_SINGLY))
     results = _grid(swimmer, fx, X, fy, Y)
     values = {k: [_short(v) for v in results[k]] for k in MAP_OUTPUTS}
     took = 1e3 * (time.perf_counter() - start)

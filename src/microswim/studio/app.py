@@ -17,7 +17,6 @@ from typing import Any
 from starlette.applications import Starlette
 from starlette.concurrency import run_in_threadpool
 from starlette.middleware import Middleware
-from starlette.middleware.trustedhost import TrustedHostMiddleware
 from starlette.requests import Request
 from starlette.responses import JSONResponse, Response
 from starlette.routing import Route
@@ -25,10 +24,10 @@ from starlette.routing import Route
 from .. import presets
 from ..errors import MicroswimError, SpecError
 from . import answers, page, tables, work
+from .hosts import LOCAL, Hosts
 from .judge import Judge
 
 LARGEST_BODY = 512 * 1024  #: bytes
-LOCAL = ("127.0.0.1", "localhost", "[::1]")
 KINDS = {"html": "text/html", "js": "text/javascript", "css": "text/css", "txt": "text/plain"}
 SAFE = {
     "content-security-policy": "default-src 'self'; style-src 'self' 'unsafe-inline'; "
@@ -60,7 +59,8 @@ def create_app(
     name
         Its name.
     hosts
-        Names under which the server may be reached; other Host headers are refused.
+        Names under which the server may be reached; other Host headers are refused. ``"*"``
+        stands for any address in numbers and for this machine's own names.
     warm
         Compile the kernels and start a judge in the background, at once.
     """
@@ -101,7 +101,7 @@ def create_app(
         Route("/api/jobs/{token}", get(lambda r: _job(judge, r)), methods=["GET"]),
         Route("/api/jobs/{token}", get(lambda r: _cancel(judge, r)), methods=["DELETE"]),
     ]
-    trusted = Middleware(TrustedHostMiddleware, allowed_hosts=list(hosts))
+    trusted = Middleware(Hosts, hosts=hosts)
     return Starlette(routes=routes, middleware=[trusted], lifespan=lifespan)
 
 

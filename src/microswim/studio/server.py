@@ -12,7 +12,8 @@ from typing import Any
 import uvicorn
 
 from ..errors import MicroswimError
-from .app import LOCAL, create_app
+from .app import create_app
+from .hosts import LOCAL
 
 PORT = 8642
 
@@ -74,8 +75,7 @@ def serve(
     """
     listener = listen(host, port)
     where = address(host, listener)
-    local = host in ("127.0.0.1", "::1", "localhost")
-    app = create_app(tables, name, hosts=LOCAL if local else ("*",))
+    app = create_app(tables, name, hosts=LOCAL if host in LOCAL else ("*", host))
     config = uvicorn.Config(app, log_level="warning", access_log=False, lifespan="on")
     if ready is not None:
         ready(where)

@@ -7,6 +7,7 @@ anything is imported. Depends on spec.
 from __future__ import annotations
 
 import json
+import math
 import re
 import tomllib
 from dataclasses import fields
@@ -19,12 +20,16 @@ from ..swimmer import Swimmer
 LARGEST_SPEC = 256 * 1024  #: bytes; a region calibration is the most of it
 MOST_WAVES = 60.0
 QUANTITIES = {
-    "length": ("radius", "semi_axes", "length", "amplitude", "wavelength"),
+    "length": (
+        *("radius", "semi_axes", "length", "amplitude", "wavelength"),
+        *("distance", "diameter", "position"),
+    ),
     "viscosity": ("viscosity", "normal", "tangential"),
     "density": ("density",),
     "frequency": ("frequency",),
 }
 DIMENSION = {name: kind for kind, names in QUANTITIES.items() for name in names}
+ANGLES = ("tilt", "azimuth")
 
 
 def parse(text: str) -> dict[str, Any]:
@@ -81,6 +86,8 @@ def canonical(swimmer: Swimmer) -> dict[str, Any]:
     }
     if not any(map(any, swimmer.interaction.coupling)):
         del tables["interaction"]["coupling"]
+    around = {"wall": swimmer.wall, "channel": swimmer.channel}
+    tables |= {name: _table(part) for name, part in around.items() if part is not None}
     return {
         part: {k: _quantity(k, v, units) for k, v in table.items()}
         for part, table in tables.items()
@@ -116,6 +123,8 @@ def _quantity(name: str, value: Any, units: dict[str, tuple[str, float]]) -> Any
     """A number with its unit, as the spec file has it."""
     if isinstance(value, list) and DIMENSION.get(name):
         return [_quantity(name, v, units) for v in value]
+    if name in ANGLES:
+        return f"{float(f'{math.degrees(value):.12g}')!r} deg"
     if name not in DIMENSION or not units:
         return value
     unit, size = units[DIMENSION[name]]

@@ -15,7 +15,6 @@ from dataclasses import dataclass
 from typing import Any, ClassVar, Literal
 
 import numpy as np
-from scipy.special import elliprd, elliprf
 
 from . import checks
 
@@ -33,6 +32,8 @@ def ellipsoid_resistance(semi_axes: tuple[Any, Any, Any], viscosity: Any) -> tup
     with :math:`\chi = 2 R_F` and :math:`\alpha_i = \tfrac23 R_D` (Kim & Karrila,
     Microhydrodynamics, 1991, table 3.3; Carlson's integrals).
     """
+    from scipy.special import elliprd, elliprf  # a tenth of a second that a sphere need not wait
+
     a2 = [np.asarray(a) ** 2 for a in semi_axes]
     chi = 2.0 * elliprf(*a2)
     shape = [a2[i] * (2.0 / 3.0) * elliprd(a2[i - 2], a2[i - 1], a2[i]) for i in range(3)]

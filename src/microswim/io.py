@@ -9,10 +9,9 @@ from __future__ import annotations
 from datetime import UTC, datetime
 from os import PathLike
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
-import xarray as xr
 
 from . import __version__
 from .errors import SpecError
@@ -20,6 +19,9 @@ from .gait import Gait
 from .metrics import summary
 from .swimmer import DEGREES_OF_FREEDOM, Swimmer
 from .trajectory import trajectory
+
+if TYPE_CHECKING:
+    import xarray as xr
 
 SAMPLES = 48  # per period of the trajectory
 _UNITS = {  # (SI, dimensionless)
@@ -170,6 +172,8 @@ def unit(gait_units: str, kind: str) -> str:
 
 
 def _over_the_period(gait: Gait) -> xr.Dataset:
+    import xarray as xr
+
     phase = np.linspace(0.0, 2.0 * np.pi, 145)
     text = {k: unit(gait.units, k) for k in _UNITS}
     variables: dict[str, Any] = {
@@ -191,6 +195,8 @@ def _over_the_period(gait: Gait) -> xr.Dataset:
 
 
 def _scalars(swimmer: Swimmer, gait: Gait) -> xr.Dataset:
+    import xarray as xr
+
     values = numbers(swimmer, gait)
     twist = unit(gait.units, "twist")
     variables: dict[str, Any] = {
@@ -242,6 +248,8 @@ def load(path: str | PathLike[str]) -> xr.Dataset:
     SpecError
         If there is no such file or it cannot be read.
     """
+    import xarray as xr
+
     path = Path(path)
     try:
         with xr.open_dataset(path, engine="zarr" if path.suffix == ".zarr" else "h5netcdf") as run:

@@ -8,16 +8,18 @@ Depends on gait, kinematics, stepping.
 
 from __future__ import annotations
 
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
-import xarray as xr
 
 from . import checks
 from .errors import SpecError
 from .gait import Gait
 from .kinematics import ScrewMotion, multiply, rotation_matrix
 from .stepping import integrate, pack
+
+if TYPE_CHECKING:
+    import xarray as xr
 
 LOADS = ("force", "torque", "field", "flow", "moment")
 
@@ -241,6 +243,8 @@ def _half_steps(t: np.ndarray, counts: np.ndarray) -> np.ndarray:
 
 
 def _dataset(gait: Gait, t: Any, x: Any, q: Any, angle: Any) -> xr.Dataset:
+    import xarray as xr
+
     length, time = ("m", "s") if gait.units == "SI" else ("length", "time")
     return xr.Dataset(
         {

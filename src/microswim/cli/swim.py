@@ -122,6 +122,10 @@ def _check(given: Given, out: Path | None, resume: bool, force: bool, flow: bool
         require_viewer()
     if out is None or resume:
         return
+    if (out / "checkpoint.npz").exists() and not force:
+        raise SpecError(
+            f"--out = {out}: holds a run; --resume goes on with it, --force replaces it"
+        )
     _folder.check(out, force)
     for name in FILES:
         (out / name).unlink(missing_ok=True)

@@ -1,8 +1,8 @@
 """Memory a factorisation will take, foreseen, against what the machine has. Depends on errors.
 
-A nested-dissection factor of a three-dimensional mesh grows like n^(4/3) in theory; from 40,000 to
-300,000 unknowns the peak of the whole process follows ``0.5 GB + c n^1.4`` (measured, see
-docs/accuracy-fem.md), c depending on the polynomial order, since higher order couples more.
+A nested-dissection factor of a three-dimensional mesh grows like n^(4/3); the measured peaks of the
+whole process from 42,000 to 334,000 unknowns (docs/accuracy-fem.md) lie at most 20 % below
+``0.5 GB + c n^(4/3)``, c depending on the polynomial order, since higher order couples more.
 """
 
 from __future__ import annotations
@@ -14,13 +14,13 @@ from microswim.errors import MicroswimError
 
 GIGABYTE = 1e9
 _BASE = 0.5 * GIGABYTE
-_PER_UNKNOWN = {2: 120.0, 3: 160.0}
-_EXPONENT = 1.4
+_PER_UNKNOWN = {2: 250.0, 3: 330.0}
+_EXPONENT = 4.0 / 3.0
 
 
 def foreseen(unknowns: int, order: int) -> float:
     """Bytes at the peak of a factorisation with PARDISO."""
-    return _BASE + _PER_UNKNOWN.get(order, 53.0 * order) * unknowns**_EXPONENT
+    return _BASE + _PER_UNKNOWN.get(order, 110.0 * order) * unknowns**_EXPONENT
 
 
 def available() -> float:

@@ -222,6 +222,8 @@ def test_derivatives_are_those_of_the_step():
         return one.step(ms.State(values), dt=0.2, **inputs).values
 
     h = 1e-5
+    some = one.derivatives(state, dt=0.2, wrt=("field",), **ALL)[1]
+    assert (some == B[:, INPUTS["field"]]).all()
     for k in range(8):
         d = h * np.eye(8)[k]
         slope = (ends(state.values + d, flat) - ends(state.values - d, flat)) / (2 * h)

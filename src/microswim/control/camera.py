@@ -22,7 +22,7 @@ def expose(frame: Any, y: Any, noise: float, angle_noise: float, keys: Any, i: i
     """Write what is seen of a state."""
     a, b = normals(keys, i)
     c, d = normals(keys, i)
-    e, f = normals(keys, i)
+    e, _ = normals(keys, i)
     frame[0], frame[1], frame[2] = y[0] + noise * a, y[1] + noise * b, y[2] + noise * c
     q = (y[3], y[4], y[5], y[6])
     h0, h1, h2 = to_lab(q, -1.0, angle_noise * d, angle_noise * e, 1.0)

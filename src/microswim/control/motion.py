@@ -329,22 +329,22 @@ def outputs(
 
 @compiled
 def derivatives(
-    twist: Any, strain: Any, moment: Any, limits: Any, y: Any, u: Any, dt: float, steps: int
-) -> Any:
-    """``dy'/dy`` (8, 8) and ``dy'/du`` (8, 25) of one period, by complex steps."""
+    twist: Any, strain: Any, moment: Any, limits: Any, y: Any, u: Any, dt: float, steps: int,
+    columns: Any,
+) -> Any:  # fmt: skip
+    """``dy'/dy`` (8, 8) and ``dy'/du`` (8, m) for some inputs, by complex steps."""
     n = steps if steps > 0 else internal_steps(limits, u, dt)
-    A, B = np.empty((STATE, STATE)), np.empty((STATE, INPUT))
+    J = np.empty((STATE, STATE + columns.size))
     work, tiny = np.empty(WORK, dtype=np.complex128), 1e-40
-    for k in range(STATE + INPUT):
+    J[:, :3] = 0.0
+    for k in range(3):
+        J[k, k] = 1.0
+    for k in range(0 if sheared(u) else 3, J.shape[1]):  # a uniform flow is the same everywhere
         z, w = y.astype(np.complex128), u.astype(np.complex128)
         if k < STATE:
             z[k] += 1j * tiny
         else:
-            w[k - STATE] += 1j * tiny
+            w[columns[k - STATE]] += 1j * tiny
         advance(twist, strain, moment, limits, z, w, dt, n, work)
-        for i in range(STATE):
-            if k < STATE:
-                A[i, k] = z[i].imag / tiny
-            else:
-                B[i, k - STATE] = z[i].imag / tiny
-    return A, B
+        J[:, k] = z.imag / tiny
+    return J[:, :STATE], J[:, STATE:]

@@ -271,18 +271,21 @@ class Stepper:
         return self.outputs(state, **inputs)[0]
 
     def derivatives(
-        self, state: State, *, dt: float, **inputs: Any
+        self, state: State, *, dt: float, wrt: tuple[str, ...] = tuple(motion.INPUTS), **inputs: Any
     ) -> tuple[np.ndarray, np.ndarray]:
-        """Exact derivatives of the next state of one swimmer: (8, 8) and (8, 25).
+        """Exact derivatives of the next state of one swimmer: (8, 8) and (8, m).
 
-        With respect to the state, and to the inputs in the order of `motion.INPUTS`; by complex
-        steps through the compiled step.
+        With respect to the state, and to the inputs named in `wrt`, by default all 25 numbers in
+        the order of `motion.INPUTS`; by complex steps through the compiled step.
         """
         if state.values.shape != (motion.STATE,):
             raise SpecError("state", f"{len(state.values)} swimmers", "one swimmer")
         checks.positive("dt", dt, "time")
         u = self.held(1, inputs)[0]
-        return motion.derivatives(*self._model, state.values, u, dt, self.steps or 0)
+        if not set(wrt) <= set(motion.INPUTS):
+            raise SpecError("wrt", wrt, "some of the inputs " + ", ".join(motion.INPUTS))
+        columns = np.concatenate([np.arange(25)[motion.INPUTS[name]] for name in wrt])
+        return motion.derivatives(*self._model, state.values, u, dt, self.steps or 0, columns)
 
 
 def step_limits(solved: Response, resolution: float, magnet: np.ndarray) -> np.ndarray:

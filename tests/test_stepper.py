@@ -184,6 +184,16 @@ def test_step_out_is_that_of_adler(over):
     assert total / t == pytest.approx(mean, rel=1e-5)
 
 
+def test_the_quick_way_gives_what_the_gait_gives():
+    gait = swimmer("tabak/plane_wave").gait()
+    one = ms.Stepper(gait)
+    W = np.array([3.0, -20.0, 10.0, 5.0, 30.0, -20.0])
+    for phase in (0.0, 0.7, 4.0):
+        assert one.velocity(phase, 5.0) == pytest.approx(gait.velocity(phase, 5.0), abs=1e-12)
+        wanted = gait.velocity(phase, 5.0, W)
+        assert one.velocity(phase, 5.0, W) == pytest.approx(wanted, abs=1e-12)
+
+
 def test_outputs_are_the_rate_of_change_and_the_torque_of_the_motor():
     one, state = stepper(), ms.State.at([0.2, -0.1, 0.3], TURN, 0.4)
     V, _ = one.outputs(state, **ALL)

@@ -2,7 +2,7 @@
 
 Inputs are held over a step; only the field may turn within it. Inside, a step is divided so that
 tail, field and body turn little (`motion.internal_steps`), each part of order 4. Depends on
-response, motion.
+response, motion, readout.
 """
 
 from __future__ import annotations
@@ -17,13 +17,14 @@ from .. import checks
 from ..errors import SpecError
 from ..gait import Gait
 from ..swimmer import Swimmer
-from . import motion
+from . import motion, readout
 from .response import Response, response
 
 #: Swimmers from which on all cores are worth waking.
 MANY = 256
 _SHAPES = {name: (3, 3) if name == "gradient" else (3,) for name in motion.INPUTS}
 _SHAPES["motor_rate"] = ()
+_NO_LOAD = np.zeros(6)
 
 
 @dataclass(frozen=True, eq=False)
@@ -262,9 +263,19 @@ class Stepper:
         Y = state.values.reshape(-1, motion.STATE)
         U = self.held(Y.shape[0], inputs)
         out = np.empty((Y.shape[0], 7))
-        motion.outputs(*self._model[:3], self.response.motor, Y, U, self._work[0], out)
+        readout.outputs(*self._model[:3], self.response.motor, Y, U, self._work[0], out)
         out = out.reshape(*state.values.shape[:-1], 7)
         return out[..., :6], out[..., 6]
+
+    def velocity(self, phase: float, rate: float, wrench: Any = None) -> np.ndarray:
+        """Twist (6,) at a phase and motor rate, under a wrench in the body frame: the quick way.
+
+        Checks nothing; for a loop in Python that has to be done within microseconds.
+        """
+        out = np.empty(6)
+        load = _NO_LOAD if wrench is None else np.asarray(wrench, dtype=float)
+        readout.body_twist(self.response.twist, float(phase), float(rate), load, self._work[0], out)
+        return out
 
     def twist(self, state: State, **inputs: Any) -> np.ndarray:
         """Twist in the body frame about the body's centre, relative to the lab, (..., 6)."""
@@ -285,7 +296,7 @@ class Stepper:
         if not set(wrt) <= set(motion.INPUTS):
             raise SpecError("wrt", wrt, "some of the inputs " + ", ".join(motion.INPUTS))
         columns = np.concatenate([np.arange(25)[motion.INPUTS[name]] for name in wrt])
-        return motion.derivatives(*self._model, state.values, u, dt, self.steps or 0, columns)
+        return readout.derivatives(*self._model, state.values, u, dt, self.steps or 0, columns)
 
 
 def step_limits(solved: Response, resolution: float, magnet: np.ndarray) -> np.ndarray:

@@ -1,0 +1,86 @@
+"""What can be read off the motion, compiled: twist, torque of the motor, derivatives of a step.
+
+Depends on motion.
+"""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+
+from ..kinematics import to_lab
+from .motion import (
+    STATE,
+    WORK,
+    advance,
+    body_strain,
+    compiled,
+    internal_steps,
+    relative_twist,
+    row,
+    sheared,
+    velocity,
+)
+
+
+@compiled
+def body_twist(twist: Any, phase: Any, rate: Any, wrench: Any, work: Any, out: Any) -> None:
+    """``M W + v rate`` into out (6,): phase and wrench in, twist out, body frame."""
+    row(twist, phase, work)
+    for i in range(6):
+        out[i] = work[21 + i] * rate
+    m = 0
+    for i in range(6):
+        for j in range(i):
+            out[i] += work[m] * wrench[j]
+            out[j] += work[m] * wrench[i]
+            m += 1
+        out[i] += work[m] * wrench[i]
+        m += 1
+
+
+@compiled
+def outputs(
+    twist: Any, strain: Any, moment: Any, motor: Any, Y: Any, U: Any, work: Any, out: Any
+) -> None:
+    """Twist in the body frame (6) and torque of the motor (1) of all states, into (n, 7)."""
+    for i in range(Y.shape[0]):
+        u, y = U[i if U.shape[0] > 1 else 0], Y[i]
+        q, B, shear = (y[3], y[4], y[5], y[6]), (u[7], u[8], u[9]), sheared(u)
+        V = relative_twist(twist, strain, moment, q, y[7], u, B, shear, work)
+        v = velocity(twist, strain, moment, q, (y[0], y[1], y[2]), y[7], u, B, shear, work)
+        row(motor, y[7], work)
+        torque = work[6] * u[0]
+        for k in range(6):
+            torque += work[k] * V[k]
+        if shear:
+            e = body_strain(q, u)
+            for k in range(6):
+                torque -= work[7 + k] * e[k]
+        a, b, c = to_lab(q, v[0], v[1], v[2], -1.0)
+        out[i, 0], out[i, 1], out[i, 2] = a, b, c
+        out[i, 3], out[i, 4], out[i, 5], out[i, 6] = v[3], v[4], v[5], torque
+
+
+@compiled
+def derivatives(
+    twist: Any, strain: Any, moment: Any, limits: Any, y: Any, u: Any, dt: float, steps: int,
+    columns: Any,
+) -> Any:  # fmt: skip
+    """``dy'/dy`` (8, 8) and ``dy'/du`` (8, m) for some inputs, by complex steps."""
+    n = steps if steps > 0 else internal_steps(limits, u, dt)
+    J = np.empty((STATE, STATE + columns.size))
+    work, tiny = np.empty(WORK, dtype=np.complex128), 1e-40
+    J[:, :3] = 0.0
+    for k in range(3):
+        J[k, k] = 1.0
+    for k in range(0 if sheared(u) else 3, J.shape[1]):  # a uniform flow is the same everywhere
+        z, w = y.astype(np.complex128), u.astype(np.complex128)
+        if k < STATE:
+            z[k] += 1j * tiny
+        else:
+            w[columns[k - STATE]] += 1j * tiny
+        advance(twist, strain, moment, limits, z, w, dt, n, work)
+        J[:, k] = z.imag / tiny
+    return J[:, :STATE], J[:, STATE:]

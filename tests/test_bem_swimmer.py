@@ -124,6 +124,19 @@ def test_steep_creased_root_is_resolved():
     assert pair[1].asymmetry < 1e-4
 
 
+@pytest.mark.slow
+@pytest.mark.parametrize(
+    ("amplitude", "waves", "radius", "length"),
+    [(0.2, 3.0, 0.7, 1.2), (0.18, 3.5, 0.5, 1.3), (0.2, 4.2, 0.3, 1.5), (0.037, 1.7, 0.43, 2.2)],
+)
+def test_standard_is_within_half_a_per_cent_of_fine(amplitude, waves, radius, length):
+    tail = ms.HelicalTail(length=length, amplitude=amplitude, waves=waves, radius=0.05)
+    one = swimmer(tail, ms.Sphere(radius=radius))
+    standard, fine = (bem.solve(one, level=n).twist for n in ("standard", "fine"))
+    assert standard[0] == pytest.approx(fine[0], rel=5e-3)
+    assert standard[3] == pytest.approx(fine[3], rel=5e-3)
+
+
 def test_wrenches_are_linear_in_rate_and_parts_add_up(rough):
     one, two = rough.wrench(rate=1.0, twist=np.zeros(6)), rough.wrench(rate=2.0, twist=np.zeros(6))
     assert np.allclose(two, 2 * one)

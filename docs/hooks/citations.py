@@ -15,8 +15,12 @@ log = logging.getLogger("mkdocs.hooks.citations")
 DOCS = Path(__file__).parents[1]
 TAG = re.compile(r"\[Tabak (Eqs?\.[^\]<]*)\]")
 NUMBERS = re.compile(r"\d+(?:\s*(?:-|–|to)\s*\d+)?")
-WORK = re.compile(r"\[([A-Z][^\W\d_]+(?:[ ,]|&amp;|&|and|et al\.|[A-Z][^\W\d_]+)* (?:18|19|20)\d\d[a-z]?)\]")
-OUTSIDE = re.compile(r"<(?:script|link|img|iframe|source)\b[^>]*\b(?:src|href)=\"?(?:https?:)?//[^\">]*")
+WORK = re.compile(
+    r"\[([A-Z][^\W\d_]+(?:[ ,]|&amp;|&|and|et al\.|[A-Z][^\W\d_]+)* (?:18|19|20)\d\d[a-z]?)\]"
+)
+OUTSIDE = re.compile(
+    r"<(?:script|link|img|iframe|source)\b[^>]*\b(?:src|href)=\"?(?:https?:)?//[^\">]*"
+)
 
 
 def anchors(page, pattern):

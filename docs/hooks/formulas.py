@@ -52,7 +52,9 @@ class Block(BlockProcessor):
 
 class Formulas(Extension):
     def extendMarkdown(self, md):  # noqa: N802
-        md.inlinePatterns.register(Inline(r"(?<![\\$])\$(?![\s$])([^$\n]+?)(?<!\s)\$", md), "tex", 185)
+        md.inlinePatterns.register(
+            Inline(r"(?<![\\$])\$(?![\s$])([^$\n]+?)(?<!\s)\$", md), "tex", 185
+        )
         md.parser.blockprocessors.register(Block(md.parser), "tex", 95)
 
 

@@ -25,43 +25,42 @@ def scripts():
 
 
 def described(path):
-    """Title and caption, from the docstring."""
-    title, _, caption = (ast.get_docstring(ast.parse(path.read_text(encoding="utf-8"))) or "").partition("\n\n")
+    """Title and what else the docstring says."""
+    text = ast.get_docstring(ast.parse(path.read_text(encoding="utf-8"))) or ""
+    title, _, caption = text.partition("\n\n")
     if not caption:
         raise ValueError(f"{path.name}: the docstring needs a title and a caption")
-    return title.rstrip("."), " ".join(caption.split())
+    return title.rstrip("."), caption
 
 
-def computed(path):
-    """Results and figure of a script; the figure is None for one that draws nothing."""
+def loaded(path):
     spec = importlib.util.spec_from_file_location(path.stem, path)
     module = importlib.util.module_from_spec(spec)
     spec.loader.exec_module(module)
-    results = module.main()
-    return results, module.figure(results) if hasattr(module, "figure") else None
+    return module
+
+
+def is_quick(path):
+    """Whether it has a `figure` to draw; the others take minutes, and show the picture they left in docs."""
+    names = {n.name for n in ast.parse(path.read_text(encoding="utf-8")).body if hasattr(n, "name")}
+    return "figure" in names
 
 
 def dark(svg):
-    """The same picture on a dark page."""
+    """The same picture for the dark page; photographs inside stay as they are."""
 
     def turned(match):
         r, g, b = (int(match[0][i : i + 2], 16) / 255 for i in (1, 3, 5))
         h, lightness, s = colorsys.rgb_to_hls(r, g, b)
-        grey = max(r, g, b) - min(r, g, b) < 0.06
-        if grey:
+        if max(r, g, b) - min(r, g, b) < 0.06:
             lightness = 0.12 + 0.78 * (1.0 - lightness)
-        elif lightness < 0.38:
-            lightness = 0.5 + 0.3 * lightness
+        elif lightness < 0.38 and s > 0.9:  # a line; the dark end of a colour map stays
+            lightness = 0.55
         return "#" + "".join(f"{round(255 * c):02x}" for c in colorsys.hls_to_rgb(h, lightness, s))
 
-    head, images, tail = svg.partition("<image")  # pictures inside stay as they are
-    svg = COLOUR.sub(turned, head) + images + tail if not images else recoloured(svg, turned)
+    parts = re.split(r"(<image\b.*?/>)", svg, flags=re.S)
+    svg = "".join(p if p.startswith("<image") else COLOUR.sub(turned, p) for p in parts)
     return svg.replace("<svg ", '<svg fill="#e6e6e6" ', 1)
-
-
-def recoloured(svg, turned):
-    parts = re.split(r"(<image\b.*?/>|<image\b.*?</image>)", svg, flags=re.S)
-    return "".join(p if p.startswith("<image") else COLOUR.sub(turned, p) for p in parts)
 
 
 def drawn(figure):
@@ -70,56 +69,82 @@ def drawn(figure):
 
     with mpl.rc_context({"svg.fonttype": "path", "svg.hashsalt": "microswim", "savefig.dpi": 130}):
         out = io.StringIO()
-        figure.savefig(out, format="svg", transparent=True, metadata={"Date": None, "Creator": None})
+        figure.savefig(
+            out, format="svg", transparent=True, metadata={"Date": None, "Creator": None}
+        )
     return out.getvalue()
 
 
-def page(path, title, caption, results, picture):
-    numbers = [(k, v) for k, v in results.items() if isinstance(v, float)] if isinstance(results, dict) else []
-    rows = "".join(f"| {k} | {v:.4g} |\n" for k, v in numbers)
-    shown = f"""<figure markdown>
-![{title}]({path.stem}-light.svg#only-light)
-![{title}]({path.stem}-dark.svg#only-dark)
-<figcaption markdown>{caption}</figcaption>
+PICTURES = """<figure markdown>
+![{title}]({light}#only-light)
+![{title}]({dark}#only-dark)
+<figcaption markdown>
+
+{caption}
+
+</figcaption>
 </figure>
 """
-    return f"""# {title}
-
-{shown if picture else caption}
-
-{"| number | value |" + chr(10) + "|---|---|" + chr(10) + rows if rows else ""}
-
-The script, `examples/{path.name}`:
-
-```python
-{path.read_text(encoding="utf-8").strip()}
-```
-"""
 
 
-def index(entries):
-    cards = []
-    for path, title, picture in entries:
-        images = "".join(f"![{title}]({path.stem}-{s}.svg#only-{s})" for s in ("light", "dark")) if picture else ""
-        cards.append(f"- [{images} {title}]({path.stem}.md)")
+def page(path, title, caption, results, pictures):
+    numbers = [(k, v) for k, v in results.items() if isinstance(v, float)]
+    rows = "".join(f"| {k} | {v:.4g} |\n" for k, v in numbers)
+    table = f"| number | value |\n|---|---|\n{rows}" if rows else ""
+    shown = PICTURES.format(title=title, caption=caption, **pictures) if pictures else caption
+    code = path.read_text(encoding="utf-8").strip()
+    return f"# {title}\n\n{shown}\n{table}\nThe script, `examples/{path.name}`:\n\n```python\n{code}\n```\n"
+
+
+def card(path, title, pictures):
+    images = (
+        "".join(f"![{title}]({pictures[s]}#only-{s})" for s in ("light", "dark"))
+        if pictures
+        else ""
+    )
+    return f"- [{images} {title}]({path.stem}.md)"
+
+
+def index(quick, slow):
     text = (ROOT / "docs" / "gallery.md").read_text(encoding="utf-8")
-    return text.replace("<!-- cards -->", '<div class="gallery" markdown>\n\n' + "\n".join(cards) + "\n\n</div>")
+    for name, cards in (("<!-- cards -->", quick), ("<!-- slow cards -->", slow)):
+        text = text.replace(
+            name, '<div class="gallery" markdown>\n\n' + "\n".join(cards) + "\n\n</div>"
+        )
+    return text
+
+
+def run(path):
+    """Page, pictures and card of a script that runs in seconds."""
+    title, caption = described(path)
+    module = loaded(path)
+    results = module.main()
+    light = drawn(module.figure(results))
+    names = {shade: f"{path.stem}-{shade}.svg" for shade in ("light", "dark")}
+    text = page(path, title, caption, results, names)
+    files = {names["light"]: light, names["dark"]: dark(light), f"{path.stem}.md": text}
+    return files, card(path, title, names)
+
+
+def shown(path):
+    """Page and card of a script that takes minutes: with the picture it left in docs, if any."""
+    title, caption = described(path)
+    left = re.search(r"docs/([\w./-]+\.png)", caption)
+    there = left and (ROOT / "docs" / left[1]).exists()
+    names = dict.fromkeys(("light", "dark"), f"../{left[1]}") if there else {}
+    return {f"{path.stem}.md": page(path, title, caption, {}, names)}, card(path, title, names)
 
 
 def on_files(files, config):
-    made, entries = {}, []
+    made, quick, slow = {}, [], []
     for path in scripts():
         start = time.perf_counter()
-        title, caption = described(path)
-        results, figure = computed(path)
-        if figure is not None:
-            light = drawn(figure)
-            made[f"gallery/{path.stem}-light.svg"], made[f"gallery/{path.stem}-dark.svg"] = light, dark(light)
-        made[f"gallery/{path.stem}.md"] = page(path, title, caption, results, figure is not None)
-        entries.append((path, title, figure is not None))
+        content, entry = run(path) if is_quick(path) else shown(path)
+        made |= content
+        (quick if is_quick(path) else slow).append(entry)
         log.info("gallery: %s in %.1f s", path.name, time.perf_counter() - start)
-    made["gallery/index.md"] = index(entries)
+    made["index.md"] = index(quick, slow)
     for uri, content in made.items():
-        level = InclusionLevel.INCLUDED if uri.endswith("index.md") else InclusionLevel.NOT_IN_NAV
-        files.append(File.generated(config, uri, content=content, inclusion=level))
+        level = InclusionLevel.INCLUDED if uri == "index.md" else InclusionLevel.NOT_IN_NAV
+        files.append(File.generated(config, f"gallery/{uri}", content=content, inclusion=level))
     return files

@@ -171,6 +171,42 @@ def test_warnings_become_notes():
     assert len(answers.solve(thick)["notes"]) == len({str(w.message) for w in ours})
 
 
+@pytest.fixture(scope="module")
+def calibrated():
+    """A spec with a region, of few designs of another law."""
+    from microswim.regionfile import pack
+
+    region = {"tail.amplitude": (0.06, 0.12)}
+    made = ms.calibrate_region(from_dict(HELIX), region, "rft", solves=12, workers=0)
+    return {**HELIX, "region": {"data": pack(made.region)}}
+
+
+def test_a_region_tells_its_error_and_its_bounds(app, calibrated):
+    made = answer(app, "/api/solve", {"tables": calibrated})
+    gait = from_dict(calibrated).gait()
+    assert made["expected_error"] == pytest.approx(gait.info["expected_error"])
+    assert from_dict(tomllib.loads(made["toml"])).gait().info["expected_error"] == pytest.approx(
+        made["expected_error"]
+    )
+    far = {**calibrated, "tail": {**HELIX["tail"], "amplitude": 0.2}}
+    made = answer(app, "/api/solve", {"tables": far})
+    assert made["expected_error"] is None
+    assert any("outside" in note for note in made["notes"])
+
+
+def test_the_optimum_of_a_calibrated_surrogate_lies_in_its_region(app, calibrated):
+    ask = {"tables": calibrated, "x": X, "y": Y, "output": "swimming_speed"}
+    made = answer(app, "/api/map", ask)
+    assert made["inside"]["x"] == [0.06, 0.12]
+    assert made["inside"]["y"] == [3.0, 3.0]
+    best = answer(app, "/api/optimum", ask)
+    assert 0.06 <= best["x"] <= 0.12
+    assert best["y"] == 3.0
+    elsewhere = {**ask, "x": {**X, "from": 0.13}}
+    assert "calibrated" in refusal(app, "/api/optimum", elsewhere)
+    assert answer(app, "/api/map", {"tables": HELIX, "x": X, "y": Y})["inside"] is None
+
+
 @pytest.mark.parametrize("around", [{"wall": WALL}, {"channel": CHANNEL}], ids=["wall", "channel"])
 @pytest.mark.parametrize("si", [False, True])
 def test_walls_and_channels_come_back_whole(around, si):

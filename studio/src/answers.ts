@@ -64,7 +64,7 @@ export class Answers {
     const { design, model } = this.store;
     if (model === "bem") {
       const fresh = this.store.shown(design) !== design.answer;
-      const where = fresh && design.answer.around ? ", at the pose it starts from" : "";
+      const where = fresh && design.answer.around ? " at the starting pose" : "";
       const text = fresh ? `${this.store.method}${where}` : `${this.store.method}: asking the judge …`;
       return el("div", { class: `trust ${fresh ? "good" : "open"}`, id: "trust" }, el("i"), text);
     }

@@ -102,7 +102,7 @@ export class TopBar {
     if (store.designs.length > 1) store.designs = [store.design];
     else store.designs.push(store.make(`${store.design.name}`, structuredClone(store.design.answer)));
     store.active = store.designs.length - 1;
-    store.tell("designs", "structure", "tables", "answer", "problem");
+    store.tell("designs", "structure", "tables", "answer", "problem", "rest");
   }
 
   private menu(): HTMLElement {

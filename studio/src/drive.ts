@@ -199,9 +199,11 @@ export class Driver {
       const [n, unit] = this.store.design.answer.dimensional ? withPrefix(speed, "m/s") : [digits(speed), ""];
       this.figure.replaceChildren(n, el("small", {}, unit));
     }
-    const follows = this.measured > 0.97 * this.rate || this.turned.length < 30;
-    this.state.className = `trust ${this.rate === 0 ? "open" : follows ? "good" : "poor"}`;
+    const follows = this.measured > 0.97 * this.rate;
+    const early = (pose.time - t0) * this.rate < 2 * Math.PI;
+    this.state.className = `trust ${this.rate === 0 || early ? "open" : follows ? "good" : "poor"}`;
     this.state.lastChild!.textContent = this.rate === 0 ? "The field stands still"
+      : early ? "The field has not turned once yet"
       : follows ? `In step: turns at ${this.frequency(this.rate)}`
       : `Stepped out: turns at ${this.frequency(this.measured)} of ${this.frequency(this.rate)}`;
     this.plot();

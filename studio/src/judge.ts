@@ -116,7 +116,7 @@ export class Judge {
       e === null ? "–" : Math.abs(e) < 5e-5 ? "0 %" : `${e >= 0 ? "+" : "−"}${digits(Math.abs(100 * e), 2)} %`;
     const rows = made.rows.filter((r) => r.name !== "forward_velocity").map((r) =>
       el("tr", { "data-row": r.name },
-        el("td", {}, NAMES[r.name].label, el("small", {}, ` ${cells(r)[2]}`)), el("td", {}, cells(r)[0]), el("td", {}, cells(r)[1]),
+        el("td", {}, r.name === "swimming_speed" ? "Speed" : NAMES[r.name].label, el("small", {}, ` ${cells(r)[2]}`)), el("td", {}, cells(r)[0]), el("td", {}, cells(r)[1]),
         el("td", { class: grade(r.error) }, percent(r.error))));
     const fit = made.calibration;
     const phases = made.phases === 0 ? "finite elements" : made.phases === 1 ? "one phase" : `${made.phases} phases`;

@@ -46,6 +46,7 @@ export class SpeedMap {
     store.on("rest", () => this.refresh());
     store.on("structure", () => this.options());
     store.on("tables", () => this.draw());
+    if (!store.snapshot) store.on("designs", () => this.forget());
     this.build();
   }
 
@@ -185,9 +186,31 @@ export class SpeedMap {
       }
     }
     g.putImageData(image, 0, 0);
+    this.region(g);
     this.picture = picture;
     this.legend(low, top);
     this.draw();
+  }
+
+  /** Dark where the surrogate was not calibrated, if it carries a region. */
+  private region(g: CanvasRenderingContext2D): void {
+    const { x, y, inside } = this.answer!;
+    if (!inside) return;
+    const { width: w, height: h } = this.canvas;
+    const ends = (values: number[], range: [number, number] | null, size: number): [number, number] => {
+      const [a, b] = [values[0], values[values.length - 1]];
+      const at = (v: number): number => Math.min(1, Math.max(0, (v - a) / (b - a))) * size;
+      return range ? [at(range[0]), Math.max(at(range[1]), at(range[0]) + 2)] : [0, size];
+    };
+    const [x0, x1] = ends(x, inside.x, w);
+    const [y0, y1] = ends(y, inside.y, h);
+    g.fillStyle = "rgba(12, 18, 27, 0.62)";
+    g.fillRect(0, 0, x0, h);
+    g.fillRect(x1, 0, w - x1, h);
+    g.fillRect(x0, 0, x1 - x0, h - y1);
+    g.fillRect(x0, h - y0, x1 - x0, y0);
+    g.strokeStyle = "rgba(255, 255, 255, 0.55)";
+    g.strokeRect(x0 + 0.5, h - y1 + 0.5, x1 - x0 - 1, y1 - y0 - 1);
   }
 
   private legend(low: number, top: number): void {
@@ -204,7 +227,8 @@ export class SpeedMap {
     };
     this.foot.replaceChildren(
       el("span", {}, `→ ${end("x", 0)} – ${end("x", 1)}${unit("x")}     ↑ ${end("y", 0)} – ${end("y", 1)}${unit("y")}`),
-      el("span", { class: "legend" }, say(low), el("i"), say(top)));
+      el("span", { class: "legend" }, say(low), el("i"), say(top)),
+      ...(this.answer!.inside ? [el("span", { id: "inside" }, "Calibrated inside the frame.")] : []));
   }
 
   private place(): [number, number] | null {

@@ -71,6 +71,8 @@ export interface MapAnswer {
   x: number[];
   y: number[];
   values: Record<string, (number | null)[]>;
+  /** where the surrogate was calibrated; null: everywhere along this side */
+  inside: { x: [number, number] | null; y: [number, number] | null } | null;
   milliseconds: number;
 }
 

@@ -191,8 +191,21 @@ def map_(tables: Any, x: Any, y: Any) -> dict[str, Any]:
         X, Y = (np.linspace(v[0], v[-1], min(v.size, n)) for v, n in zip((X, Y), MOST_SINGLY))
     results = _grid(swimmer, fx, X, fy, Y)
     values = {k: [_short(v) for v in results[k]] for k in MAP_OUTPUTS}
-    took = 1e3 * (time.perf_counter() - start)
-    return {"x": X.tolist(), "y": Y.tolist(), "values": values, "milliseconds": took}
+    made = {"x": X.tolist(), "y": Y.tolist(), "values": values, "inside": None}
+    if swimmer.region is not None:
+        made["inside"] = {"x": _calibrated(swimmer, fx), "y": _calibrated(swimmer, fy)}
+    made["milliseconds"] = 1e3 * (time.perf_counter() - start)
+    return made
+
+
+def _calibrated(swimmer: Swimmer, field: str) -> list[float] | None:
+    """Ends of a field in the region of a calibration; nothing if it may have any value."""
+    region = swimmer.region
+    assert region is not None
+    if field in region.low:
+        return [float(region.low[field]), float(region.high[field])]
+    held = region.fixed.get(field)
+    return None if held is None else [float(held)] * 2
 
 
 def _grid(swimmer: Swimmer, fx: str, X: Any, fy: str, Y: Any) -> dict[str, np.ndarray]:
@@ -210,12 +223,14 @@ def _short(value: float) -> float | None:
 def optimum(tables: Any, x: Any, y: Any, output: str, zooms: int = 5) -> dict[str, Any]:
     """Best design on a map: a grid that closes in on its best point, five times.
 
-    Speed and efficiency are to be large; of the others, the size.
+    Speed and efficiency are to be large; of the others, the size. A surrogate that carries a
+    region calibration is searched inside that region.
     """
     swimmer = swimmer_of(tables)
     if output not in MAP_OUTPUTS:
         raise SpecError("output", output, "one of " + ", ".join(MAP_OUTPUTS))
     (fx, X), (fy, Y) = axis(swimmer, {**x, "count": 17}), axis(swimmer, {**y, "count": 13})
+    X, Y = _trusted(swimmer, fx, X), _trusted(swimmer, fy, Y)
     ends = (X[0], X[-1]), (Y[0], Y[-1])
     best = None
     for _ in range(zooms):
@@ -229,6 +244,19 @@ def optimum(tables: Any, x: Any, y: Any, output: str, zooms: int = 5) -> dict[st
     if best is None:
         raise SpecError("optimum: no design on this map is possible; widen its ranges")
     return {"fields": [fx, fy], **best}
+
+
+def _trusted(swimmer: Swimmer, field: str, values: np.ndarray) -> np.ndarray:
+    """As many values within the region of a calibration, if any: outside it may be wild."""
+    ends = None if swimmer.region is None else _calibrated(swimmer, field)
+    if ends is None:
+        return values
+    low, high = max(ends[0], values[0]), min(ends[1], values[-1])
+    if low > high:
+        raise SpecError(
+            "optimum: this map shows nothing of the calibrated region; widen its ranges"
+        )
+    return np.linspace(low, high, values.size)
 
 
 def _closer(values: np.ndarray, at: int, low: float, high: float) -> np.ndarray:

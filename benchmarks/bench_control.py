@@ -23,10 +23,10 @@ from numba import njit
 from scipy.integrate import solve_ivp
 
 import microswim as ms
-import microswim.control.environments
-from microswim.control import compiler, motion, readout
+from microswim.control import compiler, environments, motion, readout
 from microswim.kinematics import rotation_matrix
 
+gymnasium.register_envs(environments)
 HERE = Path(__file__).parent
 PEER = """
 import json, time, warnings
@@ -136,7 +136,7 @@ def latency():
     return {k: 1e6 * v if v else None for k, v in found.items()}
 
 
-def environments(n=8192):
+def worlds(n=8192):
     """Environment steps per second: by the clock on all cores, per processor second times two."""
     found = {}
     for name in ("Steer", "Reach"):
@@ -171,7 +171,7 @@ def main():
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     parser.add_argument("--peers", metavar="PYTHON")
     others = peers(parser.parse_args().peers)
-    micro, envs = latency(), environments()
+    micro, envs = latency(), worlds()
     results = {
         "microseconds": micro,
         "environments": envs,

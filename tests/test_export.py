@@ -229,6 +229,21 @@ def read(slave, about, names):
     return np.array(getter(references(about, names)))
 
 
+@pytest.mark.parametrize("fmi", ["3.0", "2.0"])
+def test_a_unit_in_si_declares_its_units(tmp_path, fmi):
+    """And a cell swims as `trajectory` says, at its own scale of micrometres."""
+    cell = ms.Swimmer.preset("goto/C")
+    found = ms.export_fmu(ms.Stepper.of(cell), tmp_path / "cell.fmu", name="cell", fmi=fmi)
+    assert validate_fmu(found["path"]) == []
+    about = fmpy.read_model_description(found["path"])
+    units = {v.name: v.unit for v in about.modelVariables}
+    assert (units["x"], units["force_x"], units["viscosity"]) == ("m", "N", "Pa.s")
+    T = cell.gait().period
+    run = fmpy.simulate_fmu(found["path"], stop_time=20 * T, output_interval=T, output=["x"])
+    path = ms.trajectory(cell.gait(), [0.0, 20 * T])
+    assert run["x"][-1] == pytest.approx(float(path.position[-1, 0]), rel=1e-6)
+
+
 POSE = ("x", "y", "z", "qw", "qx", "qy", "qz")
 
 

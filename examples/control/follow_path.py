@@ -10,6 +10,10 @@ path (an integral, which cancels the mean flow), just below step-out.
 import gymnasium
 import numpy as np
 
+from microswim.control import environments
+
+gymnasium.register_envs(environments)
+
 GAIN, MEMORY, WEIGHT, ANGLE, FREQUENCY = 2.0, 0.1, 0.5, 0.6, 6.0  # 1/mm, 1/mm s, 1, rad, Hz
 DT, LEAK = 0.02, 0.15  # s, 1/s
 

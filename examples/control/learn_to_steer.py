@@ -1,10 +1,12 @@
-"""A robot learns to follow paths from its camera alone, by evolution of a linear policy.
+"""A robot learns to follow paths from its camera alone, by evolution of a small policy.
 
     python examples/control/learn_to_steer.py              # docs/learning.png
 
-The policy is ``action = tanh(W seen)``, 68 numbers, found by CMA-ES (Hansen's package cma, extra
-``learn``). All candidates of a generation swim at once in one vector environment: each a share of
-the robots, all on the same paths. Nothing is told of helices, fields or step-out.
+The policy has eight numbers: the field's axis is a weighted sum of the five vectors that are seen,
+so it knows no north, and the frequency depends on how far the heading is off that axis and on what
+remains of the path. CMA-ES (package cma, extra ``learn``) finds them. All candidates of a
+generation swim at once in one vector environment, all on the same paths. Nothing is told of
+helices, fields or step-out.
 """
 
 import sys
@@ -14,17 +16,32 @@ import cma
 import gymnasium
 import numpy as np
 
-PATHS, STEPS, POPULATION = 32, 400, 24
+from microswim.control import environments
+
+gymnasium.register_envs(environments)
+
+PATHS, STEPS, POPULATION, NUMBERS = 32, 400, 12, 8
+
+
+def acted(policies, seen):
+    """Actions (n, paths, 4) of the policies (n, 8) on what is seen (n, paths, 17)."""
+    w = policies[:, :, None, None]
+    vectors = [seen[..., 3 * j : 3 * j + 3] for j in range(5)]
+    aim = sum(w[:, j] * v for j, v in enumerate(vectors))
+    aim = aim / (np.linalg.norm(aim, axis=-1, keepdims=True) + 1e-9)
+    off = np.sum(aim * vectors[3], axis=-1, keepdims=True)
+    frequency = np.tanh(w[:, 5] + w[:, 6] * off + w[:, 7] * seen[..., 16:])
+    return np.concatenate([aim, frequency], axis=-1)
 
 
 def returns(envs, policies, seed):
     """Mean return over the paths of each policy, shape (len(policies),)."""
     n = len(policies)
     seen, _ = envs.reset(seed=[seed + i % PATHS for i in range(n * PATHS)])
-    W = np.asarray(policies).reshape(n, 4, -1)
+    policies = np.asarray(policies)
     total, running = np.zeros(n * PATHS), np.ones(n * PATHS, bool)
     for _ in range(STEPS):
-        actions = np.tanh(np.einsum("nak,npk->npa", W, seen.reshape(n, PATHS, -1)))
+        actions = acted(policies, seen.reshape(n, PATHS, -1))
         seen, rewards, over, cut, _ = envs.step(actions.reshape(n * PATHS, 4))
         total += running * rewards
         running &= ~(over | cut)
@@ -34,9 +51,8 @@ def returns(envs, policies, seed):
 def train(generations, seed=1):
     """Learning curve: generation, best, median and worst return; and the mean policy found."""
     envs = gymnasium.make_vec("microswim/Steer-v0", num_envs=POPULATION * PATHS)
-    size = 4 * envs.single_observation_space.shape[0]
     options = {"popsize": POPULATION, "seed": seed, "verbose": -9}
-    search = cma.CMAEvolutionStrategy(np.zeros(size), 0.3, options)
+    search = cma.CMAEvolutionStrategy(np.zeros(NUMBERS), 0.5, options)
     curve = []
     for generation in range(generations):
         policies = search.ask()
@@ -68,7 +84,7 @@ def plot(curve, path):
     figure.savefig(path, dpi=150)
 
 
-def main(generations=60, picture=None):
+def main(generations=30, picture=None):
     """Returns before and after learning, on paths that training has not seen."""
     curve, policy = train(generations)
     before, after = scored(np.zeros_like(policy)), scored(policy)

@@ -58,12 +58,53 @@ def test_another_law_is_learnt_over_the_region(kind, request):
 
 @pytest.mark.parametrize("kind", ["helix", "wave"])
 def test_the_expected_error_is_of_the_size_of_the_error(kind, request):
+    """Root mean square of error over expected error, one if the expectation is right.
+
+    Sixty designs tell it to some 30 %, as a few large errors weigh most.
+    """
     fitted = request.getfixturevalue(kind)
     ratio = []
-    for s in designs(fitted, 20, seed=8):
+    for s in designs(fitted, 60, seed=8):
         gait, truth = s.gait(), surrogate(s).mean_velocity[0]
         ratio.append(abs(gait.mean_velocity[0] / truth - 1.0) / gait.info["expected_error"])
-    assert 0.05 < np.sqrt(np.mean(np.square(ratio))) < 4.0
+    assert 0.6 < np.sqrt(np.mean(np.square(ratio))) < 1.6
+
+
+def test_designs_that_the_reference_refuses_are_replaced_and_reported(monkeypatch):
+    """Steep ones are refused: as many designs as asked for, none of those, each with its reason."""
+
+    def some(swimmers, *args, **options):
+        return [
+            "too steep" if s.tail.amplitude > 0.13 else g
+            for s, g in zip(swimmers, solved(swimmers, *args, **options))
+        ]
+
+    solved = references.gaits
+    monkeypatch.setattr(references, "gaits", some)
+    fitted = ms.calibrate_region(HELIX, REGION, "rft", solves=24, workers=0)
+    about = fitted.region.about
+    assert about["solves"] == 24
+    assert about["refused"]
+    for design in about["refused"]:
+        assert design["reason"] == "too steep"
+        assert design["tail.amplitude"] > 0.13
+    gait = fitted.with_({"tail.amplitude": 0.149}).gait()
+    assert gait.info["expected_error"] > fitted.gait().info["expected_error"]
+
+
+def test_a_region_that_is_refused_says_why(monkeypatch):
+    monkeypatch.setattr(references, "gaits", lambda s, *_, **__: ["too steep"] * len(s))
+    with pytest.raises(ms.MicroswimError, match=r"only 0 designs .* too steep"):
+        ms.calibrate_region(HELIX, REGION, "rft", solves=12, workers=0)
+
+
+@pytest.mark.parametrize("kind", ["helix", "wave"])
+def test_the_doubt_of_one_design_is_that_of_many(kind, request):
+    fitted = request.getfixturevalue(kind)
+    made, surfaces = fitted.region, fitted.region.surfaces
+    for s in designs(fitted, 4):
+        Z, N = made.inputs(s)
+        assert surfaces.doubt_of_one(Z[0], N[0]) == pytest.approx(surfaces.doubt(Z, N)[0], rel=1e-6)
 
 
 @pytest.mark.parametrize("kind", ["helix", "wave"])
@@ -80,7 +121,7 @@ def test_resistance_is_symmetric_and_positive_definite(kind, request):
 def test_corrections_can_be_wild_and_the_matrix_stays_definite():
     rng = np.random.default_rng(0)
     p, rules = shaded.parameters(HELIX), shaded.nodes(0, 3.0)
-    R0, F0, G0 = shaded.shaded_tail(0, p, 0.3, *rules)
+    R0, F0, G0 = shaded.shaded_tail(0, p, 100.0, 0.3, *rules)
     R0 += np.diag(HELIX.body.diagonal(100.0))
     for _ in range(20):
         R, _, _ = blocks.decode_helix(3.0 * rng.standard_normal(22), R0, F0, G0, 0.5, 100.0, 314.0)
@@ -95,7 +136,7 @@ def test_corrections_can_be_wild_and_the_matrix_stays_definite():
 def test_a_wave_is_coded_and_decoded_to_rounding():
     p, rules = shaded.parameters(WAVE), shaded.nodes(0, 3.0)
     phase, scale = 0.7, np.array([1.0, 2.0, 3.0, 4.0])
-    R0, F0, G0 = shaded.shaded_tail(1, p, phase, *rules)
+    R0, F0, G0 = shaded.shaded_tail(1, p, 100.0, phase, *rules)
     gait = surrogate(WAVE)
     R, F, G = gait.resistance(phase), gait.propulsion(phase), gait.activity(phase)
     base = (R0 + np.diag(WAVE.body.diagonal(100.0)), F0, G0, 0.5)
@@ -104,16 +145,25 @@ def test_a_wave_is_coded_and_decoded_to_rounding():
         assert np.allclose(back, truth, rtol=1e-10, atol=1e-8 * np.abs(truth).max())
 
 
-def test_without_a_body_the_base_is_plain_resistive_force_theory():
-    """A body that is far smaller than its distance to the filament shades nothing."""
+def test_without_a_body_the_base_is_plain_resistive_force_theory_and_a_tip():
+    """A body that is far smaller than its distance to the filament shades nothing.
+
+    The tip feels half of Stokes' drag on a sphere of the filament's radius.
+    """
     small = HELIX.with_({"body.radius": 1e-9, "tail.ramp": 0})
     p = shaded.parameters(small)
-    R, F, G = shaded.shaded_tail(0, p, 0.4, (gauss(0)[0], gauss(0)[1]), gauss(60))
+    R, F, G = shaded.shaded_tail(0, p, 100.0, 0.4, (gauss(0)[0], gauss(0)[1]), gauss(60))
     law = replace(small, coefficients=ms.GrayHancock(), interaction=ms.Interaction())
     plain = surrogate(law, nodes=60)
-    assert pytest.approx(plain.propulsion(0.4), rel=1e-6, abs=1e-6) == F
-    assert pytest.approx(plain.activity(0.4), rel=1e-6) == G
-    assert pytest.approx(plain.resistance(0.4), rel=1e-4, abs=1e-4) == R
+    half = 0.5 * ms.Sphere(radius=small.tail.radius).diagonal(100.0)[0]
+    tip, _, velocity = small.tail.centreline(np.array(small.tail.apparent_length), np.array(0.4))
+    arm = np.cross(np.eye(3), tip)  # e_j x X in row j
+    carried = np.hstack([np.eye(3), arm.T])
+    wrench = half * carried.T @ velocity
+    assert pytest.approx(plain.propulsion(0.4) + wrench, rel=1e-6, abs=1e-6) == F
+    assert pytest.approx(plain.activity(0.4) + half * velocity @ velocity, rel=1e-6) == G
+    whole = plain.resistance(0.4) + half * carried.T @ carried
+    assert pytest.approx(whole, rel=1e-4, abs=1e-4) == R
 
 
 def test_mirror_image_swims_alike(helix):

@@ -2,7 +2,7 @@
 
 ``swimmer.gait()`` and `microswim.evaluate` of a swimmer that carries a `Correction` give the
 corrected R and F_p; a gait also the expected error, and says when the design lies outside.
-Depends on shaded, blocks, kriging.
+Depends on corrected, shaded, kriging.
 """
 
 from __future__ import annotations
@@ -13,19 +13,17 @@ from functools import cached_property
 from typing import Any
 
 import numpy as np
-from numba import njit
 
-from . import blocks, shaded
+from . import shaded
+from .corrected import HALF, helices, twists, waves
 from .errors import SpecError
-from .gait import MIRROR_Q, Gait
+from .gait import Gait
 from .kernels import HELIX
-from .kriging import Surfaces, predict
-from .mobility import solve
+from .kriging import Surfaces
 from .swimmer import Swimmer
 
 MIRROR_R = np.array([1.0, 1.0, -1.0, -1.0, -1.0, 1.0])
-SAMPLES = 8  #: phases over a period of a plane wave
-HALF = SAMPLES // 2
+NEAR = 0.7  #: spreads of the features over which left-out errors are averaged
 FEATURES = ("ln bk", "ln k r_t", "ln N", "ln r_s/r_t", "ln r_q/r_s", "ln r_r/r_s", "ramp")
 _FREELY = ("fluid.", "tail.frequency", "coefficients.", "interaction.")
 _WORDS = ("kind", "sections", "surface_motion", "length_measure")
@@ -44,7 +42,9 @@ def features(swimmer: Swimmer) -> np.ndarray:
         *(np.log(x) for x in (r_s / tail.radius, r_q / r_s, r_r / r_s)),
         tail.ramp,
     )
-    return np.stack(np.broadcast_arrays(*values), axis=-1)
+    if any(isinstance(v, np.ndarray) for v in values):
+        return np.stack(np.broadcast_arrays(*values), axis=-1)
+    return np.array(values)
 
 
 def words(swimmer: Swimmer) -> dict[str, str]:
@@ -87,9 +87,10 @@ class Correction:
     columns
         Features used, their means and spreads: shape (3, f).
     errors
-        Quantity to (doubt to error factor, median, 90 % quantile, worst leave-one-out error).
-    scales
-        Quantity to the scale that its error refers to; 0 where it is the value itself.
+        Quantity to median, 90 % quantile and worst leave-one-out error.
+    spots, ratios
+        Scaled features (m, f) of all designs whose left-out error is known, and the square of that
+        error over the doubt there, (m, quantities) in the order of `errors`.
     about
         Reference, solves and the like.
     """
@@ -101,6 +102,8 @@ class Correction:
     surfaces: Surfaces
     columns: np.ndarray
     errors: dict[str, dict[str, float]]
+    spots: np.ndarray
+    ratios: np.ndarray
     about: dict[str, Any] = field(default_factory=dict)
 
     @cached_property
@@ -136,10 +139,21 @@ class Correction:
         return out
 
     def expected(self, swimmer: Swimmer) -> dict[str, float]:
-        """Expected relative error of each quantity at a design (one standard deviation)."""
-        Z, N = self.inputs(swimmer)
-        spread = np.sqrt(self.surfaces.doubt(np.real(Z), np.real(N))[0])
-        return {name: float(e["factor"] * spread) for name, e in self.errors.items()}
+        """Expected relative error of each quantity at a design (one standard deviation).
+
+        The doubt of the Gaussian processes knows how far the solved designs are, not where the
+        reference is rough; the left-out errors around the design, in units of it, do.
+        """
+        return self._expected(*self.inputs(swimmer))
+
+    def _expected(self, Z: np.ndarray, N: np.ndarray) -> dict[str, float]:
+        z = np.real(Z[0])
+        doubt = self.surfaces.doubt_of_one(z, float(np.real(N[0])))
+        off = self.spots - z
+        far = np.einsum("ij,ij->i", off, off) / (2.0 * NEAR**2)
+        weight = np.exp(far.min() - far)
+        squared = doubt * (weight @ self.ratios) / weight.sum()
+        return dict(zip(self.errors, np.sqrt(squared).tolist()))
 
     def gait(self, swimmer: Swimmer) -> Gait:
         """Corrected gait of a design.
@@ -154,7 +168,8 @@ class Correction:
                 "tail.kind", swimmer.tail.kind, f'"{self.choices["kind"]}", as calibrated'
             )
         helix = swimmer.tail.kind == "helix"
-        R, F, G, extra = self._matrices(swimmer)
+        inputs = self.inputs(swimmer)
+        R, F, G, extra = self._matrices(swimmer, *inputs)
         missing = self.outside(swimmer)
         if missing:
             warnings.warn(
@@ -162,7 +177,7 @@ class Correction:
                 RegionWarning,
                 stacklevel=3,
             )
-        expected = self.expected(swimmer)
+        expected = self._expected(*inputs)
         info = {
             "expected_error": expected["mean.us"] if not missing else float("nan"),
             "expected_errors": expected,
@@ -186,9 +201,8 @@ class Correction:
             return made.in_lab_frame(swimmer.tail.rate, sign)
         return made
 
-    def _matrices(self, many: Swimmer) -> tuple[np.ndarray, ...]:
+    def _matrices(self, many: Swimmer, Z: np.ndarray, N: np.ndarray) -> tuple[np.ndarray, ...]:
         """R (n, m, 6, 6), F (n, m, 6), G (n, m) over the phases, and the body's share (n, 3)."""
-        Z, N = self.inputs(many)
         n = len(Z)
         p = np.ascontiguousarray(np.broadcast_to(shaded.parameters(many), (n, 10)))
         drags = many.body.diagonal(many.fluid.viscosity)
@@ -209,7 +223,7 @@ class Correction:
 
         A helix at phase 0, a plane wave at `phases` over half a period.
         """
-        R, F, G, extra = self._matrices(many)
+        R, F, G, extra = self._matrices(many, *self.inputs(many))
         if self.choices["kind"] == "plane_wave":
             R, F, G = (_finer(x, 2 * phases)[:, :phases] for x in (R, F, G))
         V = twists(np.ascontiguousarray(R), np.ascontiguousarray(F), free)
@@ -228,119 +242,3 @@ def _with_body(gait: Gait, body_R: np.ndarray, body_F: Any) -> Gait:
     from dataclasses import replace
 
     return replace(gait, body_resistance_series=body_R, body_propulsion_series=body_F)
-
-
-@njit(cache=True, nogil=True)
-def helices(
-    p: Any, D: Any, mu: Any, Z: Any, N: Any, ramp_rule: Any, rule: Any,
-    nodes: Any, tips: Any, lengths: Any, phasors: Any, cut: Any, alpha: Any, mean: Any,
-) -> Any:  # fmt: skip
-    """Corrected R, F, G of rigid helices at phase 0, and the axial force on the body."""
-    n = p.shape[0]
-    R = np.empty((n, 1, 6, 6), dtype=p.dtype)
-    F = np.empty((n, 1, 6), dtype=p.dtype)
-    G = np.empty((n, 1), dtype=p.dtype)
-    extra = np.empty((n, 3), dtype=p.dtype)
-    for d in range(n):
-        y = mean.astype(p.dtype)
-        predict(y, Z[d], N[d], nodes, tips, lengths, phasors, cut, alpha)
-        R0, F0, G0 = shaded.shaded_tail(0, p[d], 0.0, ramp_rule, rule)
-        for i in range(6):
-            R0[i, i] += D[d, i]
-        a = p[d, 8]
-        extra[d, 0] = D[d, 0] * np.exp(y[10])
-        extra[d, 1] = y[11] * mu[d] * a * a
-        extra[d, 2] = y[12] * mu[d] * a * a
-        for i in range(12):
-            y[10 + i] = y[13 + i]
-        r, f, g = blocks.decode_helix(y, R0, F0, G0, a, mu[d], D[d, 3])
-        G[d, 0] = g
-        for i in range(6):
-            F[d, 0, i] = f[i]
-            for j in range(6):
-                R[d, 0, i, j] = r[i, j]
-    return R, F, G, extra
-
-
-@njit(cache=True)
-def scales(R0: Any, F0: Any, G0: Any) -> Any:
-    """Scales of F_s, F_q, T_r and G of a plane wave, from samples over half a period."""
-    out = np.empty(4, dtype=R0.dtype)
-    thrust, power, across, turn = 0 * G0[0], 0 * G0[0], 0 * G0[0], 0 * G0[0]
-    for j in range(len(G0)):
-        thrust += F0[j, 0] / len(G0)
-        power += G0[j] / len(G0)
-        across += R0[j, 1, 1] / len(G0)
-        turn += R0[j, 5, 5] / len(G0)
-    out[0], out[3] = thrust, power
-    out[1], out[2] = np.sqrt(power * across), np.sqrt(power * turn)
-    return out
-
-
-@njit(cache=True)
-def wave_base(p: Any, D: Any, ramp_rule: Any, rule: Any) -> Any:
-    """Base R, F, G of a plane wave at the phases of half a period."""
-    R0 = np.empty((HALF, 6, 6), dtype=p.dtype)
-    F0 = np.empty((HALF, 6), dtype=p.dtype)
-    G0 = np.empty(HALF, dtype=p.dtype)
-    for j in range(HALF):
-        R0[j], F0[j], G0[j] = shaded.shaded_tail(1, p, np.pi * j / HALF, ramp_rule, rule)
-        for i in range(6):
-            R0[j, i, i] += D[i]
-    return R0, F0, G0
-
-
-@njit(cache=True)
-def beat(y: Any, phase: float) -> Any:
-    """Corrections (16,) at a phase from the harmonics, packed as `region` fits them."""
-    out = np.empty(16, dtype=y.dtype)
-    c1, s1 = np.cos(phase), np.sin(phase)
-    c2, s2, c3, s3 = np.cos(2 * phase), np.sin(2 * phase), np.cos(3 * phase), np.sin(3 * phase)
-    for i in range(len(blocks.EVEN)):
-        out[blocks.EVEN[i]] = y[i] + c2 * y[10 + 2 * i] - s2 * y[11 + 2 * i]
-    for i in range(len(blocks.ODD)):
-        first = c1 * y[30 + 2 * i] - s1 * y[31 + 2 * i]
-        out[blocks.ODD[i]] = first + c3 * y[42 + 2 * i] - s3 * y[43 + 2 * i]
-    return out
-
-
-@njit(cache=True, nogil=True)
-def waves(
-    p: Any, D: Any, mu: Any, Z: Any, N: Any, ramp_rule: Any, rule: Any,
-    nodes: Any, tips: Any, lengths: Any, phasors: Any, cut: Any, alpha: Any, mean: Any,
-) -> Any:  # fmt: skip
-    """Corrected R, F, G of plane waves at uniform phases of the whole period."""
-    n = p.shape[0]
-    R = np.empty((n, SAMPLES, 6, 6), dtype=p.dtype)
-    F = np.empty((n, SAMPLES, 6), dtype=p.dtype)
-    G = np.empty((n, SAMPLES), dtype=p.dtype)
-    extra = np.zeros((n, 3), dtype=p.dtype)
-    for d in range(n):
-        y = mean.astype(p.dtype)
-        predict(y, Z[d], N[d], nodes, tips, lengths, phasors, cut, alpha)
-        R0, F0, G0 = wave_base(p[d], D[d], ramp_rule, rule)
-        scale = scales(R0, F0, G0)
-        extra[d, 0] = D[d, 0]
-        for j in range(HALF):
-            now = beat(y, np.pi * j / HALF)
-            r, f, g = blocks.decode_wave(now, R0[j], F0[j], G0[j], p[d, 8], scale)
-            G[d, j] = G[d, j + HALF] = g
-            for i in range(6):
-                F[d, j, i] = f[i]
-                F[d, j + HALF, i] = MIRROR_Q[i] * f[i]
-                for m in range(6):
-                    R[d, j, i, m] = r[i, m]
-                    R[d, j + HALF, i, m] = MIRROR_Q[i] * MIRROR_Q[m] * r[i, m]
-    return R, F, G, extra
-
-
-@njit(cache=True, nogil=True)
-def twists(R: Any, F: Any, free: Any) -> Any:
-    """``V = -R^-1 F`` on the free degrees of freedom, of many designs and phases."""
-    V = -F
-    A = np.empty_like(R)
-    A[:] = R
-    for d in range(R.shape[0]):
-        for j in range(R.shape[1]):
-            solve(A[d, j], V[d, j], free)
-    return V

@@ -18,6 +18,7 @@ from typing import Any
 
 import numpy as np
 from numba import njit
+from scipy.linalg import solve_triangular
 from scipy.optimize import minimize
 
 PHASORS = 3
@@ -73,8 +74,10 @@ class Kriging:
         return not np.iscomplexobj(self.alpha)
 
     @cached_property
-    def _inverse(self) -> tuple[np.ndarray, np.ndarray]:
-        """Inverse of the covariance, without and with the mean projected out."""
+    def _inverse(self) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+        """Inverse Cholesky factor of the covariance; the inverse, without and with the mean
+        projected out.
+        """
         return _inverses(self._own(self.Z, self.N) + self.noise * np.eye(len(self.Z)))
 
     def _own(self, Z: np.ndarray, N: np.ndarray) -> np.ndarray:
@@ -86,24 +89,25 @@ class Kriging:
 
     def doubt(self, Z: np.ndarray, N: np.ndarray) -> np.ndarray:
         """Variance (k,) at other designs, in units of the prior's."""
-        inverse, _ = self._inverse
+        factor, inverse, _ = self._inverse
         cross = self._own(Z, N)
         top = 1.0 + self.phasors.sum() + self.noise
         miss = 1.0 - cross @ inverse.sum(axis=1)
-        gained = np.einsum("ki,ij,kj->k", cross, inverse, cross.conj()).real
+        gained = np.sum(np.abs(factor @ cross.conj().T) ** 2, axis=0)
         return np.maximum(top - gained + np.abs(miss) ** 2 / inverse.sum().real, self.noise)
 
     def left_out(self) -> tuple[np.ndarray, np.ndarray]:
         """Leave-one-out residuals (n, m), truth less prediction, and their doubt (n,)."""
-        _, Q = self._inverse
+        _, _, Q = self._inverse
         own = np.diag(Q).real
         return self.alpha / own[:, None], 1.0 / own
 
 
-def _inverses(K: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    inverse = np.linalg.inv(K)
+def _inverses(K: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    factor = solve_triangular(np.linalg.cholesky(K), np.eye(len(K)), lower=True)
+    inverse = factor.conj().T @ factor
     ones = inverse.sum(axis=1)
-    return inverse, inverse - np.outer(ones, ones.conj()) / ones.sum()
+    return factor, inverse, inverse - np.outer(ones, ones.conj()) / ones.sum()
 
 
 def fit(Z: np.ndarray, N: np.ndarray, Y: np.ndarray, phasors: int, start: Any = None) -> Kriging:
@@ -206,16 +210,62 @@ def predict(
                     out[j + 1] += even * alpha[t, j + 1] - odd * alpha[t, j]
 
 
+@njit(cache=True)
+def crossings(z: Any, waves: Any, Z: Any, tips: Any, lengths: Any, phasors: Any) -> Any:
+    """Prior covariance (groups, n) of one design with those solved, as in `predict`."""
+    out = np.empty((lengths.shape[0], Z.shape[0]), dtype=np.complex128)
+    c0, s0 = np.cos(2.0 * np.pi * waves), np.sin(2.0 * np.pi * waves)
+    for t in range(Z.shape[0]):
+        c1 = c0 * tips[t, 0] + s0 * tips[t, 1]
+        s1 = s0 * tips[t, 0] - c0 * tips[t, 1]
+        c2, s2 = c1 * c1 - s1 * s1, 2.0 * s1 * c1
+        c3, s3 = c2 * c1 - s2 * s1, s2 * c1 + c2 * s1
+        for g in range(lengths.shape[0]):
+            r2 = 0.0
+            for f in range(Z.shape[1]):
+                d = (z[f] - Z[t, f]) * lengths[g, f]
+                r2 += d * d
+            a, b, c = phasors[g, 0], phasors[g, 1], phasors[g, 2]
+            even, odd = 1.0 + a * c1 + b * c2 + c * c3, a * s1 + b * s2 + c * s3
+            out[g, t] = matern(r2) * complex(even, -odd)
+    return out
+
+
 @dataclass(frozen=True, eq=False)
 class Surfaces:
     """Several groups over the same designs, packed for the compiled evaluation."""
 
     groups: tuple[Kriging, ...]
 
+    def __call__(self, Z: np.ndarray, N: np.ndarray) -> np.ndarray:
+        """Targets (k, columns) at other designs, complex ones as pairs."""
+        return np.concatenate([interleaved(g(Z, N)) for g in self.groups], axis=1)
+
     def doubt(self, Z: np.ndarray, N: np.ndarray) -> np.ndarray:
         """Variance (k,) at other designs over that of a design left out, mean of the groups."""
         each = [g.doubt(Z, N) / typical for g, typical in zip(self.groups, self._typical)]
         return np.mean(each, axis=0)
+
+    def doubt_of_one(self, z: np.ndarray, waves: float) -> float:
+        """`doubt` at one design, its features z (f,), at the cost of one evaluation."""
+        Z, tips, lengths, phasors, *_ = self.packed
+        cross = crossings(z, waves, Z, tips, lengths, phasors)
+        out = 0.0
+        for c, g, typical, held in zip(cross, self.groups, self._typical, self._quadratic):
+            factor, ones, weight, top = held
+            c = c.real if g.real else c
+            miss = 1.0 - ones @ c
+            half = factor @ c.conj()
+            own = top - np.vdot(half, half).real + abs(miss) ** 2 / weight
+            out += max(own, g.noise) / typical
+        return out / len(self.groups)
+
+    @cached_property
+    def _quadratic(self) -> list[tuple[Any, ...]]:
+        """Inverse Cholesky factor, row sums of the inverse, their sum, prior variance of each."""
+        held = [g._inverse[:2] for g in self.groups]
+        tops = [1.0 + g.phasors.sum() + g.noise for g in self.groups]
+        return [(f, A.sum(axis=1), A.sum().real, t) for (f, A), t in zip(held, tops)]
 
     def left_out_doubt(self) -> np.ndarray:
         """The same (n,) at each design when it is left out."""
@@ -233,14 +283,14 @@ class Surfaces:
         tips = np.stack([np.cos(2.0 * np.pi * first.N), np.sin(2.0 * np.pi * first.N)], axis=-1)
         lengths = np.array([1.0 / g.lengths for g in self.groups])
         phasors = np.array([[*g.phasors, 0.0 if g.real else 1.0] for g in self.groups])
-        columns = [_interleaved(g.alpha) for g in self.groups]
+        columns = [interleaved(g.alpha) for g in self.groups]
         cut = np.cumsum([0, *(c.shape[1] for c in columns)])
-        mean = np.concatenate([_interleaved(g.mean[None])[0] for g in self.groups])
+        mean = np.concatenate([interleaved(g.mean[None])[0] for g in self.groups])
         alpha = np.ascontiguousarray(np.concatenate(columns, axis=1))
         return np.ascontiguousarray(first.Z), tips, lengths, phasors, cut, alpha, mean
 
 
-def _interleaved(values: np.ndarray) -> np.ndarray:
+def interleaved(values: np.ndarray) -> np.ndarray:
     """Complex columns as pairs of real ones."""
     if not np.iscomplexobj(values):
         return values

@@ -15,7 +15,8 @@ import numpy as np
 from scipy.stats import qmc
 
 from . import kriging, references
-from .correction import SAMPLES, Correction, features, fixed_numbers, words
+from .corrected import SAMPLES
+from .correction import Correction, features, fixed_numbers, words
 from .errors import MicroswimError, SpecError
 from .gait import Gait
 from .kriging import Kriging, Surfaces
@@ -99,6 +100,8 @@ def calibrate_region(
     pool = _pool(swimmer, region, seed)
     chosen = list(range(min(max(8, round(FIRST * solves)), solves, len(pool))))
     solved: list[Solved] = []
+    refused: list[tuple[Swimmer, str]] = []
+    unresolved: list[Solved] = []
     tried: set[int] = set()
     options = _phases(swimmer, reference, options)
     fitted: tuple[Kriging, ...] = ()
@@ -111,28 +114,43 @@ def calibrate_region(
             progress=_shifted(progress, len(solved), solves),
             **options,
         )
-        solved += [Solved(pool[i], g) for i, g in zip(chosen, found) if _trusted(g)]
+        for i, g in zip(chosen, found):
+            reason = _doubt(g)
+            if isinstance(g, Gait) and not reason:
+                solved.append(Solved(pool[i], g))
+                continue
+            refused.append((pool[i], reason))
+            if isinstance(g, Gait):
+                unresolved.append(Solved(pool[i], g))
         tried |= set(chosen)
         left = solves - len(solved)
         if left <= 0 or len(tried) >= min(2 * solves, len(pool)):
             break
         with one_thread():
             fitted = fit_groups(solved, fitted)
-            chosen = _least_sure(pool, fitted, solved, tried, min(left, max(4, solves // 8)))
+            count = min(left, max(4, solves // 8))
+            known = [s.swimmer for s in solved] + [s for s, _ in refused]
+            chosen = _least_sure(pool, fitted, known, tried, count)
     if len(solved) < max(6, len(region) + 2):
-        raise MicroswimError(f"only {len(solved)} designs could be solved: {found[0]}")
-    about = {"reference": reference, "solves": len(solved), "seed": seed}
+        why = refused[0][1] if refused else "the region holds no more"
+        raise MicroswimError(f"only {len(solved)} designs could be solved: {why}")
+    about: dict[str, Any] = {"reference": reference, "solves": len(solved), "seed": seed}
     with one_thread():
         solved, doubtful = set_aside(solved, fitted)
         about["set_aside"] = [_values_of(s.swimmer, region) for s in doubtful]
-        made = _correction(swimmer, region, solved, fitted, about)
+        about["refused"] = [_values_of(s, region) | {"reason": why} for s, why in refused]
+        made = _correction(swimmer, region, solved, doubtful + unresolved, fitted, about)
     about["options"] = {k: getattr(v, "name", v) for k, v in options.items()}
     return replace(swimmer, region=made)
 
 
-def _trusted(gait: Gait | str) -> bool:
-    """Whether a reference gait is one, and resolved: its R must come out symmetric."""
-    return isinstance(gait, Gait) and float(gait.info.get("asymmetry") or 0.0) < ASYMMETRY
+def _doubt(gait: Gait | str) -> str:
+    """Why a reference gait is not used: it was refused, or its R is not symmetric; else empty."""
+    if isinstance(gait, str):
+        return gait
+    asymmetry = float(gait.info.get("asymmetry") or 0.0)
+    resolved = asymmetry < ASYMMETRY
+    return "" if resolved else f"not resolved: R is asymmetric by {100.0 * asymmetry:.2g} %"
 
 
 def _check(swimmer: Swimmer, region: Region, solves: int) -> None:
@@ -183,18 +201,18 @@ def _pool(swimmer: Swimmer, region: Region, seed: int) -> list[Swimmer]:
 
 
 def _least_sure(
-    pool: list[Swimmer], fitted: tuple[Kriging, ...], solved: list[Solved], tried: set, count: int
+    pool: list[Swimmer], fitted: tuple[Kriging, ...], known: list[Swimmer], tried: set, count: int
 ) -> list[int]:
     """Designs that lower the doubt over the whole region most, one after the other as if solved.
 
-    With C the covariance given what is solved, a design c takes ``|C_xc|^2 / C_cc`` off the
+    With C the covariance given what is known, a design c takes ``|C_xc|^2 / C_cc`` off the
     variance at x; the mean over the region counts, for thrust, invariant parts and lateral vectors
-    alike.
+    alike. Designs that the reference refused count as known, so that it is not asked next to them.
     """
-    columns = columns_of(np.array([features(s.swimmer) for s in solved], dtype=float))
+    columns = columns_of(np.array([features(s) for s in known], dtype=float))
     open_ = [i for i in range(len(pool)) if i not in tried][:CANDIDATES]
     Z, N = scaled([pool[i] for i in open_], columns)
-    At, Nt = scaled([s.swimmer for s in solved], columns)
+    At, Nt = scaled(known, columns)
     posteriors = []
     for g in fitted[:3]:
         kernel = (g.lengths, g.phasors, g.real)
@@ -219,7 +237,12 @@ def _values_of(swimmer: Swimmer, region: Region) -> dict[str, float]:
 
 
 def _correction(
-    swimmer: Swimmer, region: Region, solved: list[Solved], former: Any, about: dict[str, Any]
+    swimmer: Swimmer,
+    region: Region,
+    solved: list[Solved],
+    doubtful: list[Solved],
+    former: Any,
+    about: dict[str, Any],
 ) -> Correction:
     groups = fit_groups(solved, former)
     columns = columns_of(np.array([features(s.swimmer) for s in solved], dtype=float))
@@ -232,6 +255,8 @@ def _correction(
         surfaces=Surfaces(tuple(groups[i] for i in order)),
         columns=columns,
         errors={},
+        spots=np.empty((0, 0)),
+        ratios=np.empty((0, 0)),
         about=about,
     )
-    return replace(made, errors=left_out_errors(made, solved))
+    return left_out_errors(made, solved, doubtful)

@@ -28,6 +28,7 @@ def pack(correction: Correction) -> str:
     notes = {name: getattr(correction, name) for name in _NOTES}
     groups = correction.surfaces.groups
     arrays = {"columns": correction.columns, "notes": np.array(json.dumps(notes))}
+    arrays |= {"spots": correction.spots, "ratios": correction.ratios}
     arrays |= {"Z": groups[0].Z, "N": groups[0].N, "groups": np.array(len(groups))}
     for i, group in enumerate(groups):
         own = {f.name: getattr(group, f.name) for f in fields(group) if f.name not in ("Z", "N")}
@@ -55,7 +56,8 @@ def unpack(text: str) -> Correction:
             Kriging(held["Z"], held["N"], **{n: _value(held[f"{n}{i}"]) for n in names})
             for i in range(int(held["groups"]))
         )
-        return Correction(columns=held["columns"], surfaces=Surfaces(groups), **notes)
+        own = {name: held[name] for name in ("columns", "spots", "ratios")}
+        return Correction(surfaces=Surfaces(groups), **own, **notes)
     except (binascii.Error, ValueError, KeyError, TypeError, OSError, zipfile.BadZipFile):
         raise SpecError(
             "region.data: must be what microswim calibrate wrote; calibrate again"

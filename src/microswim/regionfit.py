@@ -5,25 +5,15 @@ Depends on correction, blocks, kriging, shaded.
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
 from threadpoolctl import threadpool_limits
 
 from . import blocks, kriging, shaded
-from .correction import (
-    HALF,
-    MIRROR_R,
-    SAMPLES,
-    Correction,
-    features,
-    helices,
-    scales,
-    twists,
-    wave_base,
-    waves,
-)
+from .corrected import HALF, SAMPLES, helices, scales, twists, wave_base, waves
+from .correction import MIRROR_R, Correction, features
 from .gait import Gait
 from .kriging import Kriging
 from .swimmer import Swimmer
@@ -78,7 +68,7 @@ def targets(solved: list[Solved]) -> np.ndarray:
 
 def _helix_targets(s: Solved) -> np.ndarray:
     p, D, mu, rules = _base(s.swimmer)
-    R0, F0, G0 = shaded.shaded_tail(0, p, 0.0, *rules)
+    R0, F0, G0 = shaded.shaded_tail(0, p, mu, 0.0, *rules)
     g, a = s.gait, p[8]
     R, F = g.resistance(0.0), g.propulsion(0.0)
     if s.swimmer.tail.sign < 0:
@@ -94,8 +84,8 @@ def _helix_targets(s: Solved) -> np.ndarray:
 
 
 def _wave_targets(s: Solved) -> np.ndarray:
-    p, D, _, rules = _base(s.swimmer)
-    base = wave_base(p, D, *rules)
+    p, D, mu, rules = _base(s.swimmer)
+    base = wave_base(p, D, mu, *rules)
     scale = scales(*base)
     phase = np.pi * np.arange(HALF) / HALF
     R, F, G = s.gait.resistance(phase), s.gait.propulsion(phase), s.gait.activity(phase)
@@ -164,38 +154,39 @@ def set_aside(solved: list[Solved], former: Any = ()) -> tuple[list[Solved], lis
     return keep, out
 
 
-def left_out_errors(made: Correction, solved: list[Solved]) -> dict[str, dict[str, float]]:
-    """Errors of the velocities when each design in turn is left out of the fit.
+def left_out_errors(made: Correction, solved: list[Solved], doubtful: list[Solved]) -> Correction:
+    """The correction with the errors of the velocities when each design in turn is left out.
 
     Forward speed and body rate of a helix relative to themselves, lateral amplitudes relative to
-    their largest value.
+    their largest value. Designs set aside or not resolved count in the expected error alone: there
+    the reference itself is that much in doubt.
     """
     helix = len(made.surfaces.groups) == 3
     residual = [g.left_out()[0] for g in made.surfaces.groups]
-    flat = [
-        np.stack([r.real, r.imag], -1).reshape(len(r), -1) if np.iscomplexobj(r) else r
-        for r in residual
-    ]
-    y = targets(solved) - np.concatenate(flat, axis=1)
-    doubt = np.sqrt(made.surfaces.left_out_doubt())
-    names = ("mean.us", "amplitude.uq", "mean.os" if helix else "amplitude.or")
-    truth, guess = np.empty((2, len(solved), 3))
-    for i, s in enumerate(solved):
+    y = targets(solved) - np.concatenate([kriging.interleaved(r) for r in residual], axis=1)
+    doubt = made.surfaces.left_out_doubt()
+    spots = made.surfaces.groups[0].Z
+    if doubtful:
+        Z, N = scaled([s.swimmer for s in doubtful], made.columns)
+        y = np.concatenate([y, made.surfaces(Z, N)])
+        doubt, spots = np.append(doubt, made.surfaces.doubt(Z, N)), np.append(spots, Z, axis=0)
+    every = [*solved, *doubtful]
+    truth, guess = np.empty((2, len(every), 3))
+    for i, s in enumerate(every):
         truth[i] = _velocities(s.gait.resistance, s.gait.propulsion, s.swimmer, helix)
         guess[i] = _velocities(*_rebuilt(s.swimmer, y[i]), s.swimmer, helix)
-    out = {}
-    for j, name in enumerate(names):
-        if not np.any(np.abs(truth[:, j]) > 0):
-            continue
-        scale = np.abs(truth[:, j]) if name.startswith("mean") else np.abs(truth[:, j]).max()
-        error = np.abs(guess[:, j] - truth[:, j]) / scale
-        out[name] = {
-            "factor": float(np.sqrt(np.mean((error / doubt) ** 2))),
-            "median": float(np.median(error)),
-            "p90": float(np.quantile(error, 0.9)),
-            "worst": float(error.max()),
-        }
-    return out
+    used = [j for j in range(3) if np.any(np.abs(truth[:, j]) > 0)]
+    names = [("mean.us", "amplitude.uq", "mean.os" if helix else "amplitude.or")[j] for j in used]
+    size = np.abs(truth)
+    scale = [size[:, j] if n.startswith("mean") else size[:, j].max() for j, n in zip(used, names)]
+    error = np.stack([np.abs(guess - truth)[:, j] / c for j, c in zip(used, scale)], axis=-1)
+    kept = error[: len(solved)]
+    numbers = {"median": np.median, "p90": lambda e: np.quantile(e, 0.9), "worst": np.max}
+    errors = {
+        name: {word: float(measure(kept[:, j])) for word, measure in numbers.items()}
+        for j, name in enumerate(names)
+    }
+    return replace(made, errors=errors, spots=spots, ratios=error**2 / doubt[:, None])
 
 
 def _velocities(R: Any, F: Any, swimmer: Swimmer, helix: bool) -> list[float]:

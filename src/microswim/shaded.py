@@ -10,8 +10,10 @@ resistance C of Eq. (5) and the tail's own velocity u_hat
     R = B_b + int H' C H dl,     F_p = int H' C u_hat dl,     C = c_n I + (c_t - c_n) t t'.
 
 H' carries a force on the filament to the force it leaves on the whole swimmer (reciprocal theorem),
-so R stays symmetric and positive definite. Bodies that are not spheres shade like the sphere of
-radius r_s. Depends on kernels.
+so R stays symmetric and positive definite. The tip is half a sphere, with half its drag,
+``3 pi mu r_t`` in all directions at s = L: a wave of a whole number of turns cancels along its
+length, and what its end feels is then the larger part of the lateral wrench. Bodies that are not
+spheres shade like the sphere of radius r_s. Depends on kernels.
 """
 
 from __future__ import annotations
@@ -48,8 +50,11 @@ def fill_shade(H: Any, x: Any, y: Any, z: Any, a: Any) -> None:
 
 
 @njit(cache=True)
-def shaded_tail(kind: int, p: Any, phase: Any, ramp_rule: Any, rule: Any) -> Any:
-    """``(R_t, F_p, G)`` of a wave tail at one phase; p as `microswim.kernels.PARAMETERS`."""
+def shaded_tail(kind: int, p: Any, mu: Any, phase: Any, ramp_rule: Any, rule: Any) -> Any:
+    """``(R_t, F_p, G)`` of a wave tail at one phase; p as `microswim.kernels.PARAMETERS`.
+
+    With ``c_r = 4 pi mu r_t^2`` the drag of the tip is ``3/2 sqrt(pi mu c_r)``.
+    """
     R = np.zeros((6, 6), dtype=p.dtype)
     F = np.zeros(6, dtype=p.dtype)
     G = 0 * p[0]
@@ -81,6 +86,14 @@ def shaded_tail(kind: int, p: Any, phase: Any, ramp_rule: Any, rule: Any) -> Any
                 for m in range(j + 1):
                     R[3 + j, 3 + m] += w * tangent[j] * tangent[m]
             G += n * (u * u + v * v) + d * slip * slip + w * t0 * t0 * spin * spin
+    tip = 1.5 * np.sqrt(np.pi * mu * p[7])
+    s, q, r, q_s, r_s, u, v = wave_nodes(kind, 1.0 + 0 * p[3], phase, False, p)
+    fill_shade(H, s + a, q, r, a)
+    for j in range(6):
+        F[j] += tip * (H[1, j] * u + H[2, j] * v)
+        for m in range(j + 1):
+            R[j, m] += tip * (H[0, j] * H[0, m] + H[1, j] * H[1, m] + H[2, j] * H[2, m])
+    G += tip * (u * u + v * v)
     for j in range(6):
         for m in range(j):
             R[m, j] = R[j, m]
@@ -95,6 +108,8 @@ def parameters(swimmer: Swimmer) -> np.ndarray:
         *(tail.apparent_length, tail.amplitude, tail.wavenumber, tail.ramp, 1.0),
         *(*local, swimmer.body.semi_axes3[0], tail.spin * tail.sign),
     )
+    if not any(isinstance(v, np.ndarray) for v in values):
+        return np.array(values) + 0.0
     kind = np.result_type(np.float64, *values)
     return np.stack(np.broadcast_arrays(*values), axis=-1).astype(kind, copy=False)
 

@@ -116,6 +116,8 @@ def _region(given: Given, output: Path | None, options: dict, asked: dict) -> tu
         "reference": made.about["reference"],
         "solves": made.about["solves"],
         "left_out_error": made.errors,
+        "set_aside": made.about["set_aside"],
+        "refused": made.about["refused"],
         "solves_kept_in": str(folder),
     }
     return report, tables | {"region": {"data": pack(made)}}
@@ -244,4 +246,11 @@ def _print_region(report: dict[str, Any]) -> None:
     for name, error in report["left_out_error"].items():
         numbers = ", ".join(f"{k} {100 * error[k]:.2g} %" for k in ("median", "p90", "worst"))
         click.echo(f"  {name:14s} {numbers}")
+    for words, kind in (
+        ("set aside, as all others contradict them", "set_aside"),
+        ("refused by the reference and replaced", "refused"),
+    ):
+        if report[kind]:
+            reason = report[kind][0].get("reason", "")
+            click.echo(f"  {len(report[kind])} designs {words}{': ' if reason else ''}{reason}")
     click.echo(f"solves are kept in {report['solves_kept_in']}, in {report['wall_seconds']:.0f} s")

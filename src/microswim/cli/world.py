@@ -10,26 +10,33 @@ from ._options import example, json_option, print_json
 
 
 @click.command(epilog=example("microswim world --no-bem", "microswim world --out docs/world.md"))
-@click.option("--bem/--no-bem", default=True, help="Solve the helix by boundary elements too.")
-@click.option("--out", type=click.Path(path_type=Path), help="Markdown file to write.")
+@click.option("--bem/--no-bem", default=True, help="Solve by boundary elements too.")
+@click.option(
+    "--out",
+    type=click.Path(path_type=Path),
+    help="Markdown file to write; its picture goes to img/cells.png beside it.",
+)
 @json_option
 def command(bem: bool, out: Path | None, as_json: bool) -> None:
-    """Compare with Vibrio, Rodenborn's helix and Table 3 of the paper."""
-    from .. import world
+    """Compare with Vibrio, Rodenborn's helix, cells of BOSO-Micro and Table 3 of the paper."""
+    from .. import cells, world
 
     if as_json:
         print_json(
             {
                 "vibrio": world.vibrio(),
                 "rodenborn": world.rodenborn(bem),
+                "boso": world.boso(bem),
                 "table_3": world.table_3(),
             }
         )
         return
-    text = world.page(bem)
     if out is None:
-        click.echo(text)
+        click.echo(world.page(bem))
         return
-    out.parent.mkdir(parents=True, exist_ok=True)
-    out.write_text(text, encoding="utf-8")
-    click.echo(f"{out}")
+    picture = out.parent / "img" / "cells.png"
+    picture.parent.mkdir(parents=True, exist_ok=True)
+    found = world.boso(bem)
+    cells.picture(found).savefig(picture, dpi=150)
+    out.write_text(world.page(bem, "img/cells.png", found), encoding="utf-8")
+    click.echo(f"{out}, {picture}")

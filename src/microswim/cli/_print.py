@@ -40,9 +40,14 @@ def print_table(table: Table) -> None:
     console.print(shown)
 
 
-def timed_gait(swimmer: Any, model: str, level: str | None = None) -> tuple[Any, float]:
-    """Gait by a model, and the wall seconds it took; with a progress bar for the references."""
-    options: dict[str, Any] = {}
+def timed_gait(
+    swimmer: Any, model: str, level: str | None = None, estimate: bool = False
+) -> tuple[Any, float]:
+    """Gait by a model, and the wall seconds it took; with a progress bar for the references.
+
+    estimate : solve the next coarser level of the boundary elements too, for an error estimate.
+    """
+    options: dict[str, Any] = {"estimate_error": True} if estimate and model == "bem" else {}
     if model == "rft":
         start = time.perf_counter()
         return swimmer.gait(model), time.perf_counter() - start

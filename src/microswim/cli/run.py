@@ -57,7 +57,7 @@ def command(
         _folder.check(out, force)
     from .. import io, report
 
-    gait, seconds = _print.timed_gait(given.swimmer, model, level)
+    gait, seconds = _print.timed_gait(given.swimmer, model, level, estimate=True)
     numbers: dict[str, Any] = {
         "swimmer": given.name,
         **io.numbers(given.swimmer, gait),
@@ -76,6 +76,10 @@ def command(
         _print.print_table(tables[0])
         for remark in gait.info.get("remarks", ()):
             click.echo(f"  note: {remark}")
+        error = gait.info.get("error")
+        if error:
+            off = 100 * error["relative_forward"]
+            click.echo(f"  u_s differs by {off:.2g} % from level {error['against']}")
         click.echo(f"  solved in {seconds:.3g} s")
     if out is not None:
         _folder.say_where(out)

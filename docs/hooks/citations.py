@@ -1,7 +1,7 @@
-"""Links from ``[Tabak Eq. 14]`` to the equation in Theory, from ``[Lighthill 1976]`` to the bibliography.
+"""Links from ``[Tabak Eq. 14]`` to Theory, from ``[Lighthill 1976]`` to the bibliography.
 
-Works in pages and in docstrings alike; what leads nowhere is a warning, and ends a strict build. The built
-site asks no other host for anything: that is checked last.
+Works in pages and in docstrings alike; what leads nowhere is a warning, and ends a strict build.
+The built site asks no other host for anything: that is checked last.
 """
 
 import html
@@ -15,12 +15,12 @@ log = logging.getLogger("mkdocs.hooks.citations")
 DOCS = Path(__file__).parents[1]
 TAG = re.compile(r"\[Tabak (Eqs?\.[^\]<]*)\]")
 NUMBERS = re.compile(r"\d+(?:\s*(?:-|–|to)\s*\d+)?")
+NAME = r"[A-Z][^\W\d_]+"
 WORK = re.compile(
-    r"\[([A-Z][^\W\d_]+(?:[ ,]|&amp;|&|and|et al\.|[A-Z][^\W\d_]+)* (?:18|19|20)\d\d[a-z]?)\]"
+    rf"\[({NAME}(?:-{NAME}|[ ,]|&amp;|&|and|et al\.|{NAME})* (?:18|19|20)\d\d[a-z]?)(?=[\],])"
 )
-OUTSIDE = re.compile(
-    r"<(?:script|link|img|iframe|source)\b[^>]*\b(?:src|href)=\"?(?:https?:)?//[^\">]*"
-)
+ASKS = r"<(?:script|link|img|iframe|source)\b[^>]*"
+OUTSIDE = re.compile(ASKS + r"\b(?:src|href)=\"?(?:https?:)?//[^\">]*")
 
 
 def anchors(page, pattern):
@@ -56,7 +56,7 @@ def on_page_content(text, page, config, files):
         name = slug(match[1])
         if name not in works:
             log.warning("%s: [%s] is not in bibliography.md", page.file.src_uri, match[1])
-        return f'[<a href="{bibliography}#{name}">{match[1]}</a>]'
+        return f'[<a href="{bibliography}#{name}">{match[1]}</a>'
 
     return WORK.sub(work, TAG.sub(tag, text))
 

@@ -1,7 +1,7 @@
 """Formulas in TeX, turned into MathML when the site is built: no script, no font from elsewhere.
 
-``$...$`` within a line, ``$$...$$`` as a block of its own; ``\\tag{5}`` numbers it (5) and gives it the
-anchor ``eq-5``.
+``$...$`` within a line, ``$$...$$`` as a block of its own; ``\\tag{5}`` numbers it (5) and gives it
+the anchor ``eq-5``.
 """
 
 import re
@@ -13,21 +13,37 @@ from markdown.extensions import Extension
 from markdown.inlinepatterns import InlineProcessor
 from markdown.util import AtomicString
 
+INLINE = r"(?<![\\$])\$(?![\s$])([^$\n]+?)(?<!\s)\$"
 TAG = re.compile(r"\\tag\{([\w-]+)\}")
-BOLD = re.compile(r'<mi mathvariant="bold">([A-Za-z])</mi>')
+BOLD = re.compile(r'<mi mathvariant="bold">([A-Za-z]|&#x003A9;)</mi>')
+MATRIX = re.compile(r"<mo>&#x0005B;</mo><mtable>(.*?)</mtable><mo>&#x0005D;</mo>", re.DOTALL)
+INTEGRAL = "<mo>&#x0222B;</mo>"
+
+
+def bold(match):
+    """Browsers know bold letters only as characters of their own."""
+    letter = match[1]
+    if len(letter) > 1:
+        return "<mi>&#x1D6C0;</mi>"  # Omega
+    start, first = (0x1D400, "A") if letter.isupper() else (0x1D41A, "a")
+    return f"<mi>{chr(ord(letter) + start - ord(first))}</mi>"
 
 
 def mathml(tex, display):
-    """MathML of a formula; browsers know bold letters only as characters of their own."""
+    """MathML of a formula; brackets and integrals that also grow where no font for formulas is."""
     text = convert(tex.strip(), display=display)
     if "\\" in re.sub(r"<[^>]*>", "", text) or "<mi>&</mi>" in text:
         raise ValueError(f"no MathML for {tex!r}")
-    shift = {True: 0x1D400 - ord("A"), False: 0x1D41A - ord("a")}
-    return BOLD.sub(lambda m: f"<mi>{chr(ord(m[1]) + shift[m[1].isupper()])}</mi>", text)
+    text = MATRIX.sub(r'<mtable class="matrix">\1</mtable>', BOLD.sub(bold, text))
+    if display == "block":
+        text = text.replace(
+            INTEGRAL, INTEGRAL.replace("<mo", '<mo class="integral" largeop="false"')
+        )
+    return text
 
 
 class Inline(InlineProcessor):
-    def handleMatch(self, m, data):  # noqa: N802
+    def handleMatch(self, m, data):
         return self.md.htmlStash.store(mathml(m[1], "inline")), m.start(0), m.end(0)
 
 
@@ -51,10 +67,8 @@ class Block(BlockProcessor):
 
 
 class Formulas(Extension):
-    def extendMarkdown(self, md):  # noqa: N802
-        md.inlinePatterns.register(
-            Inline(r"(?<![\\$])\$(?![\s$])([^$\n]+?)(?<!\s)\$", md), "tex", 185
-        )
+    def extendMarkdown(self, md):
+        md.inlinePatterns.register(Inline(INLINE, md), "tex", 185)
         md.parser.blockprocessors.register(Block(md.parser), "tex", 95)
 
 

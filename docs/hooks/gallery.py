@@ -1,6 +1,7 @@
 """The gallery: runs every script of examples/ and makes its page; one that fails ends the build.
 
-Each figure is saved twice, for the light and for the dark page: blacks and greys are inverted, colours stay.
+Each figure is saved twice, for the light and for the dark page: blacks and greys are inverted,
+colours stay.
 """
 
 import ast
@@ -20,8 +21,8 @@ COLOUR = re.compile(r"#[0-9a-fA-F]{6}\b")
 
 
 def scripts():
-    """Scripts of the gallery: those that say in a docstring what their picture shows."""
-    return sorted(p for p in (ROOT / "examples").glob("*.py") if not p.name.startswith("_"))
+    """Scripts of the gallery, in folders of a subject too."""
+    return sorted(p for p in (ROOT / "examples").rglob("*.py") if not p.name.startswith("_"))
 
 
 def described(path):
@@ -41,7 +42,7 @@ def loaded(path):
 
 
 def is_quick(path):
-    """Whether it has a `figure` to draw; the others take minutes, and show the picture they left in docs."""
+    """Whether it has a `figure` to draw; the others take minutes, and show what they left."""
     names = {n.name for n in ast.parse(path.read_text(encoding="utf-8")).body if hasattr(n, "name")}
     return "figure" in names
 
@@ -64,7 +65,7 @@ def dark(svg):
 
 
 def drawn(figure):
-    """The figure as SVG, without background, letters as outlines so that they are the same everywhere."""
+    """The figure as SVG without background; letters as outlines, the same everywhere."""
     import matplotlib as mpl
 
     with mpl.rc_context({"svg.fonttype": "path", "svg.hashsalt": "microswim", "savefig.dpi": 130}):
@@ -93,15 +94,13 @@ def page(path, title, caption, results, pictures):
     table = f"| number | value |\n|---|---|\n{rows}" if rows else ""
     shown = PICTURES.format(title=title, caption=caption, **pictures) if pictures else caption
     code = path.read_text(encoding="utf-8").strip()
-    return f"# {title}\n\n{shown}\n{table}\nThe script, `examples/{path.name}`:\n\n```python\n{code}\n```\n"
+    where = path.relative_to(ROOT).as_posix()
+    source = f"The script, `{where}`:\n\n```python\n{code}\n```\n"
+    return f"# {title}\n\n{shown}\n{table}\n{source}"
 
 
 def card(path, title, pictures):
-    images = (
-        "".join(f"![{title}]({pictures[s]}#only-{s})" for s in ("light", "dark"))
-        if pictures
-        else ""
-    )
+    images = "".join(f"![{title}]({picture}#only-{shade})" for shade, picture in pictures.items())
     return f"- [{images} {title}]({path.stem}.md)"
 
 

@@ -17,7 +17,7 @@ import microswim as ms
 def main():
     robot = ms.Swimmer.preset("tabak/helix")
     free = robot.gait("bem", level="coarse").mean_velocity
-    distance = np.array([0.7, 0.9, 1.4, 3.0])
+    distance = np.array([0.7, 1.0, 2.5])
     near = []
     for h in distance:
         placed = replace(robot, wall=ms.Wall(float(h)))  # the wall lies at q = -h, its normal is q
@@ -29,7 +29,7 @@ def main():
         "turning": near[:, 4],
         "speed ratio at 0.7": float(near[0, 0] / free[0]),
         "turning at 0.7": float(near[0, 4]),
-        "turning at 3": float(near[-1, 4]),
+        "turning at 2.5": float(near[-1, 4]),
     }
 
 

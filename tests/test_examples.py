@@ -1,0 +1,129 @@
+"""The gallery: every script says what its picture shows, and its numbers are the known ones."""
+
+import ast
+import importlib.util
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+ROOT = Path(__file__).parents[1] / "examples"
+SCRIPTS = sorted(ROOT.glob("*.py"))
+
+
+def module(path):
+    spec = importlib.util.spec_from_file_location(path.stem, path)
+    made = importlib.util.module_from_spec(spec)
+    spec.loader.exec_module(made)
+    return made
+
+
+def first_swim(r):
+    """Independent quadrature of the paper's model: data set `base-case`."""
+    free = r["swimmer"].with_({"motion.free": ("us", "uq", "ur", "os")}).gait()
+    assert free.mean_velocity[0] == pytest.approx(-0.036987, abs=1e-6)
+    assert r["forward velocity"] == pytest.approx(-0.036987, abs=2e-4)
+    assert r["body rate"] == pytest.approx(-0.39020, abs=1e-3)
+    assert 0 < r["swimming speed"] <= abs(r["forward velocity"]) * (1 + 1e-9)
+
+
+def one_period(r):
+    """The wave moves in the plane s, q: nothing happens across it."""
+    velocity = r["run"].velocity.values
+    assert np.abs(velocity[:, [2, 3, 4]]).max() < 1e-12
+    assert r["amplitude of the sway"] > abs(r["mean forward velocity"])
+
+
+def scallop(r):
+    """Time reversal: half a turn forth and back ends where it began, at any pace."""
+    assert r["displacement after three cycles"] < 1e-9
+    assert r["largest displacement on the way"] > 0.01
+    assert r["turning on"][-1] == pytest.approx(1.5 * 0.037, rel=0.05)
+
+
+def laws_of_resistance(r):
+    """Lighthill's pair of the base case, computed apart: c_n 780.37, c_t 537.58."""
+    assert r["ratio of Lighthill at 0.1"] == pytest.approx(780.37 / 537.58, rel=1e-4)
+    assert r["constant pair"] == pytest.approx(1.284, abs=1e-3)
+
+
+def best_helix(r):
+    """No design of the map that the motor can drive is faster than the optimum."""
+    allowed = r["speed"][r["torque"] <= 150.0]
+    assert r["best speed"] >= allowed.max() * (1 - 1e-6)
+    assert r["torque of the best"] == pytest.approx(150.0, rel=1e-6)
+
+
+def seven_cells(r):
+    """The paper's Gamma_N = 2.37, Gamma_R = 1.49, and its 8.2 % at G."""
+    assert r["Gamma_N"] == pytest.approx(2.37, abs=0.005)
+    assert r["Gamma_R"] == pytest.approx(1.49, abs=0.005)
+    assert r["fitted on C"][6] / 30.5 - 1.0 == pytest.approx(0.082, abs=0.005)
+
+
+def one_point_calibration(r):
+    """Exact at its point, off elsewhere; the reference is known to 0.1 %, coarse to 0.5 %."""
+    assert abs(r["error at the point"]) < 1e-6
+    assert r["reference"][2] == pytest.approx(-0.03070, rel=0.006)
+    assert 0.1 < abs(r["error at 0.04"]) < 0.4
+    assert r["plain over reference"] == pytest.approx(2.2, abs=0.05)
+
+
+def beside_a_wall(r):
+    """Slower and turning near the wall, undisturbed far from it; the turning decays quickly."""
+    assert 0.5 < r["speed ratio at 0.7"] < 0.95
+    assert r["speed ratio"][-1] == pytest.approx(1.0, abs=0.02)
+    assert (np.diff(r["speed ratio"]) > 0).all()
+    assert abs(r["turning at 2.5"]) < 0.05 * abs(r["turning at 0.7"])
+
+
+def step_out(r):
+    """Adler's law: in step up to w_c, beyond it w - sqrt(w^2 - w_c^2)."""
+    w, k, wc = r["rate"], r["speed per rate"], r["step-out"]
+    law = k * np.where(w < wc, w, w - np.sqrt(np.maximum(w**2 - wc**2, 0.0)))
+    near = np.abs(w / wc - 1.0) < 0.15  # a slow beat there, not yet averaged
+    assert np.abs(r["speed"] / law - 1.0)[~near].max() < 0.05
+
+
+def made_robots_differ(r):
+    """The mean of many is near the drawing; more than half are good as it lies above the limit."""
+    speed = r["made"].speed.values
+    assert np.nanmean(speed) == pytest.approx(r["nominal speed"], rel=0.02)
+    assert 0.5 < r["yield"] < 0.95
+    assert r["yield"] == pytest.approx(np.mean(speed >= 0.035), abs=1e-9)
+
+
+KNOWN = {
+    f.__name__: f
+    for f in (
+        *(first_swim, one_period, scallop, laws_of_resistance, best_helix, seven_cells),
+        *(one_point_calibration, beside_a_wall, step_out, made_robots_differ),
+    )
+}
+
+
+def test_every_script_of_the_gallery_has_its_test():
+    assert {p.stem for p in SCRIPTS} == set(KNOWN)
+
+
+@pytest.mark.parametrize("path", sorted(ROOT.rglob("*.py")), ids=lambda p: p.stem)
+def test_scripts_have_a_title_and_a_caption(path):
+    title, _, caption = ast.get_docstring(ast.parse(path.read_text())).partition("\n\n")
+    assert "\n" not in title
+    assert len(caption) > 80
+
+
+@pytest.mark.parametrize("path", SCRIPTS, ids=lambda p: p.stem)
+def test_numbers_and_axes(path):
+    script = module(path)
+    results = script.main()
+    KNOWN[path.stem](results)
+    figure = script.figure(results)
+    framed = [a for a in figure.axes if a.axison and a.get_label() != "<colorbar>"]
+    assert framed
+    for axes in framed:
+        twin = any(
+            a is not axes and a.get_position().bounds == axes.get_position().bounds for a in framed
+        )
+        assert axes.get_xlabel() or twin
+        assert axes.get_ylabel()

@@ -3,7 +3,10 @@
     python benchmarks/bench_fem.py cost coarse standard   # unknowns, seconds by part, memory
     python benchmarks/bench_fem.py ways standard 10       # four ways, channel diameter 10
     python benchmarks/bench_fem.py sphere coarse standard # against Bohlin and Brenner
+    python benchmarks/bench_fem.py convergence            # sphere in a box on three meshes
     python benchmarks/bench_fem.py inertia                # Re = 0, 0.01, 0.1, 1
+    python benchmarks/bench_fem.py march helix out        # two periods from rest (or plane)
+    python benchmarks/bench_fem.py box 0 1 2              # designs of a box, fem and bem
     python benchmarks/bench_fem.py designs coarse         # smallest Jacobian over twenty designs
     python benchmarks/bench_fem.py film out               # flow files, picture and animation
 
@@ -20,11 +23,12 @@ from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
+from scipy.stats import qmc
 
 import microswim as ms
 from microswim.reference import fem
 from microswim.reference.fem import quasi_steady as qs
-from microswim.reference.fem.mesh import level_named
+from microswim.reference.fem.mesh import Level, level_named
 from microswim.surroundings import Channel
 
 FOUR = ms.Motion(free=("us", "uq", "ur", "os"))
@@ -102,15 +106,76 @@ def sphere(*levels):
 
 
 def inertia():
-    """Helix with sheared sections from rest, coarse level, 20 steps a period."""
-    for density, periods in ((0.0, 0.1), (1.0, 0.25), (10.0, 0.5), (100.0, 1.5)):
+    """Helix with sheared sections from rest, coarse level, 20 steps a period: means by half period.
+
+    Changes are against the massless fluid at the same steps of the period.
+    """
+    still = halves(fem.swim(base("sheared"), periods=1, steps_per_period=20))
+    for density, periods in ((1.0, 0.5), (10.0, 1), (100.0, 3)):
         design = base("sheared", density=density)
-        seconds, data = clocked(
-            lambda d=design, p=periods: fem.swim(d, periods=p, steps_per_period=20)
+        data = fem.swim(design, periods=periods, steps_per_period=20)
+        for i, now in enumerate(halves(data)):
+            shown = " ".join(
+                f"{x:.5f} ({100 * (x / y - 1):+.2f} %)" for x, y in zip(now, still[i % 2])
+            )
+            print(f"Re {density / 100} to {0.5 * (i + 1)} periods: {shown}", flush=True)
+
+
+def convergence():
+    """Drag and torque of a sphere in a box, P2/P1, on three meshes; observed order."""
+    channel, found = Channel(diameter=5.0, length=5.0, shape="box"), []
+    for h in (0.8, 0.4, 0.2):
+        sizes = {"tail": 1.6, "body": h, "far": 0.5 * h, "grading": 0.9, "curvature": 1.2 / h}
+        level = Level(order=2, **sizes)
+        R = fem.body_resistance(ms.Sphere(radius=1.0), channel=channel, level=level)
+        found.append((R[0, 0] / (6 * np.pi), R[3, 3] / (8 * np.pi)))
+        print(f"h {h}: drag {found[-1][0]:.5f} torque {found[-1][1]:.5f}", flush=True)
+    first, second = -np.diff(found, axis=0)
+    print("order", np.log2(first / second))
+
+
+def halves(data, steps=10):
+    """u_s, Omega_s and lateral speed, means over every ten steps."""
+    v = data.velocity.values
+    found = np.column_stack([v[:, 0], v[:, 3], np.hypot(v[:, 1], v[:, 2])])
+    return [found[i : i + steps].mean(axis=0) for i in range(0, len(found), steps)]
+
+
+def march(kind="helix", folder="out"):
+    """The paper's two periods from rest at Re = 0.01: P2/P1 on the mesh of level fine."""
+    level = replace(level_named("fine"), order=2)
+    wave = {"kind": ms.PlaneWaveTail, "sections": "sheared", "motion": "translating"}
+    design = base(density=1.0, **(wave if kind == "plane" else {}))
+    kept = {"checkpoint": Path(folder) / f"{kind}.npz", "checkpoint_every": 5}
+    options = {"level": level, "steps_per_period": 20, "channel": Channel(), "progress": True}
+    data = fem.swim(design, periods=2, **kept, **options)
+    for now in halves(data):
+        print(" ".join(f"{x:.5f}" for x in now))
+
+
+def box(*numbers):
+    """Twenty designs of the box b, N, r_b, L, helix and plane wave in turn: mesh, u_s, Omega_s."""
+    low, high = np.array([0.03, 0.8, 0.3, 1.2]), np.array([0.2, 4.5, 0.7, 3.0])
+    places = low + (high - low) * qmc.LatinHypercube(4, seed=20).random(20)
+    for i in map(int, numbers or range(20)):
+        b, waves, body, length = map(float, places[i])
+        tail = (ms.HelicalTail, ms.PlaneWaveTail)[i % 2]
+        design = ms.Swimmer(
+            body=ms.Sphere(radius=body),
+            tail=tail(length=length, amplitude=b, waves=waves, radius=0.05),
+            fluid=ms.Fluid(viscosity=1.0),
+            motion=FOUR,
         )
-        v = data.velocity.values[-1]
-        print(f"Re {density / 100}: u_s {v[0]:.5f} Omega_s {v[3]:.5f}", end=" ")
-        print(f"lateral {np.hypot(v[1], v[2]):.5f} ({seconds:.0f} s)", flush=True)
+        print(f"{i} {tail.kind} b {b:.3f} N {waves:.2f} r_b {body:.2f} L {length:.2f}", end=" ")
+        try:
+            wave, flow = qs.problem(design, Channel.around(design), level_named("coarse"))
+            print(f"{qs.smallest_jacobian(wave, flow):.2f} {flow.mesh.ne} elements", end=" ")
+            for model, more in (("fem", {"level": "coarse", "phases": 4}), ("bem", {})):
+                u = design.gait(model, **more).mean_velocity
+                print(f"{model} {u[0]:.5f} {u[3]:.4f}", end=" ")
+        except ms.MicroswimError as refusal:
+            print(refusal, end="")
+        print(flush=True)
 
 
 def designs(level="coarse"):
@@ -146,4 +211,5 @@ def film(folder="out"):
 
 if __name__ == "__main__":
     what, *rest = sys.argv[1:] or ["cost"]
-    {f.__name__: f for f in (cost, ways, sphere, inertia, designs, film)}[what](*rest)
+    parts = (cost, ways, sphere, convergence, inertia, march, designs, box, film)
+    {f.__name__: f for f in parts}[what](*rest)

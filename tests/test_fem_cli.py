@@ -37,6 +37,7 @@ kind = "helix"
 length = 0.6
 amplitude = 0.08
 waves = 1
+ramp = 0.3
 radius = 0.08
 sections = "sheared"
 [channel]

@@ -313,7 +313,7 @@ def peers():
     for level in ("coarse", "standard"):
         seconds, gait = least(lambda n=level: swimmer().gait(model="bem", level=n))
         note(f"boundary elements, {level}", seconds, gait.info["unknowns"], gait.mean_velocity)
-    for panel, around in ((1.6, 3), (1.2, 4), (0.8, 6), (0.6, 8)):
+    for panel, around in ((1.6, 3), (1.2, 4), (0.8, 6)):
         seconds, (n, u) = least(lambda p=panel, a=around: stokeslets(p, a), 1)
         note("regularised Stokeslets", seconds, n, u)
     own = [r for r in rows if r[0].startswith("boundary")]

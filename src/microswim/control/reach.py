@@ -21,6 +21,7 @@ from ..kernels import FAST
 from ..swimmer import Swimmer
 from .camera import FRAME, attitude, expose, fill, seen
 from .chance import direction, uniform
+from .cores import awake
 from .motion import INPUT, WORK, substep
 from .stepper import Stepper
 
@@ -226,10 +227,11 @@ class ReachWorld:
         n = len(self.memory)
         obs, rewards = np.empty((n, OBSERVED), dtype=np.float32), np.empty(n)
         ends = np.empty((n, 2), dtype=np.bool_)
-        step_all(
-            self.memory, self.count, self.ring, self.keys, actions, self.scratch, self.model,
-            self.settings, obs, ends, rewards,
-        )  # fmt: skip
+        with awake(n):
+            step_all(
+                self.memory, self.count, self.ring, self.keys, actions, self.scratch, self.model,
+                self.settings, obs, ends, rewards,
+            )  # fmt: skip
         return obs, rewards, ends
 
     @property

@@ -22,6 +22,7 @@ from ..kinematics import to_lab
 from ..swimmer import Swimmer
 from .camera import FRAME, attitude, expose, fill, seen
 from .chance import direction, normals, uniform
+from .cores import awake
 from .motion import INPUT, WORK, field_at, substep
 from .paths import POINTS, locate, point, resampled, wander
 from .stepper import Stepper
@@ -297,10 +298,11 @@ class SteerWorld:
         n = len(self.memory)
         obs, rewards = np.empty((n, OBSERVED), dtype=np.float32), np.empty(n)
         ends = np.empty((n, 2), dtype=np.bool_)
-        step_all(
-            self.memory, self.count, self.ring, self.path, self.keys, actions, self.scratch,
-            self.model, self.settings, obs, ends, rewards, self.draw,
-        )  # fmt: skip
+        with awake(n):
+            step_all(
+                self.memory, self.count, self.ring, self.path, self.keys, actions, self.scratch,
+                self.model, self.settings, obs, ends, rewards, self.draw,
+            )  # fmt: skip
         return obs, rewards, ends
 
     @property

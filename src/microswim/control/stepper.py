@@ -18,10 +18,9 @@ from ..errors import SpecError
 from ..gait import Gait
 from ..swimmer import Swimmer
 from . import motion, readout
+from .cores import MANY
 from .response import Response, response
 
-#: Swimmers from which on all cores are worth waking.
-MANY = 256
 _SHAPES = {name: (3, 3) if name == "gradient" else (3,) for name in motion.INPUTS}
 _SHAPES["motor_rate"] = ()
 _NO_LOAD = np.zeros(6)

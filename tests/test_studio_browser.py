@@ -14,7 +14,10 @@ import numpy as np
 import pytest
 
 import microswim as ms
+from microswim import presets
+from microswim.regionfile import pack
 from microswim.spec import from_dict
+from microswim.studio.tables import canonical, to_toml
 
 pytestmark = pytest.mark.browser
 
@@ -88,10 +91,18 @@ def settled(page):
         idle, wanted, got = page.evaluate(
             "() => (d => [d.latest.idle, d.tables, d.answer.tables])(studio.store.design)"
         )
-        if idle and wanted == got:
+        if idle and (wanted == got or canonical(from_dict(wanted)) == got):
             return got
         page.wait_for_timeout(50)
     raise AssertionError("the page does not come to rest")
+
+
+def take(page, what):
+    page.click("#take")
+    with page.expect_download() as download:
+        page.click(what)
+    with open(download.value.path(), "rb") as file:
+        return file.read()
 
 
 def test_it_opens_and_swims(page, tmp_path):
@@ -215,6 +226,138 @@ def test_the_judge_is_asked_and_the_surrogate_calibrated(page):
     page.click("#tab-map")
 
 
+def test_the_flow_is_asked_and_drawn(page, tmp_path):
+    """The button asks the boundary elements; what is drawn is the answer of its series."""
+    page.click("#flow")
+    page.wait_for_function("() => studio.flow.shown")
+    assert page.inner_text("#flow") == "Flow"
+    assert page.get_attribute("#flow", "aria-pressed") == "true"
+    before = page.evaluate("() => studio.frames()")
+    page.wait_for_function("(n) => studio.frames() > n + 1", arg=before)
+    field, fastest = page.evaluate(FLOW)
+    assert 0.3 < fastest / page.evaluate("() => studio.flow.answer.scale") < 10.0
+    tail = page.evaluate("() => studio.store.design.answer.shape")
+    assert fastest < 2 * np.pi * (tail["amplitude"] + tail["radius"])  # no faster than the tail
+    assert field > 100  # points of the slice that move
+    assert page.screenshot(path=tmp_path / "flow.png")[:4] == b"\x89PNG"
+    page.fill('input[aria-label="Ramp, value"]', "0.2")
+    page.keyboard.press("Enter")
+    page.wait_for_function("() => !studio.flow.shown")  # it belonged to another design
+    assert page.get_attribute("#flow", "aria-pressed") == "false"
+    page.keyboard.press("Control+z")
+    settled(page)
+
+
+# How many points of the slice move, and how fast the fastest of them.
+FLOW = """() => {
+  const f = studio.flow.velocities, speeds = [];
+  for (let i = 0; i < f.length; i += 3) speeds.push(Math.hypot(f[i], f[i + 1], f[i + 2]));
+  return [speeds.filter((v) => v > 0).length, Math.max(...speeds)];
+}"""
+
+
+def test_a_wall_is_put_moved_judged_and_taken_away(page, tmp_path):
+    free = number(page, "swimming_speed")
+    page.click("[data-field=bounds][data-value=wall]")
+    page.wait_for_function("() => studio.store.design.answer.around?.kind === 'wall'")
+    assert "nothing of the wall" in page.inner_text("#trust")
+    assert number(page, "swimming_speed") == free  # the surrogate does not know it, and says so
+    page.fill('input[aria-label="Tilt, value"]', "10")
+    page.keyboard.press("Enter")
+    page.fill('input[aria-label="Distance, value"]', "0.3")
+    page.keyboard.press("Enter")
+    page.wait_for_selector("#problem:has-text('touches the wall')")
+    page.fill('input[aria-label="Distance, value"]', "1.2")
+    page.keyboard.press("Enter")
+    page.wait_for_selector("#problem", state="hidden")
+    tables = settled(page)
+    wall = from_dict(tables).wall
+    assert (wall.distance, wall.tilt) == pytest.approx((1.2, np.radians(10)))
+    drawn = page.evaluate("() => studio.actors()[0].around.room({x: [0, 0, 0], q: [1, 0, 0, 0], "
+                          "phase: 0, time: 0}, studio.store.design.answer.shape)")  # fmt: skip
+    assert 0.3 < drawn < 0.7 + 1e-9  # the body's equator is 0.7 from the plane, the tail nearer
+    spec = tomllib.loads(take(page, "#take-spec").decode())
+    assert from_dict(spec).wall == wall
+    assert page.screenshot(path=tmp_path / "wall.png")[:4] == b"\x89PNG"
+    page.click("[data-field=bounds][data-value='']")
+    page.wait_for_function("() => !studio.store.design.answer.around")
+    assert "wall" not in settled(page)
+
+
+def test_it_stops_at_the_end_of_its_channel_and_starts_again(page, tmp_path):
+    page.click("[data-field=bounds][data-value=channel]")
+    page.wait_for_function("() => studio.store.design.answer.around?.kind === 'cylinder'")
+    page.click("[data-field='channel.shape'][data-value=box]")
+    page.wait_for_function("() => studio.store.design.answer.around?.kind === 'box'")
+    settled(page)
+    assert page.inner_text("#model-bem") == "Finite elements"
+    assert page.screenshot(path=tmp_path / "channel.png")[:4] == b"\x89PNG"
+    page.evaluate("() => { const a = studio.actors()[0]; a.restart(); "
+                  "a.advance(30, studio.driver.drive, studio.driver.fastest); }")  # fmt: skip
+    page.wait_for_selector(".notice:has-text('come to the wall')")
+    assert page.evaluate("() => studio.view.paused")
+    page.click("#play")
+    page.wait_for_function("() => !studio.view.paused && studio.actors()[0].pose.time < 20")
+    page.click("#flow")  # boundary elements know no channel
+    page.wait_for_selector(".notice.error:has-text('[channel]')")
+    page.click("[data-field=bounds][data-value='']")
+    page.wait_for_function("() => !studio.store.design.answer.around")
+    settled(page)
+    assert page.inner_text("#model-bem") == "Boundary elements"
+
+
+@pytest.mark.slow
+@pytest.mark.fem
+@pytest.mark.parametrize("kind", ["wall", "channel"])
+def test_the_judge_beside_a_wall_and_in_a_channel(page, tmp_path, kind):
+    pytest.importorskip("ngsolve", reason="needs the extra fem")
+    page.click(f"[data-field=bounds][data-value={kind}]")
+    page.wait_for_function("() => studio.store.design.answer.around")
+    tables = settled(page)
+    page.click("#tab-judge")
+    page.select_option("#level", "coarse")
+    page.click("#ask-judge")
+    page.wait_for_selector("#cancel-judge")
+    page.wait_for_selector("#verdict")
+    model = {"wall": "bem", "channel": "fem"}[kind]
+    truth = from_dict(tables).gait(model, level="coarse")
+    found = page.evaluate("() => studio.store.design.reference.answer.readings")
+    assert found["forward_velocity"] == pytest.approx(-truth.mean_velocity[0], rel=1e-9)
+    page.click("#calibrate")
+    page.wait_for_selector("#trust.good:has-text('calibrated at this design')")
+    settled(page)
+    assert number(page, "forward_velocity") == pytest.approx(found["forward_velocity"], rel=1e-6)
+    assert page.screenshot(path=tmp_path / f"{kind}.png")[:4] == b"\x89PNG"
+    page.keyboard.press("Control+z")
+    page.click("[data-field=bounds][data-value='']")
+    page.wait_for_function("() => !studio.store.design.answer.around")
+    settled(page)
+    page.click("#tab-map")
+
+
+def test_a_calibrated_region_shows_its_error_in_colour(page):
+    region = {"tail.amplitude": (0.06, 0.12)}
+    swimmer = ms.Swimmer.preset("tabak/helix")
+    made = ms.calibrate_region(swimmer, region, "rft", solves=12, workers=0)
+    spec = {**tomllib.loads(presets.read("tabak/helix")), "region": {"data": pack(made.region)}}
+    text = to_toml(spec, "calibrated").encode()
+    page.set_input_files(
+        "#file", files=[{"name": "calibrated.toml", "mimeType": "text/plain", "buffer": text}]
+    )
+    page.wait_for_function("() => studio.store.design.name === 'calibrated'")
+    error = made.gait().info["expected_error"]
+    assert page.get_attribute("#trust", "class") == "trust good"
+    shown = float(re.search(r"error ([\d.]+) %", page.inner_text("#trust")).group(1))
+    assert shown == pytest.approx(100 * error, rel=0.06)
+    page.wait_for_selector("#inside")
+    page.fill('input[aria-label="Amplitude, value"]', "0.19")
+    page.keyboard.press("Enter")
+    page.wait_for_selector("#trust.fair:has-text('outside its calibrated region')")
+    page.select_option("#presets", "tabak/helix")
+    page.wait_for_function("() => studio.store.design.name === 'tabak/helix'")
+    settled(page)
+
+
 def test_a_mistake_is_a_notice_and_the_page_lives_on(page):
     page.fill('input[aria-label="Filament radius, value"]', "9")
     page.keyboard.press("Enter")
@@ -230,6 +373,14 @@ def test_a_mistake_is_a_notice_and_the_page_lives_on(page):
     }
     page.set_input_files("#file", files=[bad])
     page.wait_for_selector(".notice.error:has-text('no code')")
+    for name, text, word in (
+        ("torn.toml", b"[tail", "not valid TOML"),
+        ("huge.toml", b"# " + b"x" * 600_000, "256 KiB"),
+        ("bytes.toml", b"\xff\xfe\x00\x01", "not valid TOML"),
+    ):
+        page.set_input_files("#file", files=[{**bad, "name": name, "buffer": text}])
+        page.wait_for_selector(f".notice.error:has-text('{word}')")
+    assert page.evaluate("() => studio.store.design.problem") is None
 
 
 def test_a_rotating_field_and_its_step_out(page):
@@ -248,16 +399,15 @@ def test_a_rotating_field_and_its_step_out(page):
     rate, field, top, _ = page.evaluate(run, 1.5)
     assert rate == pytest.approx(field - np.sqrt(field**2 - top**2), rel=0.1)  # over few beats
     assert "Stepped out" in page.inner_text("#step")
+    page.evaluate("() => document.activeElement.blur()")
+    for key in ("ArrowLeft", "ArrowUp", "ArrowUp", "+"):
+        page.keyboard.press(key)
+    found = page.evaluate(
+        "() => [studio.driver.azimuth, studio.driver.elevation, studio.driver.share]"
+    )
+    assert found == pytest.approx([-5, 10, 1.55])
     page.click("#drive-motor")
     page.click("#tab-map")
-
-
-def take(page, what):
-    page.click("#take")
-    with page.expect_download() as download:
-        page.click(what)
-    with open(download.value.path(), "rb") as file:
-        return file.read()
 
 
 def test_what_one_takes_away(page, browser, tmp_path):
@@ -282,6 +432,10 @@ def test_what_one_takes_away(page, browser, tmp_path):
     assert number(alone, "swimming_speed") == number(page, "swimming_speed")
     alone.wait_for_function("() => studio.actors()[0].pose.phase > 0.1")
     assert alone.evaluate(COLOURS) > 40
+    boxes = [alone.locator(f"#map-{s}").bounding_box() for s in ("output", "x", "y")]
+    assert min(b["width"] for b in boxes) > 100  # room for the names of the map's axes
+    assert boxes[1]["y"] == boxes[2]["y"] > boxes[0]["y"]
+    alone.screenshot(path=tmp_path / "snapshot.png")
     assert [u for u in asked if not u.startswith(("file:", "data:", "blob:"))] == []
     alone.close()
 

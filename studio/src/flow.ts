@@ -36,6 +36,15 @@ export class Flow {
     return this.group.visible;
   }
 
+  get answer(): FlowAnswer | null {
+    return this.flow;
+  }
+
+  /** s, q, r of the velocity at the points of the slice, now. */
+  get velocities(): Float32Array {
+    return this.field;
+  }
+
   clear(): void {
     this.flow = null;
     this.group.visible = false;

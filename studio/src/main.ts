@@ -262,4 +262,4 @@ async function warming(): Promise<void> {
 void begin().catch((error: Error) => notice(error.message, "error"));
 
 // For tests and the curious.
-Object.assign(window, { studio: { store, stage, map, driver, actors: () => actors, frames: () => frames, view } });
+Object.assign(window, { studio: { store, stage, map, driver, flow, actors: () => actors, frames: () => frames, view } });

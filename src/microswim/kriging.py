@@ -124,9 +124,10 @@ def fit(Z: np.ndarray, N: np.ndarray, Y: np.ndarray, phasors: int, start: Any = 
     start
         A former fit of the same group to start from.
     """
-    scale = np.sqrt(np.mean(np.abs(Y - Y.mean(axis=0)) ** 2, axis=0)) + 1e-300
+    scale = np.sqrt(np.mean(np.abs(Y - Y.mean(axis=0)) ** 2, axis=0))
+    flat = scale <= 1e-13 * np.abs(Y).max(axis=0) + 1e-100
+    scale = np.where(flat, 1.0, scale)
     y, real, n = Y / scale, not np.iscomplexobj(Y), len(Z)
-    flat = np.ptp(np.abs(y - y[0]), axis=0) < 1e-14
     use = y[:, ~flat]
 
     def unpack(x: np.ndarray) -> tuple[np.ndarray, np.ndarray, float]:

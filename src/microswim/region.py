@@ -102,6 +102,7 @@ def calibrate_region(
     solved: list[Solved] = []
     refused: list[tuple[Swimmer, str]] = []
     unresolved: list[Solved] = []
+    fewest = max(6, len(region) + 2)
     tried: set[int] = set()
     options = _phases(swimmer, reference, options)
     fitted: tuple[Kriging, ...] = ()
@@ -127,11 +128,14 @@ def calibrate_region(
         if left <= 0 or len(tried) >= min(2 * solves, len(pool)):
             break
         with one_thread():
+            if len(solved) < fewest:
+                chosen = [i for i in range(len(pool)) if i not in tried][:left]
+                continue
             fitted = fit_groups(solved, fitted)
             count = min(left, max(4, solves // 8))
             known = [s.swimmer for s in solved] + [s for s, _ in refused]
             chosen = _least_sure(pool, fitted, known, tried, count)
-    if len(solved) < max(6, len(region) + 2):
+    if len(solved) < fewest:
         why = refused[0][1] if refused else "the region holds no more"
         raise MicroswimError(f"only {len(solved)} designs could be solved: {why}")
     about: dict[str, Any] = {"reference": reference, "solves": len(solved), "seed": seed}

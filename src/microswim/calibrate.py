@@ -37,20 +37,23 @@ class Calibration:
     ----------
     swimmer
         The swimmer with the fitted numbers.
-    names, values
-        Unknowns and their fitted values.
-    covariance
-        Of the values, shape (n, n); infinite along what the data do not determine.
+    names, values, covariance
+        Unknowns, fitted values and their covariance; infinite along what the data do not tell.
     observations
         The data.
     predicted
         What the calibrated surrogate says for each entry of the data.
-    directions
-        Combinations of the unknowns, best determined first.
-    warnings
-        In physical words: what is unphysical or not determined.
+    directions, warnings
+        Combinations of the unknowns, best determined first; what is odd, in physical words.
     method
         ``"least squares"`` or ``"ratios"``.
+
+    Examples
+    --------
+    >>> import microswim as ms
+    >>> cell = ms.Swimmer.preset("goto/C")
+    >>> ms.calibrate(cell, {"speed": 6.23e-6}, ["translation.s"]).rank
+    1
     """
 
     swimmer: Swimmer

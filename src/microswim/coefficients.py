@@ -21,7 +21,20 @@ from .tails import Tail, WaveTail
 
 
 class ValidityWarning(UserWarning):
-    """A formula is used near or beyond the edge of the range it was derived for."""
+    """A formula is used near or beyond the edge of the range it was derived for.
+
+    Examples
+    --------
+    >>> import warnings, microswim as ms
+    >>> swimmer = ms.Swimmer.preset("tabak/helix").with_(
+    ...     {"tail.waves": 5, "tail.amplitude": 0.02}
+    ... )
+    >>> with warnings.catch_warnings(record=True) as seen:
+    ...     warnings.simplefilter("always")
+    ...     gait = swimmer.gait()
+    >>> seen[0].category.__name__
+    'ValidityWarning'
+    """
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -58,6 +58,14 @@ class Optimum:
         What each number was allowed.
     history
         Rounds of verification by a reference solver, see `verify`.
+
+    Examples
+    --------
+    >>> import microswim as ms
+    >>> robot = ms.Swimmer.preset("tabak/helix")
+    >>> best = ms.design(robot, {"tail.waves": (1, 4)}, maximize="speed", samples=64)
+    >>> best.swimmer.tail.waves == best.values["tail.waves"]
+    True
     """
 
     swimmer: Swimmer

@@ -12,6 +12,11 @@ class MicroswimError(Exception):
     """Something went wrong that is not the fault of the specification.
 
     For example a solver that did not converge, or an extra that is not installed.
+
+    Examples
+    --------
+    >>> issubclass(SpecError, MicroswimError)  # one `except` for both
+    True
     """
 
 

@@ -95,7 +95,15 @@ def _plain(value: Any) -> Any:
 
 
 def enough_periods(swimmer: Swimmer, gait: Gait) -> int:
-    """Periods in which a swimmer goes one and a half times its own length (4 to 400)."""
+    """Periods in which a swimmer goes one and a half times its own length (4 to 400).
+
+    Examples
+    --------
+    >>> import microswim as ms
+    >>> swimmer = ms.Swimmer.preset("tabak/helix-constant")
+    >>> ms.io.enough_periods(swimmer, swimmer.gait())
+    122
+    """
     length = 2.0 * swimmer.body.semi_axes3[0] + swimmer.tail.apparent_length
     step = float(summary(gait)["swimming_speed"]) * _period(gait)
     return int(np.clip(np.ceil(1.5 * length / step), 4, 400)) if step > 0 else 4
@@ -167,7 +175,14 @@ def dataset(
 
 
 def unit(gait_units: str, kind: str) -> str:
-    """Unit of a kind of quantity (``"speed"``, ``"length"``, ...) in SI or dimensionless."""
+    """Unit of a kind of quantity (``"speed"``, ``"length"``, ...) in SI or dimensionless.
+
+    Examples
+    --------
+    >>> import microswim as ms
+    >>> ms.io.unit("SI", "speed")
+    'm/s'
+    """
     return _UNITS[kind][gait_units != "SI"] if kind in _UNITS else kind
 
 
@@ -247,6 +262,15 @@ def load(path: str | PathLike[str]) -> xr.Dataset:
     ------
     SpecError
         If there is no such file or it cannot be read.
+
+    Examples
+    --------
+    >>> import tempfile, microswim as ms
+    >>> swimmer = ms.Swimmer.preset("tabak/helix")
+    >>> run = ms.io.dataset(swimmer, swimmer.gait(), periods=1)
+    >>> back = ms.io.load(ms.io.save(run, tempfile.mkdtemp() + "/run.nc"))
+    >>> back.equals(run)
+    True
     """
     import xarray as xr
 

@@ -35,6 +35,12 @@ class Table:
         Texts, one tuple per row.
     note
         Where the numbers come from, in a sentence or two.
+
+    Examples
+    --------
+    >>> import microswim as ms
+    >>> ms.report.Table("Speeds", ("", "u_s"), [("helix", "-0.037")]).rows[0]
+    ('helix', '-0.037')
     """
 
     title: str
@@ -174,7 +180,15 @@ def spec_table(swimmer: Swimmer) -> Table:
 
 
 def png(figure: Any) -> bytes:
-    """A figure as PNG."""
+    """A figure as PNG.
+
+    Examples
+    --------
+    >>> import microswim as ms
+    >>> from matplotlib.figure import Figure
+    >>> ms.report.png(Figure(figsize=(1, 1)))[1:4]
+    b'PNG'
+    """
     buffer = io.BytesIO()
     figure.savefig(buffer, format="png", dpi=220)
     return buffer.getvalue()

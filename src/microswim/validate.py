@@ -54,6 +54,14 @@ class Validation:
         Index of a design to the reason why it has no solution.
     against
         Name of the reference model.
+
+    Examples
+    --------
+    >>> import microswim as ms
+    >>> swimmer = ms.Swimmer.preset("tabak/helix")
+    >>> result = ms.validate(swimmer, {"tail.waves": [2, 3]}, "rft", workers=0)
+    >>> result.reference["mean.us"].shape
+    (2,)
     """
 
     over: dict[str, np.ndarray]

@@ -55,6 +55,13 @@ class CModel:
         Text of the two files.
     banner
         The comment at their head: conventions, units, provenance.
+
+    Examples
+    --------
+    >>> import microswim as ms
+    >>> model = ms.c_model(ms.Stepper(ms.Swimmer.preset("tabak/helix").gait()), "robot")
+    >>> "robot_step" in model.header
+    True
     """
 
     name: str

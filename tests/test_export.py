@@ -251,6 +251,9 @@ def test_the_unit_is_valid_and_says_its_conventions(unit):
     path, about, folder = unit
     assert validate_fmu(str(path)) == []
     assert "qw, qx, qy, qz" in about.description
+    for file in Path(folder).rglob("*"):
+        if file.is_file() and file.suffix not in (".so", ".dll", ".dylib"):
+            assert "body to lab" in " ".join(file.read_text().split()), file
     page = (Path(folder) / "documentation" / "index.html").read_text()
     assert "body to lab" in page
     assert "qw, qx, qy, qz" in (Path(folder) / "sources" / "fmu.c").read_text()

@@ -142,7 +142,7 @@ def export_fmu(
             f"binaries/{folder(fmi)}/{name}{_suffix()}": binary.read_bytes(),
         }
         if fmi == "3.0":
-            entries["sources/buildDescription.xml"] = _build(name)
+            entries["sources/buildDescription.xml"] = _build(model)
         _zip(here / "unit.fmu", entries)
         (here / "unit.fmu").replace(path)
     return {
@@ -241,9 +241,11 @@ def _source_files(name: str) -> str:
     return f'<SourceFiles><File name="{name}.c"/><File name="fmu.c"/></SourceFiles>'
 
 
-def _build(name: str) -> str:
+def _build(model: cmodel.CModel) -> str:
+    name, about = model.name, model.banner.strip("/* \n")
     return (
-        '<?xml version="1.0" encoding="UTF-8"?>\n<fmiBuildDescription fmiVersion="3.0">'
+        f'<?xml version="1.0" encoding="UTF-8"?>\n<!-- {about} -->\n'
+        '<fmiBuildDescription fmiVersion="3.0">'
         f'<BuildConfiguration modelIdentifier="{name}"><SourceFileSet language="C99">'
         f'<SourceFile name="{name}.c"/><SourceFile name="fmu.c"/></SourceFileSet>'
         "</BuildConfiguration></fmiBuildDescription>\n"

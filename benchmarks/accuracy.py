@@ -2,21 +2,23 @@
 
     python benchmarks/accuracy.py --folder solves            # everything, then the page
     python benchmarks/accuracy.py --folder solves helix      # some parts, then the page
+    python benchmarks/accuracy.py --folder solves --calibrated specs helix   # fitted already
     python benchmarks/accuracy.py page                       # the page from what is stored
 
 Parts: one (one-design calibration over the base case's neighbourhood), rotation (the plane wave's
 negative coefficient), helix and plane_wave (region calibration, errors on designs drawn
 afterwards). Each goes to benchmarks/results/accuracy.json as soon as it is there; solves are kept
-in the folder.
+in the folder. With --calibrated, the regions are those of DIR/helix.toml and DIR/plane_wave.toml,
+made by `microswim calibrate --region`.
 """
 
 from __future__ import annotations
 
 import argparse
 import json
-import time
 import warnings
 from dataclasses import replace
+from functools import partial
 from pathlib import Path
 
 import numpy as np
@@ -57,7 +59,7 @@ def spread(errors):
     return {k: round(float(v), 3) for k, v in numbers.items()}
 
 
-def one(folder):
+def one(folder, _=None):
     """Coefficients from the base case alone; errors along two axes through it, and on a grid."""
     base = ms.Swimmer.preset("tabak/helix")
     points = [(float(b), float(n)) for b, n in CROSS + GRID]
@@ -85,7 +87,7 @@ def one(folder):
     return rows
 
 
-def negative(folder):
+def negative(folder, _=None):
     """Rotation coefficient of the plane wave under each variant, for two laws."""
     swimmer = ms.Swimmer.preset("tabak/plane_wave")
     reference = references.gaits([swimmer], "bem", folder=folder, level="standard")[0]
@@ -95,12 +97,13 @@ def negative(folder):
     return out
 
 
-def region(kind, folder):
+def region(kind, folder, calibrated):
     """Region calibration with 100 solves, and its errors on designs drawn afterwards."""
     base = ms.Swimmer.preset(f"tabak/{kind}")
-    begun = time.perf_counter()
-    fitted = ms.calibrate_region(base, REGION, "bem", solves=100, folder=folder)
-    seconds = time.perf_counter() - begun
+    if calibrated is None:
+        fitted = ms.calibrate_region(base, REGION, "bem", solves=100, folder=folder)
+    else:
+        fitted = ms.Swimmer.from_toml(Path(calibrated) / f"{kind}.toml")
     rng = np.random.default_rng(SEED)
     designs = [
         base.with_({k: float(rng.uniform(*v)) for k, v in REGION.items()}) for _ in range(DESIGNS)
@@ -117,19 +120,22 @@ def region(kind, folder):
     rows = []
     for what, mask in (("all", fine | True), ("resolved by the reference", fine)):
         for j, q in enumerate(names):
-            z = float(np.sqrt(np.mean((error[mask, j] / expected[mask, j]) ** 2)))
+            z = round(float(np.sqrt(np.mean((error[mask, j] / expected[mask, j]) ** 2))), 2)
             row = {"tail": kind, "quantity": q, "designs": f"{what} ({int(mask.sum())})"}
             rows.append(row | spread(error[mask, j]) | {"error / expected, rms": z})
     about = fitted.region.about
-    notes = {k: len(about[k]) for k in ("set_aside", "refused")}
-    return {"rows": rows, "refused of 30": DESIGNS - len(kept), "seconds": seconds} | notes
+    notes = {k: len(about.get(k, [])) for k in ("set_aside", "refused")}
+    return {
+        "rows": rows,
+        "refused of 30": DESIGNS - len(kept),
+    } | notes
 
 
 PARTS = {
     "one": one,
     "rotation": negative,
-    "helix": lambda folder: region("helix", folder),
-    "plane_wave": lambda folder: region("plane_wave", folder),
+    "helix": partial(region, "helix"),
+    "plane_wave": partial(region, "plane_wave"),
 }
 
 
@@ -162,11 +168,12 @@ def main():
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     parser.add_argument("parts", nargs="*", default=[], metavar="PART", help=", ".join(PARTS))
     parser.add_argument("--folder", default="solves", help="where solves are kept")
+    parser.add_argument("--calibrated", help="folder of helix.toml and plane_wave.toml")
     asked = parser.parse_args()
     results = json.loads(RESULTS.read_text(encoding="utf-8")) if RESULTS.exists() else {}
     for name in asked.parts or list(PARTS):
         if name != "page":
-            results[name] = PARTS[name](asked.folder)
+            results[name] = PARTS[name](asked.folder, asked.calibrated)
             RESULTS.write_text(json.dumps(results, indent=1) + "\n", encoding="utf-8")
     PAGE.write_text(page(results), encoding="utf-8")
 

@@ -22,6 +22,7 @@ pytest.importorskip("ngsolve", reason="needs the extra fem")
 
 from microswim.reference import fem
 from microswim.reference.fem import memory, picture
+from microswim.reference.fem.swimming import forget_flows_after
 
 pytestmark = pytest.mark.fem
 
@@ -117,6 +118,16 @@ def test_memory_of_a_container_counts(tmp_path):
     assert 1e8 < memory.available() < 1e14
     with pytest.raises(MicroswimError, match="100,000,000 unknowns need"):
         memory.check(100_000_000, 3)
+
+
+def test_flow_files_that_no_checkpoint_vouches_for_are_removed(tmp_path):
+    """A kill while a flow is written leaves half a file, later than the checkpoint."""
+    for step in (2, 4, 6):
+        (tmp_path / f"flow-{step:05d}.vtu").write_text("half")
+        (tmp_path / f"flow-{step:05d}.skin.vtu").write_text("half")
+    forget_flows_after(4, tmp_path)
+    left = sorted(f.name for f in tmp_path.iterdir())
+    assert left == [f"flow-0000{n}{end}" for n in (2, 4) for end in (".skin.vtu", ".vtu")]
 
 
 @pytest.mark.slow

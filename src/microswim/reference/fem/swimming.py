@@ -187,17 +187,26 @@ def swim(
     run = Swim(swimmer, channel, level_named(level), steps_per_period, free)
     total = round(periods * steps_per_period)
     march = load_march(checkpoint, run) or run.start()
+    if vtk:
+        forget_flows_after(march.step, Path(vtk))
     with watched(progress, total) as tell:
         while march.step < total:
             march = run.step(march)
             kept = march.step % checkpoint_every == 0 or march.step == total
+            if vtk and kept:  # first, so that a checkpoint vouches for the flow files up to it
+                write_vtk(run.flow, run.solution, Path(vtk) / f"flow-{march.step:05d}")
             if checkpoint and kept:
                 save_march(checkpoint, march, run)
-            if vtk and kept:
-                write_vtk(run.flow, run.solution, Path(vtk) / f"flow-{march.step:05d}")
             tell(march.step, total)
     info = {"level": str(level), "unknowns": run.flow.unknowns, "elements": run.flow.mesh.ne}
     return dataset(run, march, {**info, "wall_seconds": time.perf_counter() - began})
+
+
+def forget_flows_after(step: int, folder: Path) -> None:
+    """Remove the flow files of later steps: a kill may have left them half written."""
+    for file in folder.glob("flow-*.vtu"):
+        if int(file.name[5:].split(".")[0]) > step:
+            file.unlink()
 
 
 def write_vtk(flow: Stokes, solution: np.ndarray, path: Path) -> None:

@@ -150,7 +150,7 @@ def worlds(n=8192):
             envs.step(moves)
             clock = min(clock, time.perf_counter() - a)
             spent = min(spent, time.process_time() - b)
-        single = gymnasium.make(f"microswim/{name}-v0", max_steps=10**8).unwrapped
+        single = gymnasium.make(f"microswim/{name}-v0", max_steps=10**8, disturbance=0.0).unwrapped
         single.reset(seed=0)
         alone = 1.0 / least(lambda e=single, m=moves[0] * 0: e.step(m), 5, 500)
         found[name] = {"clock": n / clock, "two cores": 2 * n / spent, "single": alone}

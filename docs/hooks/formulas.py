@@ -17,6 +17,9 @@ INLINE = r"(?<![\\$])\$(?![\s$])([^$\n]+?)(?<!\s)\$"
 TAG = re.compile(r"\\tag\{([\w-]+)\}")
 BOLD = re.compile(r'<mi mathvariant="bold">([A-Za-z]|&#x003A9;)</mi>')
 MATRIX = re.compile(r"<mo>&#x0005B;</mo><mtable>(.*?)</mtable><mo>&#x0005D;</mo>", re.DOTALL)
+PRIME = re.compile(r"<msup>((?:(?!<msup>).)*?)<mi>&#x02032;</mi></msup>")
+RAISED = r'<mrow>\1<mo lspace="0" rspace="0.1em">&#x02032;</mo></mrow>'
+BOTH = re.compile(r"<msubsup>(<m[in]>[^<]*</m[in]><m[in]>[^<]*</m[in]>)<mi>&#x02032;</mi></msubsup>")
 INTEGRAL = "<mo>&#x0222B;</mo>"
 
 
@@ -35,6 +38,8 @@ def mathml(tex, display):
     if "\\" in re.sub(r"<[^>]*>", "", text) or "<mi>&</mi>" in text:
         raise ValueError(f"no MathML for {tex!r}")
     text = MATRIX.sub(r'<mtable class="matrix">\1</mtable>', BOLD.sub(bold, text))
+    text = BOTH.sub(r"<msup><msub>\1</msub><mi>&#x02032;</mi></msup>", text)
+    text = PRIME.sub(RAISED, text)  # the character is raised already
     if display == "block":
         text = text.replace(
             INTEGRAL, INTEGRAL.replace("<mo", '<mo class="integral" largeop="false"')

@@ -160,6 +160,7 @@ def test_killed_march_goes_on_to_the_same_numbers(spec, tmp_path):
         assert np.abs(one[name].values - two[name].values).max() <= 1e-9 * scale, name
     from PIL import Image
 
-    assert Image.open(broken / "flow.gif").n_frames == 3
-    assert Image.open(broken / "flow.png").size == (1200, 800)
+    with Image.open(broken / "flow.gif") as film, Image.open(broken / "flow.png") as still:
+        assert film.n_frames == 3
+        assert still.size == (1200, 800)
     assert (broken / "flow.pvd").read_text().count("flow/flow-0000") == 3

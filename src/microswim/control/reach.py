@@ -32,7 +32,7 @@ OBSERVED, ACTIONS = 9, 2
 ANGLE, MOTOR, TARGET, FLOW, DISTANCE, MEMORY = 8, 9, 10, 12, 15, 16
 STEP, DONE, COUNTS = 0, 1, 2
 LIMIT = 20.0
-TURN = 0.51  # rad of the tail per internal step
+TURN = 1.01  # rad of the tail per internal step
 
 Settings = namedtuple(
     "Settings", "dt field top swing gust noise angle_noise interval latency steps near"

@@ -35,7 +35,7 @@ OBSERVED, ACTIONS = 17, 4
 Y, B, D, F, FLOW, MEAN, PROGRESS, MEMORY = 0, 8, 11, 14, 15, 18, 21, 22
 STEP, SEGMENT, SEEN, DONE, COUNTS = 0, 1, 2, 3, 4
 LIMIT = 20.0  # of observations
-TURN = 0.5  # rad of the field per internal step
+TURN = 0.64  # rad of the field per internal step
 
 Settings = namedtuple(
     "Settings",

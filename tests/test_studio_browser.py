@@ -292,7 +292,7 @@ def test_it_stops_at_the_end_of_its_channel_and_starts_again(page, tmp_path):
     settled(page)
     assert page.inner_text("#model-bem") == "Finite elements"
     assert page.screenshot(path=tmp_path / "channel.png")[:4] == b"\x89PNG"
-    page.evaluate("() => { const a = studio.actors()[0]; a.restart(); "
+    page.evaluate("() => { studio.view.paused = false; const a = studio.actors()[0]; a.restart(); "
                   "a.advance(30, studio.driver.drive, studio.driver.fastest); }")  # fmt: skip
     page.wait_for_selector(".notice:has-text('come to the wall')")
     assert page.evaluate("() => studio.view.paused")

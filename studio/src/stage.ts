@@ -137,11 +137,15 @@ export class Stage {
     this.renderer.setPixelRatio(quality * Math.min(window.devicePixelRatio, 2));
   }
 
-  picture(): Promise<Blob> {
+  /** In full resolution, whatever was shown. */
+  async picture(): Promise<Blob> {
+    const shown = this.quality;
     this.sharpen(1);
     this.render();
-    return new Promise((resolve, reject) =>
-      this.renderer.domElement.toBlob((b) => (b ? resolve(b) : reject(new Error("no picture"))), "image/png"));
+    const made = await new Promise<Blob | null>((resolve) => this.renderer.domElement.toBlob(resolve, "image/png"));
+    this.sharpen(shown);
+    if (!made) throw new Error("The browser made no picture.");
+    return made;
   }
 
   private resize(): void {

@@ -1,5 +1,6 @@
 """Region calibration: exact at planted truth, definite, honest about its error and its limits."""
 
+import warnings
 from dataclasses import replace
 
 import numpy as np
@@ -187,6 +188,21 @@ def test_batch_and_single_evaluation_agree(kind, request):
         lateral = gait.velocity_amplitude
         assert many["velocity_amplitude"][i] == pytest.approx(lateral, rel=1e-3, abs=1e-8)
         assert many["mean_power"][i] == pytest.approx(gait.mean_power, rel=1e-4)
+
+
+@pytest.mark.parametrize("kind", ["helix", "wave"])
+def test_a_sweep_prints_the_expected_error_of_every_design(kind, request):
+    fitted = request.getfixturevalue(kind)
+    name, low = next(iter(fitted.region.low.items()))
+    high = fitted.region.high[name]
+    values = [low, 0.6 * low + 0.4 * high, 1.2 * high]
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore")
+        found = ms.sweep(fitted, {name: values})["expected_error"].values
+        alone = [fitted.with_({name: v}).gait().info["expected_error"] for v in values]
+    assert found[:2] == pytest.approx(alone[:2], rel=1e-6)
+    assert np.isnan(found[2])
+    assert np.isnan(alone[2])
 
 
 def test_gradient_runs_through_the_correction(helix):

@@ -72,6 +72,17 @@ def evaluate(swimmer: Swimmer, values: dict[str, Any], tolerance: float = 1e-8) 
     return {name: np.concatenate([r[name] for r in results]) for name in OUTPUTS}
 
 
+def expected_errors(swimmer: Swimmer, values: dict[str, Any]) -> np.ndarray:
+    """Expected relative error of the mean forward velocity (n,) of a calibrated surrogate.
+
+    NaN outside its region. It costs more than the evaluation itself, so searches do without.
+    """
+    assert swimmer.region is not None
+    arrays = {k: np.asarray(v, dtype=float).reshape(-1) for k, v in values.items()}
+    many = _alternatives(swimmer, arrays).lifted(arrays)
+    return swimmer.region.expected_of_many(many, max(a.size for a in arrays.values()))
+
+
 def _alternatives(swimmer: Swimmer, arrays: dict[str, Any]) -> Swimmer:
     """Swimmer that has the one of `waves` and `wavelength` that varies."""
     for one in ("tail.waves", "tail.wavelength"):

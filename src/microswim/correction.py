@@ -63,13 +63,13 @@ def fixed_numbers(swimmer: Swimmer, names: Any) -> dict[str, float]:
     }
 
 
-def _number(swimmer: Swimmer, name: str) -> float:
-    """A number of the spec by its dotted name, NaN if there is none."""
+def _number(swimmer: Swimmer, name: str) -> Any:
+    """A number of the spec by its dotted name (an array, of many designs), NaN if there is none."""
     part, _, field_ = name.partition(".")
     field_, _, index = field_.rstrip("]").partition("[")
     value = getattr(getattr(swimmer, part), field_, None)
     value = value[int(index)] if index and value is not None else value
-    return float("nan") if value is None else float(np.real(value))
+    return float("nan") if value is None else np.real(value)
 
 
 @dataclass(frozen=True, eq=False)
@@ -154,6 +154,26 @@ class Correction:
         weight = np.exp(far.min() - far)
         squared = doubt * (weight @ self.ratios) / weight.sum()
         return dict(zip(self.errors, np.sqrt(squared).tolist()))
+
+    def expected_of_many(self, many: Swimmer, count: int) -> np.ndarray:
+        """Expected relative error of the mean forward velocity (count,), NaN outside the region."""
+        inside = np.full(count, all(w == self.choices.get(n) for n, w in words(many).items()))
+        for name, low in self.low.items():
+            value, high = _number(many, name), self.high[name]
+            slack = 1e-9 * max(abs(low), abs(high))
+            inside &= (value >= low - slack) & (value <= high + slack)
+        for name, held in self.fixed.items():
+            inside &= np.abs(_number(many, name) - held) <= 1e-9 * abs(held)
+        out, rows = np.full(count, np.nan), np.flatnonzero(inside)
+        Z, N = self.inputs(many)
+        Z, N = (np.broadcast_to(x, (count, *x.shape[1:])) for x in (Z, N))
+        ratios = self.ratios[:, list(self.errors).index("mean.us")]
+        for part in np.array_split(rows, -(-len(rows) // 1024) or 1):
+            far = np.sum((Z[part, None] - self.spots) ** 2, axis=-1) / (2.0 * NEAR**2)
+            weight = np.exp(far.min(axis=1, keepdims=True) - far)
+            squared = self.surfaces.doubt(Z[part], N[part]) * (weight @ ratios)
+            out[part] = np.sqrt(squared / weight.sum(axis=1))
+        return out
 
     def gait(self, swimmer: Swimmer) -> Gait:
         """Corrected gait of a design.

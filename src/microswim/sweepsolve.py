@@ -59,14 +59,17 @@ def _solve_batched(
     swimmer: Swimmer, choices: dict[str, Any], numbers: Any, out: dict[str, np.ndarray], rows: Any
 ) -> None:
     """Rows of equal choices by the batched kernel; what it cannot solve is left to one by one."""
-    from .batch import evaluate
+    from .batch import evaluate, expected_errors
 
     if not numbers:
         return
     try:
-        results = evaluate(vary(swimmer, choices), numbers)
+        swimmer = vary(swimmer, choices)
+        results = evaluate(swimmer, numbers)
     except SpecError:
         return
+    if swimmer.region is not None:
+        results["expected_error"] = expected_errors(swimmer, numbers)
     good = np.isfinite(results["mean_velocity"]).all(axis=1) & np.isfinite(results["mean_power"])
     for name, values in results.items():
         if name in out:

@@ -34,7 +34,7 @@ bench: $(VENV)/.test
 	@set -e; for script in benchmarks/bench_*.py; do $(BIN)/python "$$script"; done
 
 docs: $(VENV)/.docs
-	@NO_MKDOCS_2_WARNING=1 $(BIN)/mkdocs build --strict --quiet
+	@NO_MKDOCS_2_WARNING=1 $(BIN)/mkdocs build --strict
 	@echo "documentation: site/index.html"
 
 clean:

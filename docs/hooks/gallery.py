@@ -17,6 +17,7 @@ from mkdocs.structure.files import File, InclusionLevel
 
 log = logging.getLogger("mkdocs.hooks.gallery")
 ROOT = Path(__file__).parents[2]
+KEPT = re.compile(r'(<image\b.*?/>|<g id="Quad\w+">.*?</g>)', re.DOTALL)
 COLOUR = re.compile(r"#[0-9a-fA-F]{6}\b")
 
 
@@ -48,19 +49,19 @@ def is_quick(path):
 
 
 def dark(svg):
-    """The same picture for the dark page; photographs inside stay as they are."""
+    """The same picture for the dark page; maps and photographs inside stay as they are."""
 
     def turned(match):
         r, g, b = (int(match[0][i : i + 2], 16) / 255 for i in (1, 3, 5))
         h, lightness, s = colorsys.rgb_to_hls(r, g, b)
         if max(r, g, b) - min(r, g, b) < 0.06:
             lightness = 0.12 + 0.78 * (1.0 - lightness)
-        elif lightness < 0.38 and s > 0.9:  # a line; the dark end of a colour map stays
+        elif lightness < 0.38:
             lightness = 0.55
         return "#" + "".join(f"{round(255 * c):02x}" for c in colorsys.hls_to_rgb(h, lightness, s))
 
-    parts = re.split(r"(<image\b.*?/>)", svg, flags=re.S)
-    svg = "".join(p if p.startswith("<image") else COLOUR.sub(turned, p) for p in parts)
+    parts = KEPT.split(svg)
+    svg = "".join(p if KEPT.fullmatch(p) else COLOUR.sub(turned, p) for p in parts)
     return svg.replace("<svg ", '<svg fill="#e6e6e6" ', 1)
 
 

@@ -58,6 +58,12 @@ def on_page_content(text, page, config, files):
             log.warning("%s: [%s] is not in bibliography.md", page.file.src_uri, match[1])
         return f'[<a href="{bibliography}#{name}">{match[1]}</a>'
 
+    def bare(match):
+        known = match[1] in equations  # the text of the paper has no (23)
+        return f'(<a href="{theory}#eq-{match[1]}">{match[1]}</a>)' if known else match[0]
+
+    if page.file.src_uri == "notation.md":  # its columns name the equations of the paper
+        text = re.sub(r"\((\d+)\)", bare, text)
     return WORK.sub(work, TAG.sub(tag, text))
 
 

@@ -19,7 +19,9 @@ BOLD = re.compile(r'<mi mathvariant="bold">([A-Za-z]|&#x003A9;)</mi>')
 MATRIX = re.compile(r"<mo>&#x0005B;</mo><mtable>(.*?)</mtable><mo>&#x0005D;</mo>", re.DOTALL)
 PRIME = re.compile(r"<msup>((?:(?!<msup>).)*?)<mi>&#x02032;</mi></msup>")
 RAISED = r'<mrow>\1<mo lspace="0" rspace="0.1em">&#x02032;</mo></mrow>'
-BOTH = re.compile(r"<msubsup>(<m[in]>[^<]*</m[in]><m[in]>[^<]*</m[in]>)<mi>&#x02032;</mi></msubsup>")
+BOTH = re.compile(
+    r"<msubsup>(<m[in]>[^<]*</m[in]><m[in]>[^<]*</m[in]>)<mi>&#x02032;</mi></msubsup>"
+)
 INTEGRAL = "<mo>&#x0222B;</mo>"
 
 

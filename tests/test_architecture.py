@@ -130,7 +130,12 @@ def test_every_library_that_is_imported_is_declared():
     project = tomllib.loads((ROOT / "pyproject.toml").read_text(encoding="utf-8"))["project"]
     listed = [project["dependencies"], *project["optional-dependencies"].values()]
     declared = {re.split(r"[^\w.-]", line)[0].lower() for lines in listed for line in lines}
-    brought = {"pandas": "xarray", "pil": "matplotlib", "netgen": "ngsolve"}  # by which of them
+    brought = {
+        "pandas": "xarray",
+        "pil": "matplotlib",
+        "netgen": "ngsolve",
+        "vtkmodules": "pyvista",
+    }
     owners = packages_distributions()
     paths = tracked("src/*.py", "tests/*.py", "benchmarks/*.py", "examples/*.py")
     ours = {name for path in paths for name in (path.stem, path.parent.name)}

@@ -95,7 +95,7 @@ def test_an_uncertain_design_keeps_away_from_the_limit():
 
 
 SBATCH = """#!/bin/sh
-script="$(mktemp "$FAKE_SLURM/job.XXXXXX")"  # the original is gone once it is submitted
+script="$FAKE_SLURM/job.$$"  # the original is gone once it is submitted
 cp "$1" "$script"
 setsid sh "$script" >/dev/null 2>&1 </dev/null &
 echo "$!" >> "$FAKE_SLURM/jobs"

@@ -16,6 +16,7 @@ import numpy as np
 
 from . import checks
 from .errors import SpecError
+from .winding import nearest_turn
 
 Sections = Literal["perpendicular", "sheared"]
 SurfaceMotion = Literal["rigid", "translating", "bending"]
@@ -224,10 +225,6 @@ class WaveTail(Tail):
         return P, P_s, P_phase
 
 
-#: (bk)^2 above which a helix comes back towards itself within a turn: min theta/|sin theta|.
-SHALLOW = 4.60333885
-
-
 @dataclass(frozen=True, kw_only=True)
 class HelicalTail(WaveTail):
     """Rotating rigid helix of either hand.
@@ -275,26 +272,12 @@ class HelicalTail(WaveTail):
         return 2.0 * np.pi * self.amplitude * self.number_of_waves
 
     def room(self) -> Any:
-        """Least of the radius of curvature and half the distance of neighbouring turns.
-
-        Two points an angle theta apart are ``sqrt(theta^2 + 2 (bk)^2 (1 - cos theta)) / k``
-        from each other; beyond half a turn a shallow helix only moves away from itself.
-        """
+        """Least of the radius of curvature and half the distance of neighbouring turns."""
         b, k = self.amplitude, self.wavenumber
         B2 = np.asarray((b * k) ** 2)
         with np.errstate(divide="ignore", over="ignore"):
             bend = (1.0 + B2) / np.asarray(b * k**2)
-        deep = B2 > SHALLOW
-        if not deep.any():
-            return bend
-        B2 = np.where(deep, B2, 2.0 * SHALLOW)
-        theta = np.full_like(B2, 2.0 * np.pi)
-        for _ in range(8):  # theta + (bk)^2 sin theta = 0, from the side where Newton cannot miss
-            theta = theta - (theta + B2 * np.sin(theta)) / (1.0 + B2 * np.cos(theta))
-        theta = np.minimum(theta, 2.0 * np.pi * np.maximum(self.number_of_waves, 0.5))
-        apart2 = theta**2 + 2.0 * B2 * (1.0 - np.cos(theta))
-        nearer = deep & (apart2 < np.pi**2 + 4.0 * B2)
-        return np.minimum(bend, np.where(nearer, np.sqrt(apart2) / k / 2.0, np.inf))
+        return np.minimum(bend, nearest_turn(B2, self.number_of_waves) / k / 2.0)
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -277,7 +277,9 @@ class HelicalTail(WaveTail):
         B2 = np.asarray((b * k) ** 2)
         with np.errstate(divide="ignore", over="ignore"):
             bend = (1.0 + B2) / np.asarray(b * k**2)
-        return np.minimum(bend, nearest_turn(B2, self.number_of_waves) / k / 2.0)
+        near = np.asarray(nearest_turn(B2, self.number_of_waves))
+        far = np.isinf(near)  # stays infinite: over a complex wavenumber it would not be a number
+        return np.minimum(bend, np.where(far, np.inf, np.where(far, 1.0, near) / k / 2.0))
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -1,7 +1,7 @@
 # make demo    a swimmer swims: numbers, pictures, a report    (installs what it needs into .venv)
 # make test    everything a change must pass
 # make slow    the long checks as well
-# make bench   timings, written to benchmarks/
+# make bench   timings, written to benchmarks/results and to docs/performance.md
 # make docs    the documentation, into site/
 # make clean   away with all that
 PYTHON ?= python3
@@ -32,6 +32,7 @@ slow: $(VENV)/.test
 
 bench: $(VENV)/.test
 	@set -e; for script in benchmarks/bench_*.py; do $(BIN)/python "$$script"; done
+	@$(BIN)/python benchmarks/report.py
 
 docs: $(VENV)/.docs
 	@NO_MKDOCS_2_WARNING=1 $(BIN)/mkdocs build --strict

@@ -2,7 +2,7 @@
 # make test    everything a change must pass
 # make slow    the long checks as well
 # make bench   timings, written to benchmarks/results and to docs/performance.md
-# make docs    the documentation, into site/
+# make docs    the documentation, into site/; examples in docstrings run, links checked
 # make clean   away with all that
 PYTHON ?= python3
 VENV   ?= .venv
@@ -34,7 +34,8 @@ bench: $(VENV)/.test
 	@set -e; for script in benchmarks/bench_*.py; do $(BIN)/python "$$script"; done
 	@$(BIN)/python benchmarks/report.py
 
-docs: $(VENV)/.docs
+docs: $(VENV)/.docs $(VENV)/.test
+	@$(BIN)/pytest --quiet -n 2 src
 	@NO_MKDOCS_2_WARNING=1 $(BIN)/mkdocs build --strict
 	@echo "documentation: site/index.html"
 

@@ -19,6 +19,7 @@ from pathlib import Path
 
 import gymnasium
 import numpy as np
+from clock import least
 from numba import njit
 from scipy.integrate import solve_ivp
 
@@ -69,17 +70,6 @@ except Exception as error:
     found["PyElastica: " + str(error)[:80]] = None
 print(json.dumps(found))
 """
-
-
-def least(function, repeats=15, calls=1):
-    """Least processor seconds of a call."""
-    best = np.inf
-    for _ in range(repeats):
-        start = time.process_time()
-        for _ in range(calls):
-            function()
-        best = min(best, (time.process_time() - start) / calls)
-    return best
 
 
 @njit

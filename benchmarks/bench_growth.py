@@ -19,24 +19,13 @@ import time
 from pathlib import Path
 
 import numpy as np
+from clock import least
 
 import microswim as ms
 from microswim import kernels, planarwave, references, rft
 
 RESULTS = Path(__file__).parent / "results" / "growth.json"
 HELIX, WAVE = (ms.Swimmer.preset(f"tabak/{name}") for name in ("helix", "plane_wave"))
-
-
-def least(function, repeats=5, calls=1):
-    """Least processor seconds of a call; the first call compiles."""
-    function()
-    best = np.inf
-    for _ in range(repeats):
-        start = time.process_time()
-        for _ in range(calls):
-            function()
-        best = min(best, (time.process_time() - start) / calls)
-    return best
 
 
 def nodes():

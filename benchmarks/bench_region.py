@@ -16,12 +16,12 @@ for name in ("NUMBA_NUM_THREADS", "OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS"):
     os.environ[name] = "1"
 
 import json
-import time
 import warnings
 from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
+from clock import least
 
 import microswim as ms
 
@@ -33,17 +33,6 @@ REGION = {
     "body.radius": (0.3, 0.7),
 }
 DESIGNS = 2000
-
-
-def least(function, repeats=7, calls=1):
-    """Least processor seconds of a call."""
-    best = np.inf
-    for _ in range(repeats):
-        start = time.process_time()
-        for _ in range(calls):
-            function()
-        best = min(best, (time.process_time() - start) / calls)
-    return best
 
 
 def velocity(swimmer):

@@ -19,10 +19,10 @@ import json
 import subprocess
 import sys
 import tempfile
-import time
 from pathlib import Path
 
 import numpy as np
+from clock import least
 from numba import njit
 
 import microswim as ms
@@ -32,17 +32,6 @@ from microswim.mobility import solve
 HERE = Path(__file__).parent
 DESIGNS = 20_000
 NODES = (8, 24)  # 32 nodes: on the ramp, behind it
-
-
-def least(function, repeats=7, calls=1):
-    """Least processor seconds of a call."""
-    best = np.inf
-    for _ in range(repeats):
-        start = time.process_time()
-        for _ in range(calls):
-            function()
-        best = min(best, (time.process_time() - start) / calls)
-    return best
 
 
 def compiled():

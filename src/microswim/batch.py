@@ -16,11 +16,11 @@ from numba import njit
 from .errors import MicroswimError, SpecError
 from .gait import MIRROR_Q
 from .kernels import HELIX, PLANE_WAVE, gauss, node_numbers, wave_tail
+from .manydesigns import MOST_NODES, ramp_rules, solve_helices, solve_waves
 from .metrics import summary
 from .mobility import solve
-from .planarwave import solve_waves
 from .rft import body_resistance, parameters
-from .rigidhelix import FEWEST_WAVES, MOST_NODES, ramp_nodes, ramp_rules, solve_helices
+from .rigidhelix import FEWEST_WAVES, ramp_nodes
 from .swimmer import Swimmer
 
 CHUNK = 8192

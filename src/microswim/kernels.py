@@ -1,7 +1,7 @@
 """Compiled kernels of resistive force theory: one segment, one tail.
 
 The theory stands in rft; here are the sums. Everything stays analytic (no abs, no conjugates), so
-that complex-step derivatives run through the same kernels. Depends on numba.
+that complex-step derivatives run through the same kernels. Depends on compiled.
 """
 
 from __future__ import annotations
@@ -10,7 +10,8 @@ from functools import cache
 from typing import Any
 
 import numpy as np
-from numba import njit
+
+from .compiled import compiled
 
 HELIX, PLANE_WAVE = 0, 1
 
@@ -27,7 +28,7 @@ def gauss(nodes: int) -> tuple[np.ndarray, np.ndarray]:
     return (xi + 1.0) / 2.0, weight / 2.0
 
 
-@njit(cache=True)
+@compiled()
 def node_numbers(kind: int, waves: float, bk: float, ramp: float) -> tuple[int, int]:
     """Nodes on the ramp and on the rest that reach rounding error (plane wave: about 1e-12).
 
@@ -42,7 +43,7 @@ def node_numbers(kind: int, waves: float, bk: float, ramp: float) -> tuple[int, 
     return on_ramp, int(14 + per_wave * waves * (1.0 - ramp)) if ramp < 1 else 0
 
 
-@njit(cache=True, fastmath=FAST)
+@compiled(fastmath=FAST)
 def wave_nodes(kind: int, x: Any, phase: Any, on_ramp: Any, p: Any) -> Any:
     """Centreline, slope and velocity at ``s = x L`` [Tabak Eqs. 11, 12]; p as in `PARAMETERS`."""
     L, b, k, ramp, sign = p[0], p[1], p[2], p[3], p[4]
@@ -59,7 +60,7 @@ def wave_nodes(kind: int, x: Any, phase: Any, on_ramp: Any, p: Any) -> Any:
     return s, q, r, q_s, r_s, q_phase, sign * amplitude * c
 
 
-@njit(cache=True, fastmath=FAST)
+@compiled(fastmath=FAST)
 def add_segment(R: Any, F: Any, X: Any, T: Any, U: Any, dl: Any, c: Any, spin: float) -> Any:
     """Add one segment of length dl to ``B_t`` and ``F_p``; returns its activity.
 
@@ -107,7 +108,7 @@ def add_segment(R: Any, F: Any, X: Any, T: Any, U: Any, dl: Any, c: Any, spin: f
 PARAMETERS = ("L", "b", "k", "ramp", "sign", "c_t", "c_n", "c_r", "offset", "spin")
 
 
-@njit(cache=True, fastmath=FAST)
+@compiled(fastmath=FAST)
 def wave_tail(kind: int, arc: bool, p: Any, phase: Any, ramp_rule: Any, rule: Any) -> Any:
     """``(B_t, F_p, G)`` of a wave tail at one phase; p as in `PARAMETERS`."""
     R = np.zeros((6, 6), dtype=p.dtype)
@@ -131,7 +132,7 @@ def wave_tail(kind: int, arc: bool, p: Any, phase: Any, ramp_rule: Any, rule: An
     return R, F, G
 
 
-@njit(cache=True, fastmath=FAST)
+@compiled(first=96, fastmath=FAST)
 def centreline_tail(X: Any, P_s: Any, U: Any, ds: Any, arc: bool, c: Any, spin: float) -> Any:
     """``(B_t, F_p, G)`` from a centreline on nodes: arrays (n, 3), quadrature weights ds (n,)."""
     R = np.zeros((6, 6), dtype=X.dtype)

@@ -1,4 +1,4 @@
-"""Rigid motion: quaternions, poses and the screw motion of one period. Depends on numpy, numba.
+"""Rigid motion: quaternions, poses and the screw motion of one period. Depends on compiled.
 
 Quaternions are ``wxyz``, body to lab: ``v_lab = q v_body q*``. Everything stays analytic (no abs,
 no conjugates of complex numbers), so that the complex-step derivative runs through it.
@@ -10,22 +10,22 @@ from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
-from numba import njit
+
+from .compiled import compiled
 
 
-@njit(cache=True)
+@compiled()
 def turn(q: Any, u: Any, out: Any) -> None:
     """Write the quaternion of a body turned further by the rotation vector u (body frame, rad).
 
     ``out = q exp(u/2)``, with ``exp(u/2) = [cos(|u|/2), sin(|u|/2) u/|u|]``.
     """
     square = (u[0] * u[0] + u[1] * u[1] + u[2] * u[2]) / 4.0
-    if square.real < 1e-6:  # series to rounding
-        ratio = 1.0 - square / 6.0 * (1.0 - square / 20.0)
-        w = 1.0 - square / 2.0 * (1.0 - square / 12.0 * (1.0 - square / 30.0))
-    else:
-        root = np.sqrt(square)
-        ratio, w = np.sin(root) / root, np.cos(root)
+    small = square.real < 1e-6  # series to rounding
+    root = np.sqrt(np.where(small, 1.0 + square, square))
+    ratio = np.where(small, 1.0 - square / 6.0 * (1.0 - square / 20.0), np.sin(root) / root)
+    w = 1.0 - square / 2.0 * (1.0 - square / 12.0 * (1.0 - square / 30.0))
+    w = np.where(small, w, np.cos(root))
     x, y, z = ratio * u[0] / 2.0, ratio * u[1] / 2.0, ratio * u[2] / 2.0
     a, b, c, d = q[0], q[1], q[2], q[3]
     out[0] = a * w - b * x - c * y - d * z
@@ -34,7 +34,7 @@ def turn(q: Any, u: Any, out: Any) -> None:
     out[3] = a * z + b * y - c * x + d * w
 
 
-@njit(cache=True)
+@compiled()
 def to_lab(q: Any, a: Any, b: Any, c: Any, sense: float) -> Any:
     """Turn a vector from the body into the lab frame, ``R_L v`` [Tabak Eq. 16]; back: sense -1."""
     w, x, y, z = sense * q[0], q[1], q[2], q[3]

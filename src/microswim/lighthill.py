@@ -7,7 +7,7 @@ r"""Lighthill's integrals A_1 and A_2 [Tabak Eqs. 9, 25-28], fast and to roundin
 The integrand is ``1/theta`` at the origin plus a smooth odd part, so the integral splits into
 ``A(alpha, 0)``, a function of alpha alone, kept as a Chebyshev series in ``ln alpha`` that is made
 at first use (some 70 ms), and a smooth integral over ``[0, epsilon]`` by Gauss-Legendre.
-Depends on numba alone; works for complex arguments too (complex-step derivatives).
+Depends on compiled alone; works for complex arguments too (complex-step derivatives).
 """
 
 from __future__ import annotations
@@ -16,8 +16,8 @@ from functools import cache
 from typing import Any
 
 import numpy as np
-from numba import njit
 
+from .compiled import compiled
 from .errors import SpecError
 
 ALPHA_RANGE = (0.02, 1.0)
@@ -78,7 +78,7 @@ def _table(degree: int = 48) -> np.ndarray:
 _GAUSS = np.polynomial.legendre.leggauss(14)
 
 
-@njit(cache=True)
+@compiled()
 def _at(a: Any, e: Any, table: Any, xi: Any, weight: Any) -> Any:
     """``(A_1, A_2)`` at one point: the series by Clenshaw's rule, less the part below epsilon."""
     y = 1.0 - 2.0 * np.log(a) / np.log(ALPHA_RANGE[0])
@@ -98,7 +98,7 @@ def _at(a: Any, e: Any, table: Any, xi: Any, weight: Any) -> Any:
     return A1, A2
 
 
-@njit(cache=True)
+@compiled(first=0)
 def _evaluate(alpha: Any, epsilon: Any, table: Any, xi: Any, weight: Any) -> Any:
     out = np.empty((2, alpha.size), dtype=alpha.dtype)
     for j in range(alpha.size):

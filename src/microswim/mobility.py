@@ -1,4 +1,4 @@
-"""The 6x6 solve for a twist, compiled: one, or several side by side. Depends on numba.
+"""The 6x6 solve for a twist, compiled: one, or several side by side. Depends on compiled.
 
 Analytic, so that complex-step derivatives run through it.
 """
@@ -7,10 +7,10 @@ from __future__ import annotations
 
 from typing import Any
 
-from numba import njit
+from .compiled import compiled
 
 
-@njit(cache=True)
+@compiled()
 def solve(A: Any, V: Any, free: Any) -> None:
     """Overwrite V with ``A^-1 V`` over the free degrees of freedom, zero on the others; A is lost.
 
@@ -38,7 +38,7 @@ def solve(A: Any, V: Any, free: Any) -> None:
             V[j] -= A[j, i] * V[i]
 
 
-@njit(cache=True, error_model="numpy")
+@compiled(first=0, error_model="numpy")
 def solve_lanes(A: Any, V: Any, free: Any, W: Any) -> None:
     """`solve` of as many systems as the last axis of A (6, 6, n) and V (6, n) is long.
 

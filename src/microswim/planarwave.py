@@ -5,7 +5,7 @@ With ``c = cos(k s - phase)``, ``d = sin(k s - phase)`` and x measured from the 
     X = (x, a c, 0),   v t = (1, a' c - a k d, 0),   u = (0, a d, 0)
 
 so that 13 of the 21 sums of `kernels.add_segment` are left. Both equal that plain quadrature to
-rounding; a test holds them to it. Depends on kernels and mobility.
+rounding; a test holds them to it. Depends on kernels.
 """
 
 from __future__ import annotations
@@ -13,15 +13,12 @@ from __future__ import annotations
 from typing import Any
 
 import numpy as np
-from numba import njit, prange
 
+from .compiled import compiled
 from .kernels import FAST
-from .mobility import solve
-
-BLOCK = 8  #: designs that share scratch arrays
 
 
-@njit(cache=True, fastmath=FAST)
+@compiled(fastmath=FAST)
 def fill_nodes(nodes: Any, p: Any, ramp_rule: Any, rule: Any) -> None:
     """Rows of `nodes`: x, weight, a, a', cos ks, sin ks; `p` as `microswim.kernels.PARAMETERS`."""
     L, b, k, ramp, offset = p[0], p[1], p[2], p[3], p[8]
@@ -38,7 +35,7 @@ def fill_nodes(nodes: Any, p: Any, ramp_rule: Any, rule: Any) -> None:
         nodes[5, i] = np.sin(k * s)
 
 
-@njit(cache=True, fastmath=FAST, error_model="numpy")
+@compiled(fastmath=FAST, error_model="numpy")
 def add_wave(R: Any, F: Any, p: Any, nodes: Any, phase: float, arc: bool) -> Any:
     """Add ``B_t`` (lower triangle) and ``F_p`` at one phase; returns G."""
     k, c_n, d_c, c_r, spin = p[2], p[6], p[5] - p[6], p[7], p[9]
@@ -92,7 +89,7 @@ def add_wave(R: Any, F: Any, p: Any, nodes: Any, phase: float, arc: bool) -> Any
     return G
 
 
-@njit(cache=True)
+@compiled()
 def wave_phases(arc: bool, p: Any, phases: Any, ramp_rule: Any, rule: Any) -> Any:
     """``(B_t, F_p, G)`` of a plane wave at several phases: shapes (m, 6, 6), (m, 6), (m,)."""
     m = phases.size
@@ -107,31 +104,3 @@ def wave_phases(arc: bool, p: Any, phases: Any, ramp_rule: Any, rule: Any) -> An
             for n in range(i):
                 R[j, n, i] = R[j, i, n]
     return R, F, G
-
-
-@njit(cache=True, parallel=True)
-def solve_waves(
-    arc: bool, p: Any, body: Any, phases: Any, free: Any, ramp_rule: Any, rule: Any
-) -> Any:
-    """Twists and tail powers ``F_p . V + G`` per unit rate of many plane waves, in parallel.
-
-    `p` (n, 10), `body` (n, 6, 6). Returns V (n, m, 6) and the powers (n, m) over the m phases.
-    """
-    n, m = p.shape[0], phases.size
-    V = np.empty((n, m, 6))
-    power = np.empty((n, m))
-    for block in prange((n + BLOCK - 1) // BLOCK):
-        R, F = np.empty((6, 6)), np.empty(6)
-        nodes = np.empty((6, ramp_rule[0].size + rule[0].size))
-        for d in range(block * BLOCK, min(n, (block + 1) * BLOCK)):
-            fill_nodes(nodes, p[d], ramp_rule, rule)
-            for j in range(m):
-                R[:] = body[d]
-                F[:] = 0.0
-                G = add_wave(R, F, p[d], nodes, phases[j], arc)
-                V[d, j] = -F
-                solve(R, V[d, j], free)
-                for i in range(6):
-                    G += F[i] * V[d, j, i]
-                power[d, j] = G
-    return V, power

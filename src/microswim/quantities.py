@@ -2,7 +2,7 @@
 
 pint says what a unit means. What may be written is narrower than what pint would evaluate: a
 number, then units with powers of one digit, so that no text of a spec file can keep the machine
-busy (``"9**9**9**9 m"``). Depends on pint.
+busy (``"9**9**9**9 m"``). Depends on pint, for all but the commonest units.
 """
 
 from __future__ import annotations
@@ -17,12 +17,19 @@ if TYPE_CHECKING:
 _QUANTITY = re.compile(r"\s*([+-]?(?:\d+\.?\d*|\.\d+)(?:[eE][+-]?\d{1,4})?)\s*(.*?)\s*")
 _POWER = r"(?:\*\*|\^)\s*-?\d(?!\s*(?:\*\*|\^|\d|\.))"
 _UNIT = re.compile(rf"(?:1\s*(?=/))?(?:[^\W\d]|[°% */()·]|{_POWER})*")
+#: What most specs hold, so that they need not wait for pint; a test holds it to what pint says.
+_COMMON = {
+    "m": {"m": 1.0, "mm": 1e-3, "um": 1e-6, "µm": 1e-6, "nm": 1e-9},
+    "Hz": {"Hz": 1.0, "kHz": 1e3},
+    "Pa s": {"Pa s": 1.0, "mPa s": 1e-3},
+    "kg/m^3": {"kg/m^3": 1.0},
+}
 _ANGLES = {"radian", "degree", "turn", "revolution", "revolutions_per_minute"}
 
 
 @cache
 def _registry() -> pint.UnitRegistry:
-    import pint  # takes a good part of a second, and most dimensionless swimmers never need it
+    import pint  # takes a good part of a second
 
     return pint.UnitRegistry(autoconvert_to_preferred=False)
 
@@ -47,6 +54,8 @@ def to_si(value: Any, unit: str) -> float:
     if match is None or len(str(value)) > 80 or not _UNIT.fullmatch(match[2]):
         raise ValueError(f'must be a quantity such as "1 {unit}"')
     number, text = match.groups()
+    if text in _COMMON.get(unit, ()):
+        return float(number) * _COMMON[unit][text]
     text = f"1{text}" if text.startswith("/") else text.replace("·", "*")
     try:
         quantity = _registry().Quantity(float(number), text)

@@ -8,27 +8,23 @@ measured from the body's centre, position, tangent and velocity per unit phase r
 Behind the ramp a = b is constant, ``v^2 = 1 + b^2 k^2`` too, and the sums of `kernels.add_segment`
 are combinations of ``int x^m {1, c, d} dx`` (m = 0, 1) and ``int x^m {1, c^2, d^2, c d} dx``
 (m = 0, 1, 2). On the ramp the integrand is smooth: Gauss-Legendre. Both equal the plain quadrature
-of kernels to rounding; a test holds them to it. Depends on kernels and mobility.
+of kernels to rounding; a test holds them to it. Depends on kernels.
 """
 
 from __future__ import annotations
 
-from functools import cache
 from typing import Any
 
 import numpy as np
-from numba import njit, prange
 
-from .kernels import FAST, gauss
-from .mobility import solve_lanes
+from .compiled import compiled
+from .kernels import FAST
 
 #: Below this number of waves the closed integrals lose digits to cancellation.
 FEWEST_WAVES = 0.05
-LANES = 16  #: designs whose 6x6 systems are solved side by side
-MOST_NODES = 96
 
 
-@njit(cache=True)
+@compiled()
 def ramp_nodes(turns: float, bk: float, digits: float) -> int:
     """Nodes on the ramp for a number of digits, in fours; `turns` are the waves on it.
 
@@ -44,16 +40,7 @@ def ramp_nodes(turns: float, bk: float, digits: float) -> int:
     return 4 * max(1, int(np.ceil(needed / 4.0)))
 
 
-@cache
-def ramp_rules() -> tuple[np.ndarray, np.ndarray]:
-    """Gauss-Legendre nodes and weights on [0, 1]; row n holds the rule of n nodes."""
-    xi, weight = np.zeros((2, MOST_NODES + 1, MOST_NODES))
-    for n in range(MOST_NODES + 1):
-        xi[n, :n], weight[n, :n] = gauss(n)
-    return xi, weight
-
-
-@njit(cache=True, fastmath=FAST, error_model="numpy")
+@compiled(fastmath=FAST, error_model="numpy")
 def add_constant_part(R: Any, F: Any, p: Any, phase: Any, arc: bool) -> Any:
     """Add the part behind the ramp to the lower triangle of ``B_t`` and to ``F_p``; returns G.
 
@@ -119,7 +106,7 @@ def add_constant_part(R: Any, F: Any, p: Any, phase: Any, arc: bool) -> Any:
     return (M * b * b + S * spin * spin) * l
 
 
-@njit(cache=True, fastmath=FAST)
+@compiled(fastmath=FAST)
 def fill_trig(trig: Any, xi: Any, turn: Any, phase: Any) -> None:
     """Cosine and sine of ``turn xi - phase`` on nodes that lie in pairs about the middle."""
     m = xi.size
@@ -130,7 +117,7 @@ def fill_trig(trig: Any, xi: Any, turn: Any, phase: Any) -> None:
         trig[0, m - 1 - i], trig[1, m - 1 - i] = c * e + d * f, d * e - c * f
 
 
-@njit(cache=True, fastmath=FAST, error_model="numpy")
+@compiled(fastmath=FAST, error_model="numpy")
 def add_ramp(R: Any, F: Any, p: Any, phase: Any, arc: bool, rule: Any, trig: Any) -> Any:
     """Add the ramp, ``a = b s/(ramp L)``, likewise; `trig` is scratch, (2, nodes).
 
@@ -203,7 +190,7 @@ def add_ramp(R: Any, F: Any, p: Any, phase: Any, arc: bool, rule: Any, trig: Any
     return G
 
 
-@njit(cache=True)
+@compiled()
 def helix_tail(arc: bool, p: Any, phase: Any, ramp_rule: Any) -> Any:
     """``(B_t, F_p, G)`` of a rigid helix at one phase; p as in `microswim.kernels.PARAMETERS`."""
     R = np.zeros((6, 6), dtype=p.dtype)
@@ -214,43 +201,3 @@ def helix_tail(arc: bool, p: Any, phase: Any, ramp_rule: Any) -> Any:
         for j in range(i):
             R[j, i] = R[i, j]
     return R, F, G
-
-
-@njit(cache=True, parallel=True, error_model="numpy")
-def solve_helices(
-    arc: bool, p: Any, body: Any, free: Any, counts: Any, xi: Any, weight: Any
-) -> Any:
-    """Twists at phase 0 and tail powers ``F_p . V + G`` per unit rate of many helices, in parallel.
-
-    `p` (n, 10), `body` (n, 6, 6), `counts` (n,) the nodes on each ramp, with `xi` and `weight` of
-    `ramp_rules`; where the count is negative the result is NaN. Returns (n, 6) and (n,).
-    """
-    n = p.shape[0]
-    V = np.full((n, 6), np.nan)
-    power = np.full(n, np.nan)
-    for block in prange((n + LANES - 1) // LANES):
-        R, F, trig = np.empty((6, 6)), np.empty((LANES, 6)), np.empty((2, MOST_NODES))
-        A, U, G = np.ones((6, 6, LANES)), np.ones((6, LANES)), np.empty(LANES)
-        first = block * LANES
-        lanes = min(LANES, n - first)
-        for l in range(lanes):
-            d = first + l
-            if counts[d] < 0:
-                continue
-            F[l] = 0.0
-            R[:] = body[d]
-            m = counts[d]
-            G[l] = add_ramp(R, F[l], p[d], 0.0, arc, (xi[m, :m], weight[m, :m]), trig)
-            G[l] += add_constant_part(R, F[l], p[d], 0.0, arc)
-            for i in range(6):
-                U[i, l] = -F[l, i]
-                for j in range(i + 1):
-                    A[i, j, l] = R[i, j]
-        solve_lanes(A, U, free, np.empty((2, LANES)))
-        for l in range(lanes):
-            if counts[first + l] >= 0:
-                for i in range(6):
-                    V[first + l, i] = U[i, l]
-                    G[l] += F[l, i] * U[i, l]
-                power[first + l] = G[l]
-    return V, power

@@ -1,6 +1,6 @@
 """One step of a gait, compiled: phase, pose and loads in, pose out.
 
-Depends on kinematics, mobility.
+Depends on compiled, kinematics, mobility.
 
 The state is position x (lab), quaternion q (``wxyz``, body to lab) and phase. Order 4: see
 trajectory. Everything is analytic, so that complex-step derivatives run through it.
@@ -11,8 +11,8 @@ from __future__ import annotations
 from typing import Any
 
 import numpy as np
-from numba import njit
 
+from .compiled import compiled
 from .gait import Gait
 from .kinematics import to_lab, turn
 from .mobility import solve
@@ -32,7 +32,7 @@ def pack(gait: Gait) -> np.ndarray:
 WORK = 6 * 6 + 6 + 4 + 3
 
 
-@njit(cache=True)
+@compiled()
 def unpack(packed: Any, phase: Any, R: Any, F: Any) -> None:
     """Write the lower triangle of R and F_p at a phase; multiples of it by angle addition."""
     n = packed.shape[0]
@@ -54,7 +54,7 @@ def unpack(packed: Any, phase: Any, R: Any, F: Any) -> None:
         c, s = c * c1 - s * s1, s * c1 + c * s1
 
 
-@njit(cache=True)
+@compiled()
 def twist(packed: Any, free: Any, q: Any, phase: Any, rate: Any, load: Any, R: Any, V: Any) -> None:
     """Write the velocity ``V = R^-1 (W - F_p rate)``, body frame [Tabak Eq. 15]; R is scratch.
 
@@ -75,7 +75,7 @@ def twist(packed: Any, free: Any, q: Any, phase: Any, rate: Any, load: Any, R: A
     solve(R, V, free)
 
 
-@njit(cache=True)
+@compiled()
 def step(
     packed: Any, free: Any, x: Any, q: Any, phase: Any, h: Any, rates: Any, loads: Any, work: Any
 ) -> Any:
@@ -84,7 +84,7 @@ def step(
     `rates` (3,) and `loads` (3, 5, 3) at the start, the middle and the end of the step; with one
     row each they are constant. `work` is scratch of `WORK` numbers.
     """
-    R, V = work[:36].reshape(6, 6), work[36:42]
+    R, V = work[:36].reshape((6, 6) + work.shape[1:]), work[36:42]
     turned, u = work[42:46], work[46:49]
     d, e = rates.shape[0] // 2, loads.shape[0] // 2
     half = phase + h * (5.0 * rates[0] + 8.0 * rates[d] - rates[2 * d]) / 24.0
@@ -124,7 +124,7 @@ def step(
     return end
 
 
-@njit(cache=True)
+@compiled(first=0)
 def integrate(
     packed: Any,
     free: Any,

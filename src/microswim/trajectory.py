@@ -16,7 +16,7 @@ from . import checks
 from .errors import SpecError
 from .gait import Gait
 from .kinematics import ScrewMotion, multiply, rotation_matrix
-from .stepping import integrate, pack
+from .stepping import WORK, integrate, pack, step
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -45,14 +45,32 @@ def screw(gait: Gait, steps: int = 256) -> ScrewMotion:
     >>> ms.screw(ms.Swimmer.preset("tabak/helix").gait()).quaternion.shape
     (4,)
     """
-    kind = np.result_type(gait.resistance_series, gait.propulsion_series)
-    x, q, phase = (v.astype(kind) for v in _start(None, None, 0.0))
+    packed, free = pack(gait), np.array(gait.free)
+    kind = packed.dtype
     forward = 1.0 if np.real(gait.rate) >= 0 else -1.0
-    free = np.array(gait.free)
-    times, counts = np.array([0.0, 2.0 * np.pi]), np.array([0, steps])
     rates, loads = np.array([forward], dtype=kind), np.zeros((1, 5, 3), dtype=kind)
-    X, Q, _ = integrate(pack(gait), free, x, q, phase[()], times, counts, rates, loads)
-    return ScrewMotion(X[-1], Q[-1], gait.period)
+    if step.due():
+        x, q, phase = (v.astype(kind) for v in _start(None, None, 0.0))
+        times, counts = np.array([0.0, 2.0 * np.pi]), np.array([0, steps])
+        X, Q, _ = integrate(packed, free, x, q, phase[()], times, counts, rates, loads)
+        return ScrewMotion(X[-1], Q[-1], gait.period)
+    # As Python, all steps side by side: without loads a step does not depend on the pose.
+    x, q, work = (np.zeros((n, steps), dtype=kind) for n in (3, 4, WORK))
+    q[0], h = 1.0, 2.0 * np.pi / steps
+    phases = (forward * h * np.arange(steps)).astype(kind)
+    step.written(packed, free, x, q, phases, h, rates, loads, work)
+    return ScrewMotion(*_joined(x.T, q.T), gait.period)
+
+
+def _joined(x: np.ndarray, q: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Displacement and quaternion of motions x (n, 3), q (n, 4) one after the other."""
+    while len(q) > 1:
+        even = len(q) // 2 * 2
+        a, b = q[0:even:2], q[1:even:2]
+        moved = np.einsum("nij,nj->ni", rotation_matrix(a), x[1:even:2])
+        x = np.concatenate([x[0:even:2] + moved, x[even:]])
+        q = np.concatenate([multiply(a, b), q[even:]])
+    return x[0], q[0]
 
 
 def trajectory(

@@ -6,7 +6,7 @@ import pytest
 import microswim as ms
 from microswim.errors import MicroswimError
 from microswim.reference import bem
-from microswim.reference.bem import system
+from microswim.reference.bem import element, system
 from microswim.reference.bem.surface import Surface
 from oracles.slender_body import slender_torus
 
@@ -86,6 +86,30 @@ def test_pressure_null_vector_is_taken_out():
     outside = np.array([[1.6, 0.3, 0.2], [0.0, 0.0, 0.61], [0.2, -1.1, 0.4]])
     normal = smooth.normals.reshape(-1)
     assert np.abs(bem.Layer(smooth, 1.0, EXACT_RULE).velocity(outside, normal)).max() < 1e-6
+
+
+@pytest.mark.parametrize("angle", [0.0, 40.0, -70.0])
+def test_singular_rule_on_a_slanting_patch(angle):
+    """Potential of a flat parallelogram at a density node: each edge adds the closed form
+
+    h [asinh(t2/h) - asinh(t1/h)],   h the edge's distance, t along it from its foot."""
+    side = np.array([np.sin(np.radians(angle)), np.cos(np.radians(angle)), 0.0])
+    edges = np.array([0.1, 0.0, 0.0]), 0.1 * 2**1.5 * side
+    u = element.chebyshev_nodes()
+    controls = u[:, None, None] * edges[0] + u[None, :, None] * edges[1]
+    patch = bem.Surface(controls[None], np.zeros((1, *controls.shape)), np.zeros(1, bool), 2)
+    layer = bem.Layer(patch, 1.0, EXACT_RULE)
+    [(_, points, areas, _)] = layer._own_points()
+    corners = [a * edges[0] + b * edges[1] for a, b in ((-1, -1), (1, -1), (1, 1), (-1, 1))]
+    for n, x in enumerate(patch.nodes[0]):
+        exact = 0.0
+        for a, b in zip(corners, corners[1:] + corners[:1], strict=True):
+            along = (b - a) / np.linalg.norm(b - a)
+            low, high = (a - x) @ along, (b - x) @ along
+            h = np.linalg.norm(a - x - low * along)
+            exact += h * (np.arcsinh(high / h) - np.arcsinh(low / h))
+        distance = np.linalg.norm(points[0, n] - x, axis=-1)
+        assert np.sum(areas[0, n] / distance) == pytest.approx(exact, rel=1e-6)
 
 
 def test_velocity_near_and_far_of_a_sphere_is_stokes_solution():

@@ -82,11 +82,15 @@ def cell_tables(p: int, g: int) -> CellTables:
     )
 
 
-def _fan(u0: float, v0: float, aspect: float, radial: int, angular: int) -> Array:
+def _fan(u0: float, v0: float, aspect: float, skew: float, radial: int, angular: int) -> Array:
     """Duffy points (u, v, weight) of the four triangles with apex (u0, v0).
 
-    Along each edge the substitution t = h sinh(tau), h the apex's distance in the stretched metric
-    (u lengths times `aspect`), takes out the nearby pole of 1/sqrt(h^2 + t^2).
+    With d the apex's parameter distance from an edge and t along it, the distance on the patch is
+
+        r^2 ~ (t - t_0)^2 + h^2,   t_0 = -a c d,   h = a sqrt(1 - c^2) |d|
+
+    a the length of a step in d over that of a step in t, c the cosine between them (`skew`).
+    Along each edge the substitution t = t_0 + h sinh(tau) takes out the nearby pole of 1/r.
     """
     xr, wr = np.polynomial.legendre.leggauss(radial)
     rho, wr = 0.5 * (xr + 1), 0.5 * wr
@@ -96,10 +100,11 @@ def _fan(u0: float, v0: float, aspect: float, radial: int, angular: int) -> Arra
         apex, along = (u0, v0) if axis == 0 else (v0, u0)
         stretch = aspect if axis == 0 else 1.0 / aspect
         height = abs(end - apex)
-        h = height * stretch
-        low, high = np.arcsinh((-1.0 - along) / h), np.arcsinh((1.0 - along) / h)
+        h = height * stretch * np.sqrt(1.0 - skew**2)
+        foot = -skew * stretch * (end - apex)
+        low, high = (np.arcsinh((side - along - foot) / h) for side in (-1.0, 1.0))
         tau = 0.5 * (low + high) + 0.5 * (high - low) * xa
-        t = h * np.sinh(tau)
+        t = foot + h * np.sinh(tau)
         weight = 0.5 * (high - low) * wa * h * np.cosh(tau)
         first = apex + np.outer(rho, np.full(angular, end - apex))
         second = along + np.outer(rho, t)
@@ -124,11 +129,14 @@ class OwnRule:
 
 
 @lru_cache(maxsize=64)
-def own_rule(p: int, steps: int, radial: int, angular: int) -> OwnRule:
-    """Rule for patches whose length in u over that in v is about 2^(steps/2)."""
+def own_rule(p: int, shape: tuple[int, int], radial: int, angular: int) -> OwnRule:
+    """Rule for patches of a shape: length in u over that in v, and angle between u and v.
+
+    shape : (m, n) stands for a ratio of 2^(m/2) and an angle of 90 - 10 n degrees.
+    """
     geometry, nodes = chebyshev_nodes(), np.polynomial.legendre.leggauss(p)[0]
-    aspect = 2.0 ** (0.5 * steps)
-    fans = [_fan(u, v, aspect, radial, angular) for u in nodes for v in nodes]
+    aspect, skew = 2.0 ** (0.5 * shape[0]), np.sin(np.radians(10.0 * shape[1]))
+    fans = [_fan(u, v, aspect, skew, radial, angular) for u in nodes for v in nodes]
     fan = np.stack(fans)
     m = fan.shape[1]
     u, v = fan[..., 0].ravel(), fan[..., 1].ravel()

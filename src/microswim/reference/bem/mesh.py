@@ -24,6 +24,9 @@ Array = NDArray[np.float64]
 # A joint that reaches this many filament radii along the tail counts as steep: shorter first rows.
 STEEP = 0.6
 
+# A tube flatter than this (radius over half thickness) gets one panel more around.
+FLAT = 2.0
+
 
 @dataclass(frozen=True)
 class Resolution:
@@ -208,6 +211,30 @@ def _joined(parts: list[tuple[Array, Array]]) -> tuple[Array, Array]:
     return np.concatenate(X), np.concatenate(s)
 
 
+def _flatness(tail: Any, phase: float, s: Array) -> Array:
+    """Radius over half thickness of the tube: |P'| with sheared sections, else one."""
+    if tail.sections != "sheared":
+        return np.ones_like(s)
+    return np.linalg.norm(geometry.smooth_centreline(tail, s, phase).P_s, axis=-1)
+
+
+def inner_pressures(tail: Any, phase: float, s: Array) -> Array:
+    """Hats along the tail, (m, *s.shape), zero at the joint: pressures of the fluid inside.
+
+    A pressure that varies over a length l drives a flow of order h^3/(r_t l^2) of it along a tube
+    of half thickness h; sheared sections flatten the tube to h = r_t/|P'|. The hats' spacing
+    35 r_t (h/r_t)^(3/2) is where that is 1e-3.
+    """
+    grid = np.linspace(0.0, tail.apparent_length, 1001)
+    speed = np.linalg.norm(geometry.smooth_centreline(tail, grid, phase).P_s, axis=-1)
+    rate = speed * _flatness(tail, phase, grid) ** 1.5 / (35 * tail.radius)
+    steps = 0.5 * (rate[1:] + rate[:-1]) * np.diff(grid)
+    count = np.concatenate([[0.0], np.cumsum(steps)])
+    number = round(float(count[-1]))
+    at = np.interp(s, grid, count) * (number / count[-1])
+    return np.array([np.clip(1.0 - np.abs(at - k), 0.0, 1.0) for k in range(1, number + 1)])
+
+
 def swimmer_surface(body: Any, tail: Any, phase: float, r: Resolution) -> Surface:
     """Closed surface of a swimmer at one phase, with the tail's velocity per unit phase rate."""
     alone = not np.any(np.asarray(body.semi_axes3, float) > 0)
@@ -219,7 +246,8 @@ def swimmer_surface(body: Any, tail: Any, phase: float, r: Resolution) -> Surfac
         check_clear(body, tail, joint, phase)
         root = r.root * min(1.0, STEEP * tail.radius / max(joint.depth, 1e-3 * tail.radius))
     edges = tube_edges(tail, phase, start, r, root)
-    parts = [_tube(tail, phase, edges, r.around, joint), _cap(tail, phase, length, 1.0)]
+    around = r.around + int(_flatness(tail, phase, edges).max() > FLAT)
+    parts = [_tube(tail, phase, edges, around, joint), _cap(tail, phase, length, 1.0)]
     if alone:
         parts.append(_cap(tail, phase, 0.0, -1.0))
     X, s = _joined(parts)
@@ -227,7 +255,8 @@ def swimmer_surface(body: Any, tail: Any, phase: float, r: Resolution) -> Surfac
     on_tail = np.ones(len(X), bool)
     if joint is not None:
         shell = _body(body, joint, r)
-        X = np.concatenate([shell, X])
+        X, s = np.concatenate([shell, X]), np.concatenate([np.zeros(shell.shape[:3]), s])
         motion = np.concatenate([np.zeros_like(shell), motion])
         on_tail = np.concatenate([np.zeros(len(shell), bool), on_tail])
-    return Surface(np.ascontiguousarray(X), np.ascontiguousarray(motion), on_tail, r.order)
+    inner = inner_pressures(tail, phase, s)
+    return Surface(np.ascontiguousarray(X), np.ascontiguousarray(motion), on_tail, r.order, inner)

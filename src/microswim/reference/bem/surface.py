@@ -32,12 +32,15 @@ class Surface:
         Which patches belong to the tail.
     order : int
         p, density nodes a side.
+    inner : (m, e, q, q), optional
+        Pressures that the fluid inside could take at next to no flow (`mesh.inner_pressures`).
     """
 
     controls: Array
     motion: Array
     on_tail: NDArray[np.bool_]
     order: int = 2
+    inner: Array | None = None
 
     @property
     def patches(self) -> int:
@@ -50,7 +53,7 @@ class Surface:
     def _at_nodes(self, which: int, values: Array) -> Array:
         matrix = patch_matrix(self.order)[which]
         q2 = matrix.shape[1]
-        return np.einsum("nk,ekc->enc", matrix, values.reshape(self.patches, q2, 3), optimize=True)
+        return np.einsum("nk,ekc->enc", matrix, values.reshape(self.patches, q2, -1), optimize=True)
 
     @cached_property
     def nodes(self) -> Array:
@@ -58,10 +61,14 @@ class Surface:
         return np.ascontiguousarray(self._at_nodes(0, self.controls))
 
     @cached_property
-    def half_lengths(self) -> tuple[Array, Array]:
-        """Mean half lengths of the patches in u and in v, (e,) each."""
+    def shapes(self) -> NDArray[np.int64]:
+        """Ratio of side lengths and angle between the sides, rounded as `own_rule` takes them."""
         along, across = (self._at_nodes(i, self.controls) for i in (1, 2))
-        return tuple(np.linalg.norm(a, axis=-1).mean(axis=1) for a in (along, across))
+        E, F, G = (np.sum(a * b, axis=(1, 2)) for a, b in
+                   ((along, along), (along, across), (across, across)))  # fmt: skip
+        steps = np.clip(np.round(np.log2(E / G)), -8, 8)
+        tens = np.clip(np.round(np.degrees(np.arcsin(F / np.sqrt(E * G))) / 10), -8, 8)
+        return np.stack([steps, tens], axis=-1).astype(np.int64)
 
     @cached_property
     def area_vectors(self) -> Array:
@@ -79,6 +86,15 @@ class Surface:
         """Plain Gauss weights of the collocation points, (e, p*p)."""
         w = np.polynomial.legendre.leggauss(self.order)[1]
         return np.linalg.norm(self.area_vectors, axis=-1) * np.outer(w, w).ravel()
+
+    @cached_property
+    def node_pressures(self) -> Array:
+        """One, and the pressures `inner`, at the collocation points, (1 + m, e, p*p)."""
+        one = np.ones((1, *self.nodes.shape[:2]))
+        if self.inner is None:
+            return one
+        rest = [self._at_nodes(0, p[..., None])[..., 0] for p in self.inner]
+        return np.concatenate([one, rest])
 
     @cached_property
     def node_motion(self) -> Array:

@@ -1,10 +1,12 @@
 """The dense system of the single layer and what its densities integrate to.
 
-    1/(8 pi mu) int G f dS = u,   int f . n dS = 0
+    1/(8 pi mu) int G f dS = u,   int f . n dS = 0,   int p_k f . n dS = 0
 
-Collocation leaves one null vector, the constant pressure f = n; the system is bordered against it,
-which also takes up the small net flux of a waving tail. Forces and torques are integrals of the
-density. Depends on numpy, scipy, numba kernels.
+Collocation leaves one null vector, the constant pressure f = n of the fluid inside, and in a thin
+or flat tail nearly more: a pressure p_k that varies along it drives next to no flow. Forces do not
+feel them, but they answer to the smallest error of quadrature, so the system is bordered against
+them all, which also takes up the small net flux of a waving tail. Forces and torques are integrals
+of the density. Depends on numpy, scipy, numba kernels.
 """
 
 from __future__ import annotations
@@ -95,12 +97,10 @@ class Layer:
         """Singular rules on the own patches: patches, points (n, p*p, m, 3), areas, basis."""
         s, p2 = self.surface, self.surface.order**2
         q2 = s.controls.shape[1] ** 2
-        along, across = s.half_lengths
-        steps = np.clip(np.round(2 * np.log2(along / across)), -8, 8).astype(int)
-        flat = s.controls.reshape(s.patches, q2, 3)
-        for step in np.unique(steps):
-            r = own_rule(s.order, int(step), self.rule.radial, self.rule.angular)
-            alike = np.nonzero(steps == step)[0]
+        flat, shapes = s.controls.reshape(s.patches, q2, 3), s.shapes
+        for ratio, angle in np.unique(shapes, axis=0).tolist():
+            r = own_rule(s.order, (ratio, angle), self.rule.radial, self.rule.angular)
+            alike = np.nonzero(np.all(shapes == (ratio, angle), axis=1))[0]
             for some in np.array_split(alike, 1 + alike.size // 64):
                 C = flat[some].transpose(1, 0, 2).reshape(q2, -1)
                 shape = (p2, -1, some.size, 3)
@@ -205,16 +205,18 @@ def solve_density(layer: Layer, velocities: Array) -> Densities:
     s = layer.surface
     require_memory(s.unknowns)
     start = time.perf_counter()
-    A = layer.matrix(border=1)
-    scale = np.abs(A.diagonal()[:-1]).mean()
-    flux = s.moments[2].reshape(-1)
-    A[:-1, -1] = s.normals.reshape(-1) * scale
-    A[-1, :-1] = flux * (scale / np.abs(flux).mean())
+    n, pressures = s.unknowns, s.node_pressures
+    A = layer.matrix(border=len(pressures))
+    scale = np.abs(A.diagonal()[:n]).mean()
+    flux = s.moments[2] * (scale / np.abs(s.moments[2]).mean())
+    for k, pressure in enumerate(pressures[..., None], start=n):
+        A[:n, k] = (s.normals * pressure).reshape(-1) * scale
+        A[k, :n] = (flux * pressure).reshape(-1)
     assembled = time.perf_counter()
-    rhs = np.zeros((s.unknowns + 1, velocities.shape[-1]), order="F")
-    rhs[:-1] = velocities.reshape(s.unknowns, -1)
+    rhs = np.zeros((len(A), velocities.shape[-1]), order="F")
+    rhs[:n] = velocities.reshape(n, -1)
     factors = lu_factor(A, overwrite_a=True, check_finite=False)
-    density = lu_solve(factors, rhs, overwrite_b=True, check_finite=False)[:-1]
+    density = lu_solve(factors, rhs, overwrite_b=True, check_finite=False)[:n]
     solved = time.perf_counter()
     return Densities(density, {"assembly": assembled - start, "solve": solved - assembled})
 

@@ -26,7 +26,7 @@ from clock import least
 from numba import njit
 
 import microswim as ms
-from microswim import kernels, rft, rigidhelix
+from microswim import kernels, manydesigns, rft, rigidhelix
 from microswim.mobility import solve
 
 HERE = Path(__file__).parent
@@ -102,15 +102,12 @@ def throughput():
     free, V = np.ones(6, bool), {}
     turns = 0.1 * values["tail.waves"]
     counts = {
-        digits: np.array(
-            [rigidhelix.ramp_nodes(t, bk, digits) for t, bk in zip(turns, p[:, 1] * p[:, 2])]
-        )
+        digits: rigidhelix.ramp_nodes.written(turns, p[:, 1] * p[:, 2], digits).astype(int)
         for digits in (8.0, 12.0)
     }
 
     def closed(digits):
-        table = rigidhelix.ramp_rules()
-        return rigidhelix.solve_helices(True, p, body, free, counts[digits], *table)[0]
+        return manydesigns.solve_helices(True, p, body, free, counts[digits])[0]
 
     def ours():
         V["microswim"] = closed(8.0)

@@ -54,8 +54,8 @@ CALLS = {
     "plain": (kernels.wave_tail, (HELIX, True, WAVE, 0.4, gauss(9), gauss(20))),
     "helix": (rigidhelix.helix_tail, (True, WAVE, 0.4, gauss(12))),
     "helix, complex": (rigidhelix.helix_tail, (True, STEP, 0.4, gauss(12))),
-    "wave": (planarwave.wave_phases, (True, WAVE, np.arange(5.0), gauss(9), gauss(20))),
-    "wave, complex": (planarwave.wave_phases, (True, STEP, np.arange(5.0), gauss(9), gauss(20))),
+    "wave": (planarwave.in_a_row, (True, WAVE, np.arange(5.0), gauss(9), gauss(20))),
+    "wave, complex": (planarwave.in_a_row, (True, STEP, np.arange(5.0), gauss(9), gauss(20))),
     "any": (kernels.centreline_tail, (*NODES, np.ones(20), True, (2.1, 3.4, 0.02), 1.0)),
 }
 
@@ -67,6 +67,37 @@ def test_as_python_and_compiled_they_agree(name):
     pairs = zip(*results) if isinstance(results[0], tuple) else [results]
     for one, other in pairs:
         assert np.allclose(one, other, rtol=1e-12, atol=1e-12 * np.abs(other).max())
+
+
+@pytest.mark.parametrize("p", [WAVE, STEP], ids=["real", "complex"])
+def test_phases_side_by_side_are_those_in_a_row(p):
+    arguments = True, p, np.arange(7.0), gauss(9), gauss(20)
+    for one, other in zip(planarwave.side_by_side(*arguments), planarwave.in_a_row(*arguments)):
+        assert np.allclose(one, other, rtol=1e-12, atol=1e-12 * np.abs(other).max())
+
+
+@pytest.mark.parametrize(
+    ("preset", "kernel"),
+    [("tabak/helix", rigidhelix.helix_tail), ("tabak/plane_wave", planarwave.in_a_row)],
+)
+def test_few_designs_side_by_side_are_those_of_the_compiled_loops(preset, kernel, monkeypatch):
+    """Of several ramps and numbers of nodes, and designs that are none."""
+    swimmer = ms.Swimmer.preset(preset)
+    designs = {
+        "tail.amplitude": np.linspace(0.02, 0.15, 37),
+        "tail.waves": np.linspace(0.01, 4.0, 37),
+        "tail.ramp": np.repeat([0.0, 0.3, 1.0, -1.0], 10)[:37],
+    }
+    results = []
+    for left in (1, 0):
+        monkeypatch.setattr(kernel, "left", left)
+        results.append(ms.evaluate(swimmer, designs))
+    for name, values in results[0].items():
+        size = np.nanmax(np.abs(values)) or 1.0
+        assert values == pytest.approx(results[1][name], rel=1e-12, abs=1e-14 * size, nan_ok=True)
+    speed = results[0]["swimming_speed"]
+    assert np.isfinite(speed[1:30]).all()
+    assert np.isnan(speed[30:]).all()
 
 
 @pytest.mark.parametrize("preset", ["tabak/helix", "tabak/plane_wave"])

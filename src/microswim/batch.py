@@ -2,7 +2,7 @@
 
 A rigid helix on a body of revolution looks the same at each phase but for a rotation, so one phase
 tells all; a plane wave is sampled over half a period, the other half being its mirror image.
-Depends on rft, gait, metrics.
+Depends on rft, gait, metrics, fewdesigns, manydesigns.
 """
 
 from __future__ import annotations
@@ -11,16 +11,16 @@ import warnings
 from typing import Any
 
 import numpy as np
-from numba import njit
 
+from .compiled import Kernel
 from .errors import MicroswimError, SpecError
 from .gait import MIRROR_Q
 from .kernels import HELIX, PLANE_WAVE, gauss, node_numbers, wave_tail
-from .manydesigns import MOST_NODES, ramp_rules, solve_helices, solve_waves
 from .metrics import summary
 from .mobility import solve
+from .planarwave import in_a_row
 from .rft import body_resistance, parameters
-from .rigidhelix import FEWEST_WAVES, ramp_nodes
+from .rigidhelix import FEWEST_WAVES, MOST_NODES, helix_tail, ramp_nodes
 from .swimmer import Swimmer
 
 CHUNK = 8192
@@ -117,7 +117,7 @@ def _solved_helices(
     arc, free = swimmer.motion.line_element == "arc", np.array(swimmer.motion.mask)
     waves, digits = p[:, 0] * p[:, 2] / (2.0 * np.pi), -np.log10(tolerance)
     counts = _ramp_counts(waves, p[:, 1] * p[:, 2], p[:, 3], digits, good)
-    V, power = solve_helices(arc, p, body, free, counts, *ramp_rules())
+    V, power = _loops(helix_tail, 1).solve_helices(arc, p, body, free, counts)
     for i in np.flatnonzero(good & (counts < 0)):
         rules = node_numbers(HELIX, waves[i], p[i, 1] * p[i, 2], p[i, 3])
         R, F, G = wave_tail(HELIX, arc, p[i], 0.0, *map(gauss, rules))
@@ -127,15 +127,20 @@ def _solved_helices(
     return V[:, None], power[:, None]
 
 
-@njit(cache=True)
-def _ramp_counts(waves: Any, bk: Any, ramp: Any, digits: float, good: Any) -> Any:
+def _loops(kernel: Kernel, calls: int) -> Any:
+    """The module whose loops serve: compiled ones, once this kernel has been called often."""
+    if kernel.due(calls):
+        from . import manydesigns as loops
+    else:
+        from . import fewdesigns as loops
+    return loops
+
+
+def _ramp_counts(waves: Any, bk: Any, ramp: Any, digits: float, good: Any) -> np.ndarray:
     """Nodes on the ramp; negative for designs that are not good or not for closed integrals."""
-    counts = np.full(waves.size, -1)
-    for i in range(waves.size):
-        if good[i] and waves[i] >= FEWEST_WAVES:
-            needed = ramp_nodes(waves[i] * ramp[i], bk[i], digits)
-            counts[i] = needed if needed <= MOST_NODES else -1
-    return counts
+    needed = ramp_nodes.written(waves * ramp, bk, digits)
+    good = good & (waves >= FEWEST_WAVES) & (needed <= MOST_NODES)
+    return np.where(good, needed, -1).astype(np.int64)
 
 
 def _solved_waves(
@@ -146,8 +151,9 @@ def _solved_waves(
     V = np.full((len(p), PHASES, 6), np.nan)
     power = np.full((len(p), PHASES), np.nan)
     arc, free = swimmer.motion.line_element == "arc", np.array(swimmer.motion.mask)
+    loops = _loops(in_a_row, 1 + len(p) // 256)
     for rules, group in _groups(p, good, tolerance):
-        V[group], power[group] = solve_waves(arc, p[group], body[group], phase, free, *rules)
+        V[group], power[group] = loops.solve_waves(arc, p[group], body[group], phase, free, *rules)
     return V, power
 
 
@@ -202,7 +208,8 @@ def _groups(p: np.ndarray, good: np.ndarray, tolerance: float) -> Any:
     """Quadrature rules with the designs that need them."""
     digits = -np.log10(tolerance) / 12.0
     waves, bk = p[:, 0] * p[:, 2] / (2.0 * np.pi), p[:, 1] * p[:, 2]
-    need = _node_table(waves, bk, np.ascontiguousarray(p[:, 3]), good)
+    need = np.stack(node_numbers.written(PLANE_WAVE, waves, bk, p[:, 3]), axis=-1)
+    need = np.where(good[:, None], need, 0.0).astype(np.int64)
     need = np.where(need > 0, np.ceil(6 + (need - 6) * digits).astype(np.int64), 0)
     rung = np.where(need > 64, 64, 8)  # few distinct rules: making one takes longer than a design
     need = rung * -(-need // rung)
@@ -210,16 +217,6 @@ def _groups(p: np.ndarray, good: np.ndarray, tolerance: float) -> Any:
     for key in np.unique(keys[good]):
         group = np.flatnonzero(good & (keys == key))
         yield (gauss(int(key >> 32)), gauss(int(key & 0xFFFFFFFF))), group
-
-
-@njit(cache=True)
-def _node_table(waves: Any, bk: Any, ramp: Any, good: Any) -> Any:
-    """`node_numbers` of every design that is good, zero of the others, shape (n, 2)."""
-    need = np.zeros((waves.size, 2), dtype=np.int64)
-    for i in range(waves.size):
-        if good[i]:
-            need[i, 0], need[i, 1] = node_numbers(PLANE_WAVE, waves[i], bk[i], ramp[i])
-    return need
 
 
 def _helix(swimmer: Swimmer, V: Any, power: Any, body: Any, rate: Any) -> dict[str, Any]:

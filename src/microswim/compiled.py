@@ -50,9 +50,9 @@ class Kernel:
         finally:
             _in_python.reset(token)
 
-    def due(self) -> bool:
-        """Count a call; whether it is one to compile for."""
-        self.left -= 1
+    def due(self, calls: int = 1) -> bool:
+        """Count a call, or work worth several; whether it is time to compile."""
+        self.left -= calls
         return self.left < 0
 
     def __call__(self, *args: Any) -> Any:

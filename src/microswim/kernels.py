@@ -20,16 +20,16 @@ FAST = {"reassoc", "contract", "arcp", "nsz"}
 
 
 @cache
-def gauss(nodes: int) -> tuple[np.ndarray, np.ndarray]:
+def gauss(nodes: float) -> tuple[np.ndarray, np.ndarray]:
     """Gauss-Legendre nodes and weights on [0, 1]; none for an empty panel."""
     if nodes == 0:
         return np.empty(0), np.empty(0)
-    xi, weight = np.polynomial.legendre.leggauss(nodes)
+    xi, weight = np.polynomial.legendre.leggauss(int(nodes))
     return (xi + 1.0) / 2.0, weight / 2.0
 
 
-@compiled()
-def node_numbers(kind: int, waves: float, bk: float, ramp: float) -> tuple[int, int]:
+@compiled(error_model="numpy")
+def node_numbers(kind: int, waves: Any, bk: Any, ramp: Any) -> tuple[Any, Any]:
     """Nodes on the ramp and on the rest that reach rounding error (plane wave: about 1e-12).
 
     The integrand of a helix holds products of two sines: Gauss-Legendre needs a little more than
@@ -37,10 +37,10 @@ def node_numbers(kind: int, waves: float, bk: float, ramp: float) -> tuple[int, 
     ``sqrt(1 + (bk cos)^2)``, is analytic only to ``arsinh(1/bk)/k`` off the axis, which takes
     nodes in inverse proportion.
     """
-    bk = min(bk, 12.0)
-    per_wave = 8.0 if kind == HELIX or bk == 0 else max(8.0, 40.0 / np.arcsinh(1.0 / bk))
-    on_ramp = int(14 + per_wave * waves * ramp + 4.0 * bk) if ramp > 0 else 0
-    return on_ramp, int(14 + per_wave * waves * (1.0 - ramp)) if ramp < 1 else 0
+    bk = np.minimum(bk, 12.0)
+    per_wave = 8.0 if kind == HELIX else np.maximum(8.0, 40.0 / np.arcsinh(1.0 / bk))
+    on_ramp = (ramp > 0) * np.floor(14.0 + per_wave * waves * ramp + 4.0 * bk)
+    return on_ramp, (ramp < 1) * np.floor(14.0 + per_wave * waves * (1.0 - ramp))
 
 
 @compiled(fastmath=FAST)
@@ -111,8 +111,8 @@ PARAMETERS = ("L", "b", "k", "ramp", "sign", "c_t", "c_n", "c_r", "offset", "spi
 @compiled(fastmath=FAST)
 def wave_tail(kind: int, arc: bool, p: Any, phase: Any, ramp_rule: Any, rule: Any) -> Any:
     """``(B_t, F_p, G)`` of a wave tail at one phase; p as in `PARAMETERS`."""
-    R = np.zeros((6, 6), dtype=p.dtype)
-    F = np.zeros(6, dtype=p.dtype)
+    R = np.zeros((6, 6, *p.shape[1:]), dtype=p.dtype)
+    F = np.zeros((6, *p.shape[1:]), dtype=p.dtype)
     G = 0 * p[0]
     c = (p[5], p[6], p[7])
     spin = p[9]

@@ -20,12 +20,8 @@ def turn(q: Any, u: Any, out: Any) -> None:
 
     ``out = q exp(u/2)``, with ``exp(u/2) = [cos(|u|/2), sin(|u|/2) u/|u|]``.
     """
-    square = (u[0] * u[0] + u[1] * u[1] + u[2] * u[2]) / 4.0
-    small = square.real < 1e-6  # series to rounding
-    root = np.sqrt(np.where(small, 1.0 + square, square))
-    ratio = np.where(small, 1.0 - square / 6.0 * (1.0 - square / 20.0), np.sin(root) / root)
-    w = 1.0 - square / 2.0 * (1.0 - square / 12.0 * (1.0 - square / 30.0))
-    w = np.where(small, w, np.cos(root))
+    half = np.sqrt((u[0] * u[0] + u[1] * u[1] + u[2] * u[2]) / 4.0 + 1e-40)  # never 0/0
+    ratio, w = np.sin(half) / half, np.cos(half)
     x, y, z = ratio * u[0] / 2.0, ratio * u[1] / 2.0, ratio * u[2] / 2.0
     a, b, c, d = q[0], q[1], q[2], q[3]
     out[0] = a * w - b * x - c * y - d * z

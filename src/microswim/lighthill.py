@@ -87,8 +87,8 @@ def _at(a: Any, e: Any, table: Any, xi: Any, weight: Any) -> Any:
         b1, b2 = table[0, m] + 2.0 * y * b1 - b2, b1
         c1, c2 = table[1, m] + 2.0 * y * c1 - c2, c1
     A1, A2 = table[0, 0] + y * b1 - b2, table[1, 0] + y * c1 - c2
-    for g in range(xi.size if e != 0 else 0):
-        theta = e * (xi[g] + 1.0) / 2.0
+    for g in range(xi.size):
+        theta = (e + (e == 0)) * (xi[g] + 1.0) / 2.0  # at 0 the weight is nought
         sine, half = np.sin(theta), np.sin(theta / 2.0)
         square = (a * theta) ** 2 + (1.0 - a * a) * 4.0 * half * half
         phi = square * np.sqrt(square)
@@ -96,14 +96,6 @@ def _at(a: Any, e: Any, table: Any, xi: Any, weight: Any) -> Any:
         A1 -= (theta * sine / phi - 1.0 / theta) * dw
         A2 -= (sine * sine / phi - 1.0 / theta) * dw
     return A1, A2
-
-
-@compiled(first=0)
-def _evaluate(alpha: Any, epsilon: Any, table: Any, xi: Any, weight: Any) -> Any:
-    out = np.empty((2, alpha.size), dtype=alpha.dtype)
-    for j in range(alpha.size):
-        out[0, j], out[1, j] = _at(alpha[j], epsilon[j], table, xi, weight)
-    return out
 
 
 def lighthill_integrals(alpha: Any, epsilon: Any) -> tuple[Any, Any]:
@@ -146,7 +138,7 @@ def lighthill_integrals(alpha: Any, epsilon: Any) -> tuple[Any, Any]:
     alpha, epsilon = np.broadcast_arrays(alpha, epsilon)
     kind = np.result_type(alpha, epsilon, np.float64)
     flat = [np.ascontiguousarray(x, dtype=kind).reshape(-1) for x in (alpha, epsilon)]
-    A = _evaluate(*flat, _table(), *_GAUSS)
+    A = np.array(_at.written(*flat, _table(), *_GAUSS))
     for x, (lo, hi) in zip(flat, (ALPHA_RANGE, EPSILON_RANGE)):
         A[:, ~((x.real >= lo) & (x.real <= hi))] = np.nan
     return A[0].reshape(alpha.shape), A[1].reshape(alpha.shape)

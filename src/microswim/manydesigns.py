@@ -16,15 +16,14 @@ from numba import njit, prange
 from .kernels import gauss
 from .mobility import solve, solve_lanes
 from .planarwave import add_wave, fill_nodes
-from .rigidhelix import add_constant_part, add_ramp
+from .rigidhelix import MOST_NODES, add_constant_part, add_ramp
 
 LANES = 16  #: designs whose 6x6 systems are solved side by side
 BLOCK = 8  #: designs that share scratch arrays
-MOST_NODES = 96
 
 
 @cache
-def ramp_rules() -> tuple[np.ndarray, np.ndarray]:
+def _ramp_rules() -> tuple[np.ndarray, np.ndarray]:
     """Gauss-Legendre nodes and weights on [0, 1]; row n holds the rule of n nodes."""
     xi, weight = np.zeros((2, MOST_NODES + 1, MOST_NODES))
     for n in range(MOST_NODES + 1):
@@ -32,15 +31,19 @@ def ramp_rules() -> tuple[np.ndarray, np.ndarray]:
     return xi, weight
 
 
-@njit(cache=True, parallel=True, error_model="numpy")
 def solve_helices(
-    arc: bool, p: Any, body: Any, free: Any, counts: Any, xi: Any, weight: Any
-) -> Any:
+    arc: bool, p: np.ndarray, body: np.ndarray, free: np.ndarray, counts: np.ndarray
+) -> tuple[np.ndarray, np.ndarray]:
     """Twists at phase 0 and tail powers ``F_p . V + G`` per unit rate of many helices, in parallel.
 
-    `p` (n, 10), `body` (n, 6, 6), `counts` (n,) the nodes on each ramp, with `xi` and `weight` of
-    `ramp_rules`; where the count is negative the result is NaN. Returns (n, 6) and (n,).
+    `p` (n, 10), `body` (n, 6, 6), `counts` (n,) the nodes on each ramp; where the count is negative
+    the result is NaN. Returns (n, 6) and (n,).
     """
+    return _helices(arc, p, body, free, counts, *_ramp_rules())
+
+
+@njit(cache=True, parallel=True, error_model="numpy")
+def _helices(arc: bool, p: Any, body: Any, free: Any, counts: Any, xi: Any, weight: Any) -> Any:
     n = p.shape[0]
     V = np.empty((n, 6))
     power = np.empty(n)

@@ -40,7 +40,7 @@ def add_wave(R: Any, F: Any, p: Any, nodes: Any, phase: float, arc: bool) -> Any
     """Add ``B_t`` (lower triangle) and ``F_p`` at one phase; returns G."""
     k, c_n, d_c, c_r, spin = p[2], p[6], p[5] - p[6], p[7], p[9]
     C, S = np.cos(phase), np.sin(phase)
-    z = 0 * k
+    z = p.dtype.type(0)  # a number: where the sums are arrays, each becomes one of its own
     r00, r10, r11, r22, r32, r33, r42, r43, r44 = z, z, z, z, z, z, z, z, z
     r50, r51, r55, f0, f1, f3, f4, f5, G = z, z, z, z, z, z, z, z, z
     for i in range(nodes.shape[1]):
@@ -90,8 +90,8 @@ def add_wave(R: Any, F: Any, p: Any, nodes: Any, phase: float, arc: bool) -> Any
 
 
 @compiled()
-def wave_phases(arc: bool, p: Any, phases: Any, ramp_rule: Any, rule: Any) -> Any:
-    """``(B_t, F_p, G)`` of a plane wave at several phases: shapes (m, 6, 6), (m, 6), (m,)."""
+def in_a_row(arc: bool, p: Any, phases: Any, ramp_rule: Any, rule: Any) -> Any:
+    """`wave_phases`, one phase after the other."""
     m = phases.size
     R = np.zeros((m, 6, 6), dtype=p.dtype)
     F = np.zeros((m, 6), dtype=p.dtype)
@@ -104,3 +104,22 @@ def wave_phases(arc: bool, p: Any, phases: Any, ramp_rule: Any, rule: Any) -> An
             for n in range(i):
                 R[j, n, i] = R[j, i, n]
     return R, F, G
+
+
+def side_by_side(arc: bool, p: Any, phases: Any, ramp_rule: Any, rule: Any) -> Any:
+    """`wave_phases` as Python, all phases at once, and all designs of p (10, n): (m, 6, 6, n)..."""
+    each = p.shape[1:]
+    R = np.zeros((6, 6, phases.size, *each), dtype=p.dtype)
+    F = np.zeros((6, phases.size, *each), dtype=p.dtype)
+    nodes = np.empty((6, ramp_rule[0].size + rule[0].size, *each), dtype=p.dtype)
+    fill_nodes.written(nodes, p, ramp_rule, rule)
+    phases = phases.reshape(-1, *[1] * len(each))
+    G = add_wave.written(R, F, p, nodes, phases, arc)
+    upper = np.triu_indices(6, 1)
+    R[upper] = R.swapaxes(0, 1)[upper]
+    return np.moveaxis(R, 2, 0), np.moveaxis(F, 1, 0), G
+
+
+def wave_phases(arc: bool, p: Any, phases: Any, ramp_rule: Any, rule: Any) -> Any:
+    """``(B_t, F_p, G)`` of a plane wave at several phases: shapes (m, 6, 6), (m, 6), (m,)."""
+    return (in_a_row if in_a_row.due() else side_by_side)(arc, p, phases, ramp_rule, rule)

@@ -22,22 +22,22 @@ from .kernels import FAST
 
 #: Below this number of waves the closed integrals lose digits to cancellation.
 FEWEST_WAVES = 0.05
+#: On its ramp; a design that needs more takes the plain quadrature.
+MOST_NODES = 96
 
 
 @compiled()
-def ramp_nodes(turns: float, bk: float, digits: float) -> int:
+def ramp_nodes(turns: Any, bk: Any, digits: float) -> Any:
     """Nodes on the ramp for a number of digits, in fours; `turns` are the waves on it.
 
     The sines take nodes in proportion to the turns; the arc length, analytic to a distance
     ``1/bk`` of the ramp's root, takes some more. Found by trial for 8 and 12 digits, and linear
     between; tests/test_rft.py holds it to what it promises.
     """
-    if turns <= 0:
-        return 0
     x = (digits - 8.0) / 4.0
-    more = (2.6 + 1.6 * x) * np.sqrt(turns * min(bk, 14.0))
+    more = (2.6 + 1.6 * x) * np.sqrt(turns * np.minimum(bk, 14.0))
     needed = 5.0 + x + (3.5 + 0.5 * x) * turns + more
-    return 4 * max(1, int(np.ceil(needed / 4.0)))
+    return (turns > 0) * 4.0 * np.maximum(1.0, np.ceil(needed / 4.0))
 
 
 @compiled(fastmath=FAST, error_model="numpy")
@@ -130,7 +130,7 @@ def add_ramp(R: Any, F: Any, p: Any, phase: Any, arc: bool, rule: Any, trig: Any
         return 0 * b
     fill_trig(trig, xi, k * s, phase)
     slope, c_n, d_c, c_r = b / s, p[6] * s, (p[5] - p[6]) * s, p[7] * s
-    z = 0 * b
+    z = p.dtype.type(0)  # a number: where the sums are arrays, each becomes one of its own
     r00, r10, r11, r20, r21, r22 = z, z, z, z, z, z
     r30, r31, r32, r33, r40, r41, r42, r43, r44 = z, z, z, z, z, z, z, z, z
     r50, r51, r52, r53, r54, r55 = z, z, z, z, z, z
@@ -193,9 +193,9 @@ def add_ramp(R: Any, F: Any, p: Any, phase: Any, arc: bool, rule: Any, trig: Any
 @compiled()
 def helix_tail(arc: bool, p: Any, phase: Any, ramp_rule: Any) -> Any:
     """``(B_t, F_p, G)`` of a rigid helix at one phase; p as in `microswim.kernels.PARAMETERS`."""
-    R = np.zeros((6, 6), dtype=p.dtype)
-    F = np.zeros(6, dtype=p.dtype)
-    trig = np.empty((2, ramp_rule[0].size), dtype=p.dtype)
+    R = np.zeros((6, 6, *p.shape[1:]), dtype=p.dtype)
+    F = np.zeros((6, *p.shape[1:]), dtype=p.dtype)
+    trig = np.empty((2, ramp_rule[0].size, *p.shape[1:]), dtype=p.dtype)
     G = add_ramp(R, F, p, phase, arc, ramp_rule, trig) + add_constant_part(R, F, p, phase, arc)
     for i in range(6):
         for j in range(i):

@@ -1,6 +1,6 @@
 """One step of a gait, compiled: phase, pose and loads in, pose out.
 
-Depends on compiled, kinematics, mobility.
+Depends on kernels, kinematics, mobility.
 
 The state is position x (lab), quaternion q (``wxyz``, body to lab) and phase. Order 4: see
 trajectory. Everything is analytic, so that complex-step derivatives run through it.
@@ -14,6 +14,7 @@ import numpy as np
 
 from .compiled import compiled
 from .gait import Gait
+from .kernels import FAST
 from .kinematics import to_lab, turn
 from .mobility import solve
 
@@ -29,39 +30,40 @@ def pack(gait: Gait) -> np.ndarray:
     return packed
 
 
-WORK = 6 * 6 + 6 + 4 + 3
+WORK = 6 * 6 + 6 + 27 + 4 + 3
 
 
-@compiled()
-def unpack(packed: Any, phase: Any, R: Any, F: Any) -> None:
-    """Write the lower triangle of R and F_p at a phase; multiples of it by angle addition."""
-    n = packed.shape[0]
+@compiled(fastmath=FAST, error_model="numpy")
+def row(table: Any, phase: Any, out: Any) -> None:
+    """Write the value of a table of series at a phase; multiples of it by angle addition."""
+    n, m = table.shape
+    for j in range(m):
+        out[j] = table[0, j]
+    if n == 1:
+        return
     c1, s1 = np.cos(phase), np.sin(phase)
-    m = 0
-    for i in range(6):
-        for j in range(i + 1):
-            R[i, j] = packed[0, m]
-            m += 1
-        F[i] = packed[0, 21 + i]
     c, s = c1, s1
     for h in range(1, n, 2):
-        m = 0
-        for i in range(6):
-            for j in range(i + 1):
-                R[i, j] += c * packed[h, m] + s * packed[h + 1, m]
-                m += 1
-            F[i] += c * packed[h, 21 + i] + s * packed[h + 1, 21 + i]
+        for j in range(m):
+            out[j] += c * table[h, j] + s * table[h + 1, j]
         c, s = c * c1 - s * s1, s * c1 + c * s1
 
 
 @compiled()
-def twist(packed: Any, free: Any, q: Any, phase: Any, rate: Any, load: Any, R: Any, V: Any) -> None:
-    """Write the velocity ``V = R^-1 (W - F_p rate)``, body frame [Tabak Eq. 15]; R is scratch.
+def twist(packed: Any, free: Any, q: Any, phase: Any, rate: Any, load: Any, work: Any) -> None:
+    """Write the velocity ``V = R^-1 (W - F_p rate)``, body frame [Tabak Eq. 15], to work[36:42].
 
     `load` (5, 3): force, torque, field and flow in the lab frame, magnetic moment in the body
     frame; the torque of the field is ``m x B``.
     """
-    unpack(packed, phase, R, V)
+    R, V, values = work[:36].reshape((6, 6, *work.shape[1:])), work[36:42], work[42:69]
+    row(packed, phase, values)
+    m = 0
+    for i in range(6):
+        for j in range(i + 1):
+            R[i, j] = values[m]
+            m += 1
+        V[i] = values[21 + i]
     f0, f1, f2 = to_lab(q, load[0, 0], load[0, 1], load[0, 2], -1.0)
     t0, t1, t2 = to_lab(q, load[1, 0], load[1, 1], load[1, 2], -1.0)
     b0, b1, b2 = to_lab(q, load[2, 0], load[2, 1], load[2, 2], -1.0)
@@ -84,8 +86,7 @@ def step(
     `rates` (3,) and `loads` (3, 5, 3) at the start, the middle and the end of the step; with one
     row each they are constant. `work` is scratch of `WORK` numbers.
     """
-    R, V = work[:36].reshape((6, 6) + work.shape[1:]), work[36:42]
-    turned, u = work[42:46], work[46:49]
+    V, turned, u = work[36:42], work[69:73], work[73:76]
     d, e = rates.shape[0] // 2, loads.shape[0] // 2
     half = phase + h * (5.0 * rates[0] + 8.0 * rates[d] - rates[2 * d]) / 24.0
     end = phase + h * (rates[0] + 4.0 * rates[d] + rates[2 * d]) / 6.0
@@ -97,7 +98,7 @@ def step(
         here = phase if i == 0 else (end if i == 3 else half)
         weight = h / 6.0 if i == 0 or i == 3 else h / 3.0
         turn(q, u, turned)
-        twist(packed, free, turned, here, rates[at * d], loads[at * e], R, V)
+        twist(packed, free, turned, here, rates[at * d], loads[at * e], work)
         flow = loads[at * e, 3]
         v0, v1, v2 = to_lab(turned, V[0], V[1], V[2], 1.0)
         x0 += weight * (v0 + flow[0])

@@ -10,7 +10,7 @@ The state is ``y = [x (lab), q (wxyz, body to lab), phase]``, the inputs are the
 integrated by the Runge-Kutta-Munthe-Kaas method of order 4 of trajectory. No allocation; all
 analytic, so that complex-step derivatives run through it. ``twist``, ``strain``: tables of M
 and v, and of K, `response`; ``moment``: magnetic, in the body frame.
-Depends on kernels, kinematics.
+Depends on kernels, kinematics, stepping.
 """
 
 from __future__ import annotations
@@ -23,6 +23,7 @@ from numba import njit, prange
 from ..kernels import FAST
 from ..kinematics import to_lab
 from ..stepping import LOWER as LOWER
+from ..stepping import row
 
 INPUTS = {
     "motor_rate": slice(0, 1),
@@ -38,22 +39,6 @@ STATE, INPUT = 8, 25
 WORK = 36 + 6
 
 compiled = njit(cache=True, fastmath=FAST, error_model="numpy")
-
-
-@compiled
-def row(table: Any, phase: Any, out: Any) -> None:
-    """Write the value of a table of series at a phase; multiples of it by angle addition."""
-    n, m = table.shape
-    for j in range(m):
-        out[j] = table[0, j]
-    if n == 1:
-        return
-    c1, s1 = np.cos(phase), np.sin(phase)
-    c, s = c1, s1
-    for h in range(1, n, 2):
-        for j in range(m):
-            out[j] += c * table[h, j] + s * table[h + 1, j]
-        c, s = c * c1 - s * s1, s * c1 + c * s1
 
 
 @compiled
@@ -297,8 +282,8 @@ def advance_parallel(
     work: Any,
 ) -> None:
     """`advance_all` on all cores; `work` has one row per block of swimmers."""
-    blocks, n = work.shape[0], Y.shape[0]
+    blocks, n, alike = work.shape[0], Y.shape[0], U.shape[0] == 1
     for b in prange(blocks):
-        for i in range(b * n // blocks, (b + 1) * n // blocks):
-            u = U[i if U.shape[0] > 1 else 0]
-            advance(twist, strain, moment, limits, Y[i], u, dt, steps, work[b])
+        i, j = b * n // blocks, (b + 1) * n // blocks
+        u = U if alike else U[i:j]
+        advance_all(twist, strain, moment, limits, Y[i:j], u, dt, steps, work[b : b + 1])

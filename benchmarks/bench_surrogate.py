@@ -17,7 +17,6 @@ for name in ("NUMBA_NUM_THREADS", "OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS"):
 import ctypes
 import json
 import subprocess
-import sys
 import tempfile
 from pathlib import Path
 
@@ -155,22 +154,6 @@ def throughput():
     return micro
 
 
-def imported():
-    """Seconds of ``import microswim``, and of import and first gait, beyond the interpreter."""
-
-    def children(code):
-        before = os.times()
-        subprocess.run([sys.executable, "-c", code], check=True)
-        after = os.times()
-        spent = after.children_user - before.children_user
-        return spent + after.children_system - before.children_system
-
-    first = "import microswim as ms; ms.Swimmer.preset('tabak/helix').gait()"
-    codes = ("pass", "import microswim", first)
-    bare, plain, ready = (min(children(code) for _ in range(5)) for code in codes)
-    return plain - bare, ready - bare
-
-
 def main():
     """Run all and print the table."""
     micro = throughput()
@@ -179,15 +162,12 @@ def main():
     b, N = np.meshgrid(np.linspace(0.01, 0.5, 200), np.linspace(0.5, 5.0, 200))
     grid = {"tail.amplitude": b.ravel(), "tail.waves": N.ravel()}
     ms.evaluate(helix, {k: v[:10] for k, v in grid.items()})
-    plain, ready = imported()
     results = {
         "microseconds per design, 32 nodes": micro,
         "NumPy over microswim": micro["NumPy"] / micro["microswim"],
         "C over microswim": micro.get("C", np.nan) / micro["microswim"],
         "microseconds per gait from Python": 1e6 * least(helix.gait, 9, 300),
         "seconds per 200 x 200 map": least(lambda: ms.evaluate(helix, grid), 3),
-        "seconds to import": plain,
-        "seconds to import and make a first gait, warm cache": ready,
     }
     folder = HERE / "results"
     folder.mkdir(exist_ok=True)

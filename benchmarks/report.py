@@ -13,6 +13,7 @@ import json
 from pathlib import Path
 from typing import Any
 
+from matplotlib import rc_context
 from matplotlib.figure import Figure
 
 HERE = Path(__file__).parent
@@ -23,6 +24,7 @@ STYLES = (("#0072B2", "o-"), ("#D55E00", "s--"), ("#009E73", "^-."), ("#CC79A7",
 STYLES += (("#E69F00", "D-"), ("#56B4E9", "P--"))
 TITLES = {
     "surrogate": "The surrogate",
+    "startup": "Start-up",
     "region": "Calibrated over a region (microseconds)",
     "bem": "Boundary elements",
     "fem": "Finite elements",
@@ -145,7 +147,8 @@ def plot(lines: dict[str, Any], path: Path) -> None:
         axes.spines[:].set_color(GREY)
         legend = {"fontsize": 7, "labelcolor": GREY, "frameon": False}
         axes.legend(loc="lower center", bbox_to_anchor=(0.5, 1.0), **legend)
-    figure.savefig(path, transparent=True, metadata={"Date": None})
+    with rc_context({"svg.hashsalt": "microswim"}):  # the same picture is the same file
+        figure.savefig(path, transparent=True, metadata={"Date": None})
 
 
 def main() -> None:

@@ -50,18 +50,16 @@ def split(R: Any) -> Any:
 
 
 @njit(cache=True)
-def join(L: Any, C: Any) -> Any:
-    """6x6 resistance of L and C."""
-    M, R = np.zeros_like(L), np.zeros_like(L)
+def join(R: Any, L: Any, C: Any) -> None:
+    """Fill R (6, 6) from L and C."""
     for i in range(6):
-        for j in range(6):
-            for k in range(6):
-                M[i, j] += L[i, k] * C[k, j]
-    for i in range(6):
-        for j in range(6):
-            for k in range(6):
-                R[_ORDER[i], _ORDER[j]] += M[i, k] * L[j, k]
-    return R
+        for j in range(i + 1):
+            total = 0 * C[0, 0]
+            for k in range(0, j + 1, 2):
+                a, b = L[i, k], L[i, k + 1]
+                total += (a * C[k, k] + b * C[k + 1, k]) * L[j, k]
+                total += (a * C[k, k + 1] + b * C[k + 1, k + 1]) * L[j, k + 1]
+            R[_ORDER[i], _ORDER[j]] = R[_ORDER[j], _ORDER[i]] = total
 
 
 def encode_helix(R: Any, F: Any, G: Any, R0: Any, F0: Any, G0: Any, a: Any, mu: Any, D: Any) -> Any:
@@ -84,14 +82,17 @@ def encode_helix(R: Any, F: Any, G: Any, R0: Any, F0: Any, G0: Any, a: Any, mu: 
 
 
 @njit(cache=True)
-def decode_helix(y: Any, R0: Any, F0: Any, G0: Any, a: Any, mu: Any, D: Any) -> Any:
-    """``(R, F_p, G)`` of the corrections; the inverse of `encode_helix`, positive definite."""
-    L, C = split(R0)
+def decode_helix(y: Any, R: Any, F: Any, G: Any, a: Any, mu: Any, D: Any) -> Any:
+    """Apply the corrections to R and ``F_p``, and return G; undoes `encode_helix`."""
+    L, C = split(R)
     force, torque = mu * a * a, mu * a * a * a
-    F = np.empty_like(F0)
-    F[0], F[3] = F0[0] * np.exp(y[0]), F0[3] * np.exp(y[1])
+    for i in (1, 2, 4, 5):
+        F[i] -= R[i, 3]
+    turning = R[0, 3] - F[0]
+    F[0] *= np.exp(y[0])
+    F[3] *= np.exp(y[1])
     axial = (C[0, 0] - C[0, 1] * C[0, 1] / C[1, 1]) * np.exp(y[4])
-    C[0, 1] = C[1, 0] = F[0] + R0[0, 3] - F0[0] + y[2] * force
+    C[0, 1] = C[1, 0] = F[0] + turning + y[2] * force
     C[1, 1] = F[3] + D * np.exp(y[3])
     C[0, 0] = axial + C[0, 1] * C[0, 1] / C[1, 1]
     s, t = np.exp(y[6]), np.exp(y[7])
@@ -106,11 +107,11 @@ def decode_helix(y: Any, R0: Any, F0: Any, G0: Any, a: Any, mu: Any, D: Any) -> 
         L[4 + i, 1] += y[16 + i]
     L[5, 2] += y[9] * a
     L[4, 3] -= y[9] * a
-    R = join(L, C)
+    join(R, L, C)
     for i in range(2):
-        F[1 + i] = R[1 + i, 3] - R0[1 + i, 3] + F0[1 + i] + y[18 + i] * force
-        F[4 + i] = R[4 + i, 3] - R0[4 + i, 3] + F0[4 + i] + y[20 + i] * torque
-    return R, F, G0 * np.exp(y[5])
+        F[1 + i] += R[1 + i, 3] + y[18 + i] * force
+        F[4 + i] += R[4 + i, 3] + y[20 + i] * torque
+    return G * np.exp(y[5])
 
 
 @njit(cache=True)
@@ -152,14 +153,12 @@ def encode_wave(R: Any, F: Any, G: Any, R0: Any, F0: Any, G0: Any, a: Any, scale
 
 
 @njit(cache=True)
-def decode_wave(y: Any, R0: Any, F0: Any, G0: Any, a: Any, scale: Any) -> Any:
-    """``(R, F_p, G)`` of the corrections; the inverse of `encode_wave`, positive definite."""
-    R = np.zeros((6, 6), dtype=y.dtype)
-    F = np.zeros(6, dtype=y.dtype)
+def decode_wave(y: Any, R: Any, F: Any, G: Any, a: Any, scale: Any) -> Any:
+    """Apply the corrections to R and ``F_p``, and return G; undoes `encode_wave`."""
     units = _units(a)
     for m in range(2):
         i, j, k = PLANES[m]
-        d, l = _ldl(R0, PLANES[m])
+        d, l = _ldl(R, PLANES[m])
         at = 0 if m == 0 else 10
         d0 = d[0] * np.exp(y[at])
         d1 = d[1] * np.exp(y[at + 3])
@@ -174,5 +173,5 @@ def decode_wave(y: Any, R0: Any, F0: Any, G0: Any, a: Any, scale: Any) -> Any:
         R[k, j] = R[j, k] = l2 * d1 + l0 * l1 * d0
         R[k, k] = d2 + l1 * l1 * d0 + l2 * l2 * d1
     for n in range(3):
-        F[PLANES[0][n]] = F0[PLANES[0][n]] + y[6 + n] * scale[n]
-    return R, F, G0 + y[9] * scale[3]
+        F[PLANES[0][n]] += y[6 + n] * scale[n]
+    return G + y[9] * scale[3]

@@ -8,7 +8,7 @@ from __future__ import annotations
 from typing import Any
 
 import numpy as np
-from numba import njit
+from numba import njit, prange
 
 from . import blocks, shaded
 from .gait import MIRROR_Q
@@ -17,11 +17,13 @@ from .mobility import solve
 
 SAMPLES = 12  #: phases over a period of a plane wave
 HALF = SAMPLES // 2
+PHASES = tuple(np.pi * np.arange(HALF) / HALF)
+BLOCK = 16  #: designs that share scratch arrays
 
 
-@njit(cache=True, nogil=True)
+@njit(cache=True, parallel=True)
 def helices(
-    p: Any, D: Any, mu: Any, Z: Any, N: Any, ramp_rule: Any, rule: Any,
+    p: Any, D: Any, mu: Any, Z: Any, N: Any, sizes: Any, ramp_rule: Any, xi: Any, weight: Any,
     nodes: Any, tips: Any, lengths: Any, phasors: Any, cut: Any, alpha: Any, mean: Any,
 ) -> Any:  # fmt: skip
     """Corrected R, F, G of rigid helices at phase 0, and the axial force on the body."""
@@ -30,24 +32,22 @@ def helices(
     F = np.empty((n, 1, 6), dtype=p.dtype)
     G = np.empty((n, 1), dtype=p.dtype)
     extra = np.empty((n, 3), dtype=p.dtype)
-    for d in range(n):
-        y = mean.astype(p.dtype)
-        predict(y, Z[d], N[d], nodes, tips, lengths, phasors, cut, alpha)
-        R0, F0, G0 = shaded.shaded_tail(0, p[d], mu[d], 0.0, ramp_rule, rule)
-        for i in range(6):
-            R0[i, i] += D[d, i]
-        a = p[d, 8]
-        extra[d, 0] = D[d, 0] * np.exp(y[10])
-        extra[d, 1] = y[11] * mu[d] * a * a
-        extra[d, 2] = y[12] * mu[d] * a * a
-        for i in range(12):
-            y[10 + i] = y[13 + i]
-        r, f, g = blocks.decode_helix(y, R0, F0, G0, a, mu[d], D[d, 3])
-        G[d, 0] = g
-        for i in range(6):
-            F[d, 0, i] = f[i]
-            for j in range(6):
-                R[d, 0, i, j] = r[i, j]
+    for block in prange((n + BLOCK - 1) // BLOCK):
+        y, work = np.empty(len(mean), dtype=p.dtype), np.empty((2, alpha.shape[1]), dtype=p.dtype)
+        for d in range(block * BLOCK, min(n, (block + 1) * BLOCK)):
+            for i in range(len(mean)):
+                y[i] = mean[i]
+            predict(y, Z[d], N[d], nodes, tips, lengths, phasors, cut, alpha, work)
+            m = sizes[d]
+            tail = shaded.table(p[d], ramp_rule, (xi[m, : m + 1], weight[m, : m + 1]))
+            G0 = shaded.fill_base(R[d, 0], F[d, 0], p[d], D[d], mu[d], tail, 0.0, 1.0)
+            a = p[d, 8]
+            extra[d, 0] = D[d, 0] * np.exp(y[10])
+            extra[d, 1] = y[11] * mu[d] * a * a
+            extra[d, 2] = y[12] * mu[d] * a * a
+            for i in range(12):
+                y[10 + i] = y[13 + i]
+            G[d, 0] = blocks.decode_helix(y, R[d, 0], F[d, 0], G0, a, mu[d], D[d, 3])
     return R, F, G, extra
 
 
@@ -67,19 +67,6 @@ def scales(R0: Any, F0: Any, G0: Any) -> Any:
 
 
 @njit(cache=True)
-def wave_base(p: Any, D: Any, mu: Any, ramp_rule: Any, rule: Any) -> Any:
-    """Base R, F, G of a plane wave at the phases of half a period."""
-    R0 = np.empty((HALF, 6, 6), dtype=p.dtype)
-    F0 = np.empty((HALF, 6), dtype=p.dtype)
-    G0 = np.empty(HALF, dtype=p.dtype)
-    for j in range(HALF):
-        R0[j], F0[j], G0[j] = shaded.shaded_tail(1, p, mu, np.pi * j / HALF, ramp_rule, rule)
-        for i in range(6):
-            R0[j, i, i] += D[i]
-    return R0, F0, G0
-
-
-@njit(cache=True)
 def beat(y: Any, phase: float) -> Any:
     """Corrections (16,) at a phase from the harmonics, packed as `region` fits them."""
     out = np.empty(16, dtype=y.dtype)
@@ -93,9 +80,9 @@ def beat(y: Any, phase: float) -> Any:
     return out
 
 
-@njit(cache=True, nogil=True)
+@njit(cache=True, parallel=True)
 def waves(
-    p: Any, D: Any, mu: Any, Z: Any, N: Any, ramp_rule: Any, rule: Any,
+    p: Any, D: Any, mu: Any, Z: Any, N: Any, sizes: Any, ramp_rule: Any, xi: Any, weight: Any,
     nodes: Any, tips: Any, lengths: Any, phasors: Any, cut: Any, alpha: Any, mean: Any,
 ) -> Any:  # fmt: skip
     """Corrected R, F, G of plane waves at uniform phases of the whole period."""
@@ -104,22 +91,27 @@ def waves(
     F = np.empty((n, SAMPLES, 6), dtype=p.dtype)
     G = np.empty((n, SAMPLES), dtype=p.dtype)
     extra = np.zeros((n, 3), dtype=p.dtype)
-    for d in range(n):
-        y = mean.astype(p.dtype)
-        predict(y, Z[d], N[d], nodes, tips, lengths, phasors, cut, alpha)
-        R0, F0, G0 = wave_base(p[d], D[d], mu[d], ramp_rule, rule)
-        scale = scales(R0, F0, G0)
-        extra[d, 0] = D[d, 0]
-        for j in range(HALF):
-            now = beat(y, np.pi * j / HALF)
-            r, f, g = blocks.decode_wave(now, R0[j], F0[j], G0[j], p[d, 8], scale)
-            G[d, j] = G[d, j + HALF] = g
-            for i in range(6):
-                F[d, j, i] = f[i]
-                F[d, j + HALF, i] = MIRROR_Q[i] * f[i]
-                for m in range(6):
-                    R[d, j, i, m] = r[i, m]
-                    R[d, j + HALF, i, m] = MIRROR_Q[i] * MIRROR_Q[m] * r[i, m]
+    for block in prange((n + BLOCK - 1) // BLOCK):
+        y, work = np.empty(len(mean), dtype=p.dtype), np.empty((2, alpha.shape[1]), dtype=p.dtype)
+        for d in range(block * BLOCK, min(n, (block + 1) * BLOCK)):
+            for i in range(len(mean)):
+                y[i] = mean[i]
+            predict(y, Z[d], N[d], nodes, tips, lengths, phasors, cut, alpha, work)
+            m = sizes[d]
+            tail = shaded.table(p[d], ramp_rule, (xi[m, : m + 1], weight[m, : m + 1]))
+            r, f, g = R[d, :HALF], F[d, :HALF], G[d, :HALF]
+            for j in range(HALF):
+                g[j] = shaded.fill_base(r[j], f[j], p[d], D[d], mu[d], tail, PHASES[j], 0.0)
+            scale = scales(r, f, g)
+            extra[d, 0] = D[d, 0]
+            for j in range(HALF):
+                now = beat(y, PHASES[j])
+                g[j] = blocks.decode_wave(now, r[j], f[j], g[j], p[d, 8], scale)
+                G[d, j + HALF] = g[j]
+                for i in range(6):
+                    F[d, j + HALF, i] = MIRROR_Q[i] * f[j, i]
+                    for k in range(6):
+                        R[d, j + HALF, i, k] = MIRROR_Q[i] * MIRROR_Q[k] * r[j, i, k]
     return R, F, G, extra
 
 

@@ -18,7 +18,6 @@ from . import shaded
 from .corrected import HALF, helices, twists, waves
 from .errors import SpecError
 from .gait import Gait
-from .kernels import HELIX
 from .kriging import Surfaces
 from .swimmer import Swimmer
 
@@ -231,9 +230,10 @@ class Correction:
         kind = np.result_type(Z, p, D, mu, np.float64)
         arrays = (np.ascontiguousarray(x, dtype=kind) for x in (p, D, mu, Z, N))
         *packed, mean = self.surfaces.packed
-        turn = shaded.code(many) == HELIX
+        turn = shaded.hand(many) > 0
         run = helices if turn else waves
-        R, F, G, extra = run(*arrays, *shaded.nodes(0, N), *packed, mean)
+        sizes = shaded.sizes(N)
+        R, F, G, extra = run(*arrays, sizes, *shaded.rules(int(sizes.max())), *packed, mean)
         if turn and many.tail.sign < 0:
             R, F = R * np.outer(MIRROR_R, MIRROR_R), F * MIRROR_R
         return R, F, G, extra

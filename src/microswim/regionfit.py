@@ -12,7 +12,7 @@ import numpy as np
 from threadpoolctl import threadpool_limits
 
 from . import blocks, kriging, shaded
-from .corrected import HALF, SAMPLES, helices, scales, twists, wave_base, waves
+from .corrected import HALF, PHASES, SAMPLES, helices, scales, twists, waves
 from .correction import MIRROR_R, Correction, features
 from .gait import Gait
 from .kriging import Kriging
@@ -49,17 +49,6 @@ def scaled(swimmers: list[Swimmer], columns: np.ndarray) -> tuple[np.ndarray, np
     )
 
 
-def _base(s: Swimmer) -> tuple[Any, ...]:
-    """Parameters, isolated drags, viscosity and rules of a design."""
-    D = np.array(s.body.diagonal(s.fluid.viscosity), dtype=float)
-    return (
-        shaded.parameters(s),
-        D,
-        float(s.fluid.viscosity),
-        shaded.nodes(0, s.tail.number_of_waves),
-    )
-
-
 def targets(solved: list[Solved]) -> np.ndarray:
     """Corrections (n, columns) of all designs, in the order of `Surfaces`."""
     helix = solved[0].swimmer.tail.kind == "helix"
@@ -67,13 +56,13 @@ def targets(solved: list[Solved]) -> np.ndarray:
 
 
 def _helix_targets(s: Solved) -> np.ndarray:
-    p, D, mu, rules = _base(s.swimmer)
-    R0, F0, G0 = shaded.shaded_tail(0, p, mu, 0.0, *rules)
-    g, a = s.gait, p[8]
+    R0, F0, G0 = (x[0] for x in shaded.base_of(s.swimmer, np.zeros(1)))
+    g, a, mu = s.gait, s.swimmer.body.semi_axes3[0], s.swimmer.fluid.viscosity
+    D = s.swimmer.body.diagonal(mu)
     R, F = g.resistance(0.0), g.propulsion(0.0)
     if s.swimmer.tail.sign < 0:
         R, F = R * np.outer(MIRROR_R, MIRROR_R), F * MIRROR_R
-    y = blocks.encode_helix(R, F, g.activity(0.0), R0 + np.diag(D), F0, G0, a, mu, D[3])
+    y = blocks.encode_helix(R, F, g.activity(0.0), R0, F0, G0, a, mu, D[3])
     share = np.zeros(3)
     if g.body_resistance_series is not None:
         body = g.body_resistance_series[0]
@@ -84,16 +73,12 @@ def _helix_targets(s: Solved) -> np.ndarray:
 
 
 def _wave_targets(s: Solved) -> np.ndarray:
-    p, D, mu, rules = _base(s.swimmer)
-    base = wave_base(p, D, mu, *rules)
-    scale = scales(*base)
-    phase = np.pi * np.arange(HALF) / HALF
+    phase = np.array(PHASES)
+    base = shaded.base_of(s.swimmer, phase)
+    scale, a = scales(*base), s.swimmer.body.semi_axes3[0]
     R, F, G = s.gait.resistance(phase), s.gait.propulsion(phase), s.gait.activity(phase)
     y = np.array(
-        [
-            blocks.encode_wave(R[j], F[j], G[j], *(b[j] for b in base), p[8], scale)
-            for j in range(HALF)
-        ]
+        [blocks.encode_wave(R[j], F[j], G[j], *(b[j] for b in base), a, scale) for j in range(HALF)]
     )
     even, odd = y[:, list(blocks.EVEN)], y[:, list(blocks.ODD)]
     turn = np.exp(-1j * np.outer([1, 2, 3], phase))
@@ -199,11 +184,14 @@ def _velocities(R: Any, F: Any, swimmer: Swimmer, helix: bool) -> list[float]:
 
 def _rebuilt(swimmer: Swimmer, y: np.ndarray) -> tuple[Any, Any]:
     """R and F_p of a design from given corrections."""
-    p, D, mu, rules = _base(swimmer)
-    none = np.zeros((0, 1)), np.zeros((0, 2)), np.zeros((1, 1)), np.zeros((1, 4)), np.array([0, 0])
+    most = shaded.sizes(np.array([swimmer.tail.number_of_waves]))
+    D, mu = np.array(swimmer.body.diagonal(swimmer.fluid.viscosity)), swimmer.fluid.viscosity
+    design = shaded.parameters(swimmer)[None], D[None], np.array([mu])
+    none = np.zeros((1, 0)), np.zeros((2, 0)), np.zeros((1, 1)), np.zeros((1, 4)), np.array([0, 0])
     run = helices if swimmer.tail.kind == "helix" else waves
-    args = (p[None], D[None], np.array([mu]), np.zeros((1, 1)), np.zeros(1), *rules, *none)
-    R, F, _, _ = run(*args, np.zeros((0, len(y))), y)
+    rules = shaded.rules(int(most[0]))
+    far = np.zeros((1, 1)), np.zeros(1)
+    R, F, _, _ = run(*design, *far, most, *rules, *none, np.zeros((len(y), 0)), y)
     if swimmer.tail.sign < 0:
         R, F = R * np.outer(MIRROR_R, MIRROR_R), F * MIRROR_R
     return (lambda phase: R[0]), (lambda phase: F[0])

@@ -13,90 +13,144 @@ H' carries a force on the filament to the force it leaves on the whole swimmer (
 so R stays symmetric and positive definite. The tip is half a sphere, with half its drag,
 ``3 pi mu r_t`` in all directions at s = L: a wave of a whole number of turns cancels along its
 length, and what its end feels is then the larger part of the lateral wrench. Bodies that are not
-spheres shade like the sphere of radius r_s. Depends on kernels.
+spheres shade like the sphere of radius r_s. Depends on kernels, planarwave.
 """
 
 from __future__ import annotations
 
+from functools import cache
 from typing import Any
 
 import numpy as np
 from numba import njit
 
 from .coefficients import GrayHancock
-from .kernels import HELIX, PLANE_WAVE, gauss, wave_nodes
+from .kernels import FAST, gauss
+from .planarwave import fill_nodes
 from .swimmer import Swimmer
 
 _LAW = GrayHancock()
 
-
-@njit(cache=True)
-def fill_shade(H: Any, x: Any, y: Any, z: Any, a: Any) -> None:
-    """Write H (3, 6) at the position (x, y, z) from the centre of a sphere of radius a."""
-    r2 = x * x + y * y + z * z
-    q2 = a * a / r2
-    q = np.sqrt(q2)
-    all_round, along = 0.25 * q * (3.0 + q2), 0.75 * q * (1.0 - q2) / r2
-    turn = 1.0 - q2 * q
-    H[0, 0] = 1.0 - all_round - along * x * x
-    H[1, 1] = 1.0 - all_round - along * y * y
-    H[2, 2] = 1.0 - all_round - along * z * z
-    H[0, 1] = H[1, 0] = -along * x * y
-    H[0, 2] = H[2, 0] = -along * x * z
-    H[1, 2] = H[2, 1] = -along * y * z
-    H[0, 4], H[0, 5] = turn * z, -turn * y
-    H[1, 3], H[1, 5] = -turn * z, turn * x
-    H[2, 3], H[2, 4] = turn * y, -turn * x
+ON_RAMP = 8  #: nodes on the ramp
 
 
-@njit(cache=True)
-def shaded_tail(kind: int, p: Any, mu: Any, phase: Any, ramp_rule: Any, rule: Any) -> Any:
-    """``(R_t, F_p, G)`` of a wave tail at one phase; p as `microswim.kernels.PARAMETERS`.
+@njit(cache=True, fastmath=FAST, error_model="numpy")
+def add_tail(R: Any, F: Any, p: Any, tip: Any, nodes: Any, phase: float, g: float) -> Any:
+    """Add tail and tip to the lower triangle of R and to ``F_p``; returns G.
 
-    With ``c_r = 4 pi mu r_t^2`` the drag of the tip is ``3/2 sqrt(pi mu c_r)``.
+    `nodes` as of `microswim.planarwave.fill_nodes`, the tip the last of them; g the sign of the
+    helix's hand, zero for a plane wave. With ``A = a I - b x x'`` and T the factors of H = [A, -T
+    x^] and y the tangent over the step in s, ``A y = w`` and ``m = T x × y``,
+
+        H' C H = [n A^2 + D w w', ..; n a T x^ + D m w', n T^2 (|x|^2 I - x x') + D m m' + S y y'].
+
+    Each sum is a scalar of its own: without stores in the loop the compiler takes several nodes at
+    once.
     """
-    R = np.zeros((6, 6), dtype=p.dtype)
-    F = np.zeros(6, dtype=p.dtype)
-    G = 0 * p[0]
-    H = np.zeros((3, 6), dtype=p.dtype)
-    a, spin = p[8], p[9]
-    for panel in range(2):
-        xi, weight = ramp_rule if panel == 0 else rule
-        start = 0 * p[3] if panel == 0 else p[3]
-        width = p[3] if panel == 0 else 1.0 - p[3]
-        for i in range(xi.size):
-            s, q, r, q_s, r_s, u, v = wave_nodes(kind, start + width * xi[i], phase, panel == 0, p)
-            speed = np.sqrt(1.0 + q_s * q_s + r_s * r_s)
-            dl = weight[i] * width * p[0] * speed
-            t0, t1, t2 = 1.0 / speed, q_s / speed, r_s / speed
-            fill_shade(H, s + a, q, r, a)
-            n, d, w = p[6] * dl, (p[5] - p[6]) * dl, p[7] * dl
-            slip = t1 * u + t2 * v
-            for j in range(6):
-                h0, h1, h2 = H[0, j], H[1, j], H[2, j]
-                g = t0 * h0 + t1 * h1 + t2 * h2
-                F[j] += n * (h1 * u + h2 * v) + d * g * slip
-                for m in range(j + 1):
-                    along = t0 * H[0, m] + t1 * H[1, m] + t2 * H[2, m]
-                    across = h0 * H[0, m] + h1 * H[1, m] + h2 * H[2, m]
-                    R[j, m] += n * across + d * g * along
-            tangent = (t0, t1, t2)
-            for j in range(3):
-                F[3 + j] += w * tangent[j] * t0 * spin
-                for m in range(j + 1):
-                    R[3 + j, 3 + m] += w * tangent[j] * tangent[m]
-            G += n * (u * u + v * v) + d * slip * slip + w * t0 * t0 * spin * spin
-    tip = 1.5 * np.sqrt(np.pi * mu * p[7])
-    s, q, r, q_s, r_s, u, v = wave_nodes(kind, 1.0 + 0 * p[3], phase, False, p)
-    fill_shade(H, s + a, q, r, a)
-    for j in range(6):
-        F[j] += tip * (H[1, j] * u + H[2, j] * v)
-        for m in range(j + 1):
-            R[j, m] += tip * (H[0, j] * H[0, m] + H[1, j] * H[1, m] + H[2, j] * H[2, m])
-    G += tip * (u * u + v * v)
-    for j in range(6):
-        for m in range(j):
-            R[m, j] = R[j, m]
+    k, c_n, d_c, c_r, radius, spin = p[2], p[6], p[5] - p[6], p[7], p[8], p[9]
+    C, S = np.cos(phase), np.sin(phase)
+    zero = 0 * k
+    r00, r10, r11, r20, r21, r22 = zero, zero, zero, zero, zero, zero
+    r30, r31, r32, r33, r40, r41, r42 = zero, zero, zero, zero, zero, zero, zero
+    r43, r44, r50, r51, r52, r53, r54, r55 = zero, zero, zero, zero, zero, zero, zero, zero
+    f0, f1, f2, f3, f4, f5, G = zero, zero, zero, zero, zero, zero, zero
+    last = nodes.shape[1] - 1
+    for i in range(last + 1):
+        x, amplitude, slope = nodes[0, i], nodes[2, i], nodes[3, i]
+        c, d = nodes[4, i] * C + nodes[5, i] * S, nodes[5, i] * C - nodes[4, i] * S
+        y, u = amplitude * c, amplitude * d
+        z, v = -g * u, g * y
+        t, w = slope * c - k * u, -g * (slope * d + k * y)
+        v2 = 1.0 + t * t + w * w
+        dl = nodes[1, i] * np.sqrt(v2)
+        n, D, c_s = c_n * dl + nodes[6, i] * tip, d_c * dl / v2, c_r * dl / v2
+        r2 = x * x + y * y + z * z
+        q2 = radius * radius / r2
+        q = np.sqrt(q2)
+        a, b, T = 1.0 - 0.25 * q * (3.0 + q2), 0.75 * q * (1.0 - q2) / r2, 1.0 - q2 * q
+        bx = b * (x + y * t + z * w)
+        w0, w1, w2 = a - bx * x, a * t - bx * y, a * w - bx * z
+        m0, m1, m2 = T * (y * w - z * t), T * (z - x * w), T * (x * t - y)
+        na, nb, nt, nc = n * a * a, n * b * (2.0 * a - b * r2), n * a * T, n * T * T
+        D0, D1, D2, E0, E1, E2 = D * w0, D * w1, D * w2, D * m0, D * m1, D * m2
+        r00 += D0 * w0 + na - nb * x * x
+        r10 += D1 * w0 - nb * x * y
+        r11 += D1 * w1 + na - nb * y * y
+        r20 += D2 * w0 - nb * x * z
+        r21 += D2 * w1 - nb * y * z
+        r22 += D2 * w2 + na - nb * z * z
+        r30 += E0 * w0
+        r31 += E0 * w1 - nt * z
+        r32 += E0 * w2 + nt * y
+        r33 += E0 * m0 + nc * (y * y + z * z) + c_s
+        r40 += E1 * w0 + nt * z
+        r41 += E1 * w1
+        r42 += E1 * w2 - nt * x
+        r43 += E1 * m0 - nc * x * y + c_s * t
+        r44 += E1 * m1 + nc * (x * x + z * z) + c_s * t * t
+        r50 += E2 * w0 - nt * y
+        r51 += E2 * w1 + nt * x
+        r52 += E2 * w2
+        r53 += E2 * m0 - nc * x * z + c_s * w
+        r54 += E2 * m1 - nc * y * z + c_s * t * w
+        r55 += E2 * m2 + nc * (x * x + y * y) + c_s * w * w
+        slip, bu, turn = t * u + w * v, n * b * (y * u + z * v), n * T
+        f0 += D0 * slip - bu * x
+        f1 += D1 * slip + n * a * u - bu * y
+        f2 += D2 * slip + n * a * v - bu * z
+        f3 += E0 * slip + turn * (y * v - z * u) + c_s * spin
+        f4 += E1 * slip - turn * x * v + c_s * t * spin
+        f5 += E2 * slip + turn * x * u + c_s * w * spin
+        G += n * (u * u + v * v) + D * slip * slip + c_s * spin * spin
+    sums = (
+        *(r00, r10, r11, r20, r21, r22, r30, r31, r32, r33),
+        *(r40, r41, r42, r43, r44, r50, r51, r52, r53, r54, r55),
+    )
+    n = 0
+    for i in range(6):
+        for j in range(i + 1):
+            R[i, j] += sums[n]
+            n += 1
+    for i, f in enumerate((f0, f1, f2, f3, f4, f5)):
+        F[i] += f
+    return G
+
+
+@njit(cache=True)
+def table(p: Any, ramp_rule: Any, rule: Any) -> Any:
+    """Nodes (7, m): the rows of `microswim.planarwave.fill_nodes`, and a one at the tip."""
+    if p[3] == 0.0:  # no ramp, no nodes on it
+        ramp_rule = ramp_rule[0][:0], ramp_rule[1][:0]
+    nodes = np.zeros((7, ramp_rule[0].size + rule[0].size), dtype=p.dtype)
+    fill_nodes(nodes, p, ramp_rule, rule)
+    nodes[6, -1] = 1.0
+    return nodes
+
+
+@njit(cache=True)
+def fill_base(R: Any, F: Any, p: Any, D: Any, mu: Any, nodes: Any, phase: float, g: float) -> Any:
+    """Fill R with the drags D (6,) of the body and the tail's R, and ``F_p``; returns G.
+
+    With ``c_r = 4 pi mu r_t^2`` the drag of the tip, ``3 pi mu r_t``, is ``3/2 sqrt(pi mu c_r)``.
+    """
+    R[:], F[:] = 0.0, 0.0
+    for i in range(6):
+        R[i, i] = D[i]
+    G = add_tail(R, F, p, 1.5 * np.sqrt(np.pi * mu * p[7]), nodes, phase, g)
+    for i in range(6):
+        for j in range(i):
+            R[j, i] = R[i, j]
+    return G
+
+
+@njit(cache=True)
+def base(p: Any, D: Any, mu: Any, nodes: Any, phases: Any, g: float) -> Any:
+    """``(R, F_p, G)`` of body and tail at several phases: shapes (m, 6, 6), (m, 6), (m,)."""
+    m = len(phases)
+    R, F = np.empty((m, 6, 6), dtype=p.dtype), np.empty((m, 6), dtype=p.dtype)
+    G = np.empty(m, dtype=p.dtype)
+    for j in range(m):
+        G[j] = fill_base(R[j], F[j], p, D, mu, nodes, phases[j], g)
     return R, F, G
 
 
@@ -114,12 +168,32 @@ def parameters(swimmer: Swimmer) -> np.ndarray:
     return np.stack(np.broadcast_arrays(*values), axis=-1).astype(kind, copy=False)
 
 
-def nodes(kind: int, waves: Any) -> tuple[Any, Any]:
-    """Quadrature rules for about 1e-5: enough below a correction of 1e-3."""
-    most = float(np.max(np.real(waves)))
-    return gauss(8), gauss(6 + int(np.ceil(4.5 * most)))
+@cache
+def rules(most: int) -> tuple[Any, Any, Any]:
+    """Quadrature on the ramp; nodes and weights of up to `most` nodes on the rest in rows.
+
+    The rest ends with the tip, a node without length.
+    """
+    xi, weight = np.ones((most + 1, most + 1)), np.zeros((most + 1, most + 1))
+    for n in range(1, most + 1):
+        xi[n, :n], weight[n, :n] = gauss(n)
+    return gauss(ON_RAMP), xi, weight
 
 
-def code(swimmer: Swimmer) -> int:
-    """Kind of wave tail, as the kernels count them."""
-    return HELIX if swimmer.tail.kind == "helix" else PLANE_WAVE
+def sizes(waves: Any) -> Any:
+    """Nodes on the rest for so many waves: about 1e-5, enough below a correction of 1e-3."""
+    return 6 + np.ceil(4.5 * np.real(waves)).astype(int)
+
+
+def hand(swimmer: Swimmer) -> float:
+    """One for the left-handed helix that `parameters` describe, zero for a plane wave."""
+    return 1.0 if swimmer.tail.kind == "helix" else 0.0
+
+
+def base_of(swimmer: Swimmer, phases: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """`base` of one swimmer."""
+    p, mu = parameters(swimmer), float(swimmer.fluid.viscosity)
+    D = np.array(swimmer.body.diagonal(mu), dtype=float)
+    most = int(sizes(swimmer.tail.number_of_waves))
+    ramp_rule, xi, weight = rules(most)
+    return base(p, D, mu, table(p, ramp_rule, (xi[most], weight[most])), phases, hand(swimmer))

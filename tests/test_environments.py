@@ -1,8 +1,6 @@
 """The environments: by Gymnasium's own checker, against the stepper, and against their physics."""
 
-import importlib.util
 import warnings
-from pathlib import Path
 
 import gymnasium as gym
 import numpy as np
@@ -258,32 +256,3 @@ def test_bad_actions_and_paths_are_one_sentence():
     many.reset(seed=[1, 2])
     with pytest.raises(ms.SpecError, match="shape"):
         many.step(np.zeros((3, 4)))
-
-
-def example(name):
-    """The module of an example."""
-    path = Path(__file__).parents[1] / "examples" / "control" / f"{name}.py"
-    spec = importlib.util.spec_from_file_location(name, path)
-    module = importlib.util.module_from_spec(spec)
-    spec.loader.exec_module(module)
-    return module
-
-
-def test_the_example_follows_its_paths():
-    """Every robot arrives; off the path by less than half of a body's diameter, 0.6 mm."""
-    found = example("follow_path").main(robots=16, steps=700)
-    assert found["arrived"] == found["robots"]
-    assert found["error"] < 0.2
-
-
-def test_the_example_learns():
-    """It goes along paths that it has not seen, three millimetres and more further."""
-    script = example("learn_to_steer")
-    script.PATHS = 8
-    found = script.main(generations=8)
-    assert found["after"] > found["before"] + 3.0
-
-
-def test_the_receding_horizon_keeps_to_its_path():
-    """A robot of 3.6 mm keeps within 50 um, though a shear it does not know carries it."""
-    assert example("receding_horizon").main(seconds=3.0)["error"] < 5e-5

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 ROOT = Path(__file__).parents[1] / "examples"
-SCRIPTS = sorted(ROOT.glob("*.py"))
+SCRIPTS = sorted(ROOT.rglob("*.py"))
 
 
 def module(path):
@@ -93,11 +93,30 @@ def made_robots_differ(r):
     assert r["yield"] == pytest.approx(np.mean(speed >= 0.035), abs=1e-9)
 
 
+def follow_path(r):
+    """Every robot arrives; off the path by less than a third of the head's diameter, 0.6 mm."""
+    assert r["arrived"] == 1.0
+    assert r["distance off the path after a second (mm, rms)"] < 0.2
+
+
+def learn_to_steer(r):
+    """It goes along paths that it has not seen, five millimetres and more further."""
+    assert r["return on new paths after"] > r["return on new paths before"] + 5.0
+    assert np.median(r["curve"][-5:, 2]) > np.median(r["curve"][:5, 2])
+
+
+def receding_horizon(r):
+    """A robot of 3.6 mm keeps within 50 um, though a shear it does not know carries it."""
+    assert r["off the path after two seconds (um, rms)"] < 50.0
+    assert np.ptp(r["rows"][:, 1:4], axis=0).max() > 1e-3  # and it has gone somewhere
+
+
 KNOWN = {
     f.__name__: f
     for f in (
         *(first_swim, one_period, scallop, laws_of_resistance, best_helix, seven_cells),
         *(one_point_calibration, beside_a_wall, step_out, made_robots_differ),
+        *(follow_path, learn_to_steer, receding_horizon),
     )
 }
 
@@ -106,7 +125,7 @@ def test_every_script_of_the_gallery_has_its_test():
     assert {p.stem for p in SCRIPTS} == set(KNOWN)
 
 
-@pytest.mark.parametrize("path", sorted(ROOT.rglob("*.py")), ids=lambda p: p.stem)
+@pytest.mark.parametrize("path", SCRIPTS, ids=lambda p: p.stem)
 def test_scripts_have_a_title_and_a_caption(path):
     title, _, caption = ast.get_docstring(ast.parse(path.read_text())).partition("\n\n")
     assert "\n" not in title

@@ -42,12 +42,6 @@ def loaded(path):
     return module
 
 
-def is_quick(path):
-    """Whether it has a `figure` to draw; the others take minutes, and show what they left."""
-    names = {n.name for n in ast.parse(path.read_text(encoding="utf-8")).body if hasattr(n, "name")}
-    return "figure" in names
-
-
 def dark(svg):
     """The same picture for the dark page; maps and photographs inside stay as they are."""
 
@@ -93,7 +87,7 @@ def page(path, title, caption, results, pictures):
     numbers = [(k, v) for k, v in results.items() if isinstance(v, float)]
     rows = "".join(f"| {k} | {v:.4g} |\n" for k, v in numbers)
     table = f"| number | value |\n|---|---|\n{rows}" if rows else ""
-    shown = PICTURES.format(title=title, caption=caption, **pictures) if pictures else caption
+    shown = PICTURES.format(title=title, caption=caption, **pictures)
     code = path.read_text(encoding="utf-8").strip()
     where = path.relative_to(ROOT).as_posix()
     source = f"The script, `{where}`:\n\n```python\n{code}\n```\n"
@@ -105,17 +99,17 @@ def card(path, title, pictures):
     return f"- [{images} {title}]({path.stem}.md)"
 
 
-def index(quick, slow):
+def index(cards):
+    """The page of cards; `cards` by folder."""
     text = (ROOT / "docs" / "gallery.md").read_text(encoding="utf-8")
-    for name, cards in (("<!-- cards -->", quick), ("<!-- slow cards -->", slow)):
-        text = text.replace(
-            name, '<div class="gallery" markdown>\n\n' + "\n".join(cards) + "\n\n</div>"
-        )
+    for folder, entries in cards.items():
+        block = '<div class="gallery" markdown>\n\n' + "\n".join(entries) + "\n\n</div>"
+        text = text.replace(f"<!-- cards of {folder} -->", block)
     return text
 
 
 def run(path):
-    """Page, pictures and card of a script that runs in seconds."""
+    """Page, pictures and card of a script."""
     title, caption = described(path)
     module = loaded(path)
     results = module.main()
@@ -126,24 +120,15 @@ def run(path):
     return files, card(path, title, names)
 
 
-def shown(path):
-    """Page and card of a script that takes minutes: with the picture it left in docs, if any."""
-    title, caption = described(path)
-    left = re.search(r"docs/([\w./-]+\.png)", caption)
-    there = left and (ROOT / "docs" / left[1]).exists()
-    names = dict.fromkeys(("light", "dark"), f"../{left[1]}") if there else {}
-    return {f"{path.stem}.md": page(path, title, caption, {}, names)}, card(path, title, names)
-
-
 def on_files(files, config):
-    made, quick, slow = {}, [], []
+    made, cards = {}, {}
     for path in scripts():
         start = time.perf_counter()
-        content, entry = run(path) if is_quick(path) else shown(path)
+        content, entry = run(path)
         made |= content
-        (quick if is_quick(path) else slow).append(entry)
+        cards.setdefault(path.parent.name, []).append(entry)
         log.info("gallery: %s in %.1f s", path.name, time.perf_counter() - start)
-    made["index.md"] = index(quick, slow)
+    made["index.md"] = index(cards)
     for uri, content in made.items():
         level = InclusionLevel.INCLUDED if uri == "index.md" else InclusionLevel.NOT_IN_NAV
         files.append(File.generated(config, f"gallery/{uri}", content=content, inclusion=level))

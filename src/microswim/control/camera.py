@@ -11,10 +11,49 @@ from typing import Any
 import numpy as np
 from numba import njit
 
+from .. import checks
+from ..errors import SpecError
 from ..kinematics import to_lab
 from .chance import normals
 
 FRAME = 6  # position, heading
+MM = 1e-3
+
+
+def conditions(
+    *,
+    disturbance: float = 0.1,
+    position_noise: float = 0.02,
+    angle_noise: float = 0.05,
+    frame_interval: int = 2,
+    latency: int = 2,
+    max_steps: int,
+) -> dict[str, float]:
+    """What the tasks have in common, in SI units: flow, camera and length of an episode.
+
+    Lengths in mm, disturbance in mm/s, the camera's times in steps.
+
+    Raises
+    ------
+    SpecError
+        If one is out of range.
+    """
+    given = {"disturbance": disturbance, "position_noise": position_noise}
+    for name, value in (given | {"angle_noise": angle_noise}).items():
+        checks.number(name, value, "zero or more", least=0.0)
+    whole = {"frame_interval": (frame_interval, 1), "latency": (latency, 0)}
+    for name, (value, least) in (whole | {"max_steps": (max_steps, 1)}).items():
+        checks.number(name, value, f"a whole number from {least} on", least=least, most=1e9)
+        if int(value) != value:
+            raise SpecError(name, value, f"a whole number from {least} on")
+    return {
+        "gust": disturbance * MM,
+        "noise": position_noise * MM,
+        "angle_noise": angle_noise,
+        "interval": int(frame_interval),
+        "latency": int(latency),
+        "steps": int(max_steps),
+    }
 
 
 @njit(cache=True)

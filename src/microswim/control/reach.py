@@ -15,17 +15,15 @@ from typing import Any
 import numpy as np
 from numba import njit, prange
 
-from .. import checks
 from ..errors import SpecError
 from ..kernels import FAST
 from ..swimmer import Swimmer
-from .camera import FRAME, attitude, expose, fill, seen
+from .camera import FRAME, MM, attitude, conditions, expose, fill, seen
 from .chance import direction, uniform
 from .cores import awake
 from .motion import INPUT, WORK, substep
 from .stepper import Stepper
 
-MM = 1e-3
 MOMENT = 1e-4  # A m^2, along the body: the robot follows the field at 11 per second
 OBSERVED, ACTIONS = 9, 2
 #: Per environment: state (8), angle of the field, motor (-1 to 1), target (2), flow (3), distance.
@@ -39,34 +37,11 @@ Settings = namedtuple(
 )
 
 
-def settings(
-    *,
-    disturbance: float = 0.1,
-    position_noise: float = 0.02,
-    angle_noise: float = 0.05,
-    frame_interval: int = 2,
-    latency: int = 2,
-    max_steps: int = 1000,
-) -> Settings:
-    """Settings of the task; lengths in mm, disturbance in mm/s, camera in steps of 20 ms.
-
-    Raises
-    ------
-    SpecError
-        If one is out of range.
-    """
-    given = {"disturbance": disturbance, "position_noise": position_noise}
-    for name, value in (given | {"angle_noise": angle_noise}).items():
-        checks.number(name, value, "zero or more", least=0.0)
-    whole = {"frame_interval": (frame_interval, 1), "latency": (latency, 0)}
-    for name, (value, least) in (whole | {"max_steps": (max_steps, 1)}).items():
-        checks.number(name, value, f"a whole number from {least} on", least=least, most=1e9)
-        if int(value) != value:
-            raise SpecError(name, value, f"a whole number from {least} on")
+def settings(*, max_steps: int = 1000, **options: Any) -> Settings:
+    """Settings of the task; `options` as `camera.conditions` takes them."""
     return Settings(
-        dt=0.02, field=4e-3, top=16.0 * np.pi, swing=2.0, gust=disturbance * MM,
-        noise=position_noise * MM, angle_noise=angle_noise, interval=int(frame_interval),
-        latency=int(latency), steps=int(max_steps), near=0.2 * MM,
+        dt=0.02, field=4e-3, top=16.0 * np.pi, swing=2.0, near=0.2 * MM,
+        **conditions(max_steps=max_steps, **options),
     )  # fmt: skip
 
 

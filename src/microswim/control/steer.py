@@ -15,19 +15,16 @@ from typing import Any
 import numpy as np
 from numba import njit, prange
 
-from .. import checks
-from ..errors import SpecError
 from ..kernels import FAST
 from ..kinematics import to_lab
 from ..swimmer import Swimmer
-from .camera import FRAME, attitude, expose, fill, seen
+from .camera import FRAME, MM, attitude, conditions, expose, fill, seen
 from .chance import direction, normals, uniform
 from .cores import awake
 from .motion import INPUT, WORK, field_at, substep
 from .paths import POINTS, locate, point, resampled, wander
 from .stepper import Stepper
 
-MM = 1e-3
 MOMENT = 2e-5  # A m^2, across the helix: a head of NdFeB of half a millimetre holds five times that
 OBSERVED, ACTIONS = 17, 4
 #: Per environment: state (8), field direction (3), direction driven (3), frequency, flow (3), mean
@@ -43,41 +40,11 @@ Settings = namedtuple(
 )
 
 
-def settings(
-    *,
-    disturbance: float = 0.1,
-    position_noise: float = 0.02,
-    angle_noise: float = 0.05,
-    frame_interval: int = 2,
-    latency: int = 2,
-    max_steps: int = 1500,
-) -> Settings:
-    """Settings of the task; lengths in mm, disturbance in mm/s, camera in steps of 20 ms.
-
-    Raises
-    ------
-    SpecError
-        If one is out of range.
-    """
-    for name, value in (
-        ("disturbance", disturbance),
-        ("position_noise", position_noise),
-        ("angle_noise", angle_noise),
-    ):
-        checks.number(name, value, "zero or more", least=0.0)
-    whole = (
-        ("frame_interval", frame_interval, 1),
-        ("latency", latency, 0),
-        ("max_steps", max_steps, 1),
-    )
-    for name, value, least in whole:
-        checks.number(name, value, f"a whole number from {least} on", least=least, most=1e9)
-        if int(value) != value:
-            raise SpecError(name, value, f"a whole number from {least} on")
+def settings(*, max_steps: int = 1500, **options: Any) -> Settings:
+    """Settings of the task; `options` as `camera.conditions` takes them."""
     return Settings(
-        dt=0.02, field=4e-3, top=10.0, gust=disturbance * MM, calm=2.0, noise=position_noise * MM,
-        angle_noise=angle_noise, interval=int(frame_interval), latency=int(latency),
-        steps=int(max_steps), length=10.0 * MM, bend=0.8 / MM, lost=3.0 * MM, ahead=1.0 * MM,
+        dt=0.02, field=4e-3, top=10.0, calm=2.0, length=10.0 * MM, bend=0.8 / MM, lost=3.0 * MM,
+        ahead=1.0 * MM, **conditions(max_steps=max_steps, **options),
     )  # fmt: skip
 
 

@@ -1,4 +1,4 @@
-"""How wrong the surrogate is: makes docs/accuracy.md.
+"""How wrong the surrogate is: makes docs/accuracy.md, and the README's table of it.
 
     python benchmarks/accuracy.py --folder solves            # everything, then the page
     python benchmarks/accuracy.py --folder solves helix      # some parts, then the page
@@ -22,6 +22,7 @@ from functools import partial
 from pathlib import Path
 
 import numpy as np
+import readme
 
 import microswim as ms
 from microswim import observe, references, rotation
@@ -176,6 +177,7 @@ def main():
             results[name] = PARTS[name](asked.folder, asked.calibrated)
             RESULTS.write_text(json.dumps(results, indent=1) + "\n", encoding="utf-8")
     PAGE.write_text(page(results), encoding="utf-8")
+    readme.main()
 
 
 if __name__ == "__main__":

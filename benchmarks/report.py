@@ -4,7 +4,7 @@
 
 Reads benchmarks/results/*.json, whichever are there, and keeps the numbers in
 docs/performance.json, so that a machine that has run only some of the benchmarks renews only their
-tables. Numbers and records become tables; lists of sizes and seconds are drawn on log-log axes.
+tables. The README's tables are filled too. Numbers and records become tables; lists of sizes and seconds are drawn on log-log axes.
 """
 
 from __future__ import annotations
@@ -13,6 +13,7 @@ import json
 from pathlib import Path
 from typing import Any
 
+import readme
 from matplotlib import rc_context
 from matplotlib.figure import Figure
 
@@ -166,6 +167,7 @@ def main() -> None:
     for name in sorted(kept, key=lambda n: (list(TITLES).index(n) if n in TITLES else 99, n)):
         page += [f"## {TITLES.get(name, name.capitalize())}\n", *tables(kept[name], (name,))]
     (DOCS / "performance.md").write_text("\n".join(page), encoding="utf-8")
+    readme.main()
 
 
 if __name__ == "__main__":

@@ -4,6 +4,7 @@ The site itself is built by ``make docs``, strictly; here is what needs no extra
 """
 
 import ast
+import importlib
 import inspect
 import re
 import warnings
@@ -113,6 +114,16 @@ def test_the_twelve_lines_of_the_readme_run():
     names = {}
     exec(compile(code, "README.md", "exec"), names)
     assert names["gait"].mean_velocity[0] < 0
+
+
+def test_the_tables_of_the_readme_are_what_was_measured(monkeypatch):
+    """If not: python benchmarks/readme.py."""
+    monkeypatch.syspath_prepend(ROOT / "benchmarks")
+    readme = importlib.import_module("readme")
+    text = (ROOT / "README.md").read_text(encoding="utf-8")
+    assert all(head in text for head in readme.HEADS)
+    assert readme.filled(text) == text
+    assert len(text.splitlines()) < 80  # one screen
 
 
 def run(page, slow):

@@ -1,0 +1,130 @@
+"""The two tables of the README, from what was measured: docs/performance.json and pages of docs/.
+
+    python benchmarks/readme.py
+
+Called by report.py and accuracy.py; a test holds the README to what this module would write.
+"""
+
+from __future__ import annotations
+
+import json
+import re
+from pathlib import Path
+
+import microswim as ms
+
+ROOT = Path(__file__).parents[1]
+README, DOCS = ROOT / "README.md", ROOT / "docs"
+HEADS = ("| what | against | error |", "| what | time | against |")
+
+
+def rows(page, *starts):
+    """Cells of the first row of a page's tables that starts with these cells."""
+    for line in (DOCS / page).read_text(encoding="utf-8").splitlines():
+        cells = [c.strip() for c in line.strip("|").split("|")]
+        if tuple(cells[: len(starts)]) == starts:
+            return cells
+    raise SystemExit(f"{page} has no row {starts}")
+
+
+def digits(value, n=2):
+    """A number with so many digits, and no exponent."""
+    value = float(f"{float(value):.{n}g}")
+    return f"{value:.0f}" if abs(value) >= 10 ** (n - 1) else f"{value:.{n}g}"
+
+
+def spread(row, median, worst):
+    return f"{digits(row[median])} % median, {digits(row[worst])} % worst"
+
+
+def accurate():
+    """How accurate: base case, one design, a region, the cells."""
+    known = [rows("accuracy-bem.md", name) for name in ("u_s, six degrees of freedom", "Omega_s")]
+    off = [max(abs(100 * (float(r[3]) / float(r[1]) - 1)), 0.01) for r in known]
+    plain = ms.Swimmer.preset("tabak/helix").gait().mean_velocity[0] / float(known[0][1])
+    one = rows("accuracy.md", "Lighthill, with spin", "grid")
+    forward, rate = (rows("accuracy.md", "helix", f"mean.{q}", "all (30)") for q in ("us", "os"))
+    cells = [(s, rows("world.md", s)) for s in ("B", "G")]
+    inferred = [
+        f"{digits(r[7], 1)} % ({s}'s {r[6].split()[0].replace('_', ' ')})" for s, r in cells
+    ]
+    return [
+        (
+            "boundary elements, base case",
+            "two independent solvers",
+            f"{digits(off[0], 1)} % (u_s), {digits(off[1], 1)} % (body rate)",
+        ),
+        (
+            "surrogate as it comes (Lighthill's coefficients), base case",
+            "reference",
+            f"a factor {digits(plain)} in u_s: calibrate it",
+        ),
+        (
+            "surrogate calibrated at one design, amplitude and waves varied",
+            "reference",
+            f"u_s {spread(one, 3, 4)}",
+        ),
+        (
+            "surrogate calibrated over a region, 100 solves",
+            "30 designs drawn afterwards",
+            f"u_s {spread(forward, 3, 5)}; body rate {spread(rate, 3, 5)}",
+        ),
+        (
+            "surrogate, *Vibrio* cells, calibrated on one of the seven",
+            "what can be inferred of the measured ones",
+            ", ".join(inferred),
+        ),
+    ]
+
+
+def fast():
+    """How fast: the surrogate, the reference, the wait at the start."""
+    kept = json.loads((DOCS / "performance.json").read_text(encoding="utf-8"))
+    surrogate, start = kept["surrogate"], kept["startup"]["processor seconds"]
+    solve = kept["bem"]["peers"]["time to per cent"]["0.1"]
+    ever = start["first ever microswim run, helix"]["seconds"]
+    numpy = digits(start["import numpy, scipy.linalg"]["seconds"], 1)
+    return [
+        (
+            "surrogate, one design in a batch",
+            f"{digits(surrogate['microseconds per design, 32 nodes']['microswim'])} us",
+            f"{digits(surrogate['NumPy over microswim'])} x plain NumPy, "
+            f"{digits(surrogate['C over microswim'], 3)} x hand-written C with vector lanes",
+        ),
+        (
+            "surrogate, one gait from Python",
+            f"{digits(surrogate['microseconds per gait from Python'])} us",
+            "",
+        ),
+        (
+            "surrogate, map of 200 x 200 designs",
+            f"{digits(surrogate['seconds per 200 x 200 map'], 1)} s",
+            "",
+        ),
+        (
+            "boundary elements, one helical design to 0.1 %",
+            f"{digits(solve[0], 1)} s",
+            f"{digits(solve[2])} x regularised Stokeslets; the paper: up to 20 hours a design",
+        ),
+        (
+            "`import microswim`; `microswim run`, also the first time ever",
+            f"{digits(start['import microswim']['seconds'], 1)} s; {digits(ever, 1)} s",
+            f"import of NumPy and SciPy: {numpy} s",
+        ),
+    ]
+
+
+def filled(text):
+    """The README with its tables as measured."""
+    for head, body in zip(HEADS, (accurate(), fast())):
+        lines = "".join(f"| {' | '.join(row)} |\n".replace("|  |", "| |") for row in body)
+        text = re.sub(rf"{re.escape(head)}\n(\|[-|]+\|\n)(\|.*\|\n)+", rf"{head}\n\1{lines}", text)
+    return text
+
+
+def main():
+    README.write_text(filled(README.read_text(encoding="utf-8")), encoding="utf-8")
+
+
+if __name__ == "__main__":
+    main()

@@ -4,7 +4,8 @@
 
 Reads benchmarks/results/*.json, whichever are there, and keeps the numbers in
 docs/performance.json, so that a machine that has run only some of the benchmarks renews only their
-tables. The README's tables are filled too. Numbers and records become tables; lists of sizes and seconds are drawn on log-log axes.
+tables. Numbers and records become tables; lists of sizes and seconds are drawn on log-log axes. The
+README's tables are filled too.
 """
 
 from __future__ import annotations

@@ -2,7 +2,7 @@
 
     python benchmarks/bench_fem.py cost coarse standard   # unknowns, seconds by part, memory
     python benchmarks/bench_fem.py ways standard 10       # four ways, channel diameter 10
-    python benchmarks/bench_fem.py sphere coarse standard # against Bohlin and Brenner
+    python benchmarks/bench_fem.py sphere                 # against Bohlin and Brenner, three meshes
     python benchmarks/bench_fem.py convergence            # sphere in a box on three meshes
     python benchmarks/bench_fem.py inertia                # Re = 0, 0.01, 0.1, 1
     python benchmarks/bench_fem.py march helix out        # two periods from rest (or plane)
@@ -20,6 +20,7 @@ import resource
 import sys
 import time
 from dataclasses import replace
+from functools import partial
 from pathlib import Path
 
 import numpy as np
@@ -93,16 +94,30 @@ def ways(level="standard", diameter="10"):
 
 
 def sphere(*levels):
-    """Drag and torque of a sphere on the axis, radius ratio 0.3, relative to the series."""
+    """Drag and torque of a sphere on the axis, radius ratio 0.3, relative to the series.
+
+    Without levels: P2/P1 on three meshes and the observed order; else the levels named.
+    """
     x = 0.3
     bohlin = 1 - 2.10443 * x + 2.08877 * x**3 - 0.94813 * x**5
     bohlin += -1.372 * x**6 + 3.87 * x**8 - 4.19 * x**10
-    channel = Channel(diameter=2 / x, length=10 / x)
-    for name in levels or ("coarse", "standard"):
-        R = fem.body_resistance(ms.Sphere(radius=1.0), channel=channel, level=name)
+    channel, found = Channel(diameter=2 / x, length=10 / x), []
+    for name in levels or (0.8, 0.4, 0.2):
+        level = name if isinstance(name, str) else halving(name)
+        R = fem.body_resistance(ms.Sphere(radius=1.0), channel=channel, level=level)
         drag = R[0, 0] / (6 * np.pi) * bohlin - 1
         torque = R[3, 3] / (8 * np.pi) * (1 - 0.7968242 * x**3) - 1
-        print(f"{name}: drag {100 * drag:+.2f} %, torque {100 * torque:+.2f} %", flush=True)
+        found.append((drag, torque))
+        print(f"{name}: drag {100 * drag:+.3f} %, torque {100 * torque:+.3f} %", flush=True)
+    if not levels:
+        first, second = -np.diff(found, axis=0)
+        print("order", np.log2(first / second))
+
+
+def halving(h):
+    """P2/P1 with mesh size h on a sphere and in proportion elsewhere."""
+    sizes = {"tail": 1.6, "body": h, "far": 0.5 * h, "grading": 0.9, "curvature": 1.2 / h}
+    return Level(order=2, **sizes)
 
 
 def inertia():
@@ -125,9 +140,7 @@ def convergence():
     """Drag and torque of a sphere in a box, P2/P1, on three meshes; observed order."""
     channel, found = Channel(diameter=5.0, length=5.0, shape="box"), []
     for h in (0.8, 0.4, 0.2):
-        sizes = {"tail": 1.6, "body": h, "far": 0.5 * h, "grading": 0.9, "curvature": 1.2 / h}
-        level = Level(order=2, **sizes)
-        R = fem.body_resistance(ms.Sphere(radius=1.0), channel=channel, level=level)
+        R = fem.body_resistance(ms.Sphere(radius=1.0), channel=channel, level=halving(h))
         found.append((R[0, 0] / (6 * np.pi), R[3, 3] / (8 * np.pi)))
         print(f"h {h}: drag {found[-1][0]:.5f} torque {found[-1][1]:.5f}", flush=True)
     first, second = -np.diff(found, axis=0)
@@ -154,28 +167,42 @@ def march(kind="helix", folder="out"):
 
 
 def box(*numbers):
-    """Twenty designs of the box b, N, r_b, L, helix and plane wave in turn: mesh, u_s, Omega_s."""
+    """Twenty designs of the box b, N, r_b, L, helix and plane wave in turn: fem and bem.
+
+    The channel is 20 wide and long, so that its walls count less than the mesh (level coarse).
+    """
+    channel = Channel(diameter=20.0, length=20.0)
+    for i in map(int, numbers or range(20)):
+        design = of_the_box(i)
+        tail = design.tail
+        shown = f"b {tail.amplitude:.3f} N {tail.number_of_waves:.2f} r_b {design.body.radius:.2f}"
+        print(f"{i} {tail.kind} {shown} L {tail.length:.2f}", end=" | ", flush=True)
+        try:
+            options = {"channel": channel, "level": "coarse", "phases": 4}
+            seconds, gait = clocked(partial(design.gait, "fem", **options))
+        except ms.MicroswimError as refusal:
+            print(refusal, flush=True)
+            continue
+        print(gait.info["mesh"], gait.info["elements"], f"{seconds:.0f} s", end=" | ")
+        fem_says, bem_says = gait.mean_velocity, design.gait("bem").mean_velocity
+        for j in (0, 3) if i % 2 == 0 else (0,):
+            off = 100 * (fem_says[j] / bem_says[j] - 1)
+            print(f"{fem_says[j]:.5f} {bem_says[j]:.5f} {off:+.1f} %", end=" | ")
+        print(flush=True)
+
+
+def of_the_box(i):
+    """Design i of a Latin hypercube of twenty."""
     low, high = np.array([0.03, 0.8, 0.3, 1.2]), np.array([0.2, 4.5, 0.7, 3.0])
     places = low + (high - low) * qmc.LatinHypercube(4, seed=20).random(20)
-    for i in map(int, numbers or range(20)):
-        b, waves, body, length = map(float, places[i])
-        tail = (ms.HelicalTail, ms.PlaneWaveTail)[i % 2]
-        design = ms.Swimmer(
-            body=ms.Sphere(radius=body),
-            tail=tail(length=length, amplitude=b, waves=waves, radius=0.05),
-            fluid=ms.Fluid(viscosity=1.0),
-            motion=FOUR,
-        )
-        print(f"{i} {tail.kind} b {b:.3f} N {waves:.2f} r_b {body:.2f} L {length:.2f}", end=" ")
-        try:
-            wave, flow = qs.problem(design, Channel.around(design), level_named("coarse"))
-            print(f"{qs.smallest_jacobian(wave, flow):.2f} {flow.mesh.ne} elements", end=" ")
-            for model, more in (("fem", {"level": "coarse", "phases": 4}), ("bem", {})):
-                u = design.gait(model, **more).mean_velocity
-                print(f"{model} {u[0]:.5f} {u[3]:.4f}", end=" ")
-        except ms.MicroswimError as refusal:
-            print(refusal, end="")
-        print(flush=True)
+    b, waves, body, length = map(float, places[i])
+    kind = (ms.HelicalTail, ms.PlaneWaveTail)[i % 2]
+    return ms.Swimmer(
+        body=ms.Sphere(radius=body),
+        tail=kind(length=length, amplitude=b, waves=waves, radius=0.05),
+        fluid=ms.Fluid(viscosity=1.0),
+        motion=FOUR,
+    )
 
 
 def designs(level="coarse"):
@@ -211,5 +238,5 @@ def film(folder="out"):
 
 if __name__ == "__main__":
     what, *rest = sys.argv[1:] or ["cost"]
-    parts = (cost, ways, sphere, convergence, inertia, march, designs, box, film)
-    {f.__name__: f for f in parts}[what](*rest)
+    commands = (cost, ways, sphere, convergence, inertia, march, designs, box, film)
+    {f.__name__: f for f in commands}[what](*rest)

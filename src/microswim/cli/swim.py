@@ -42,6 +42,7 @@ FILES = {
         "microswim swim robot.toml --periods 2 --steps-per-period 40 --out swum --resume",
         "microswim swim --preset tabak/helix --periods 1 --out film --film",
         "microswim swim robot.toml --hold --periods 1 --json     thrust of a held swimmer",
+        "microswim swim --preset tabak/helix --level paper --out paper   310,000 unknowns, 5 GB",
     )
 )
 @swimmer_options

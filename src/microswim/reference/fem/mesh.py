@@ -1,6 +1,7 @@
 """The straight mesh: body, straight capsule for the tail, channel; curved tetrahedra.
 
-Meshed once per outline; the wave is laid on it by an analytic displacement (`displacement`).
+Meshed once per outline; the wave is laid on it by an analytic displacement (`displacement`), or,
+where that folds it, on its surface alone (`remesh`).
 Lengths are in units of `Outline.unit`. Depends on channel, errors, netgen and ngsolve.
 """
 
@@ -13,7 +14,7 @@ from typing import Any
 import ngsolve as ngs
 import numpy as np
 from netgen import occ
-from netgen.meshing import MeshingParameters
+from netgen.meshing import MeshingParameters, MeshingStep
 
 from microswim.errors import MicroswimError, SpecError
 from microswim.surroundings import Channel
@@ -49,6 +50,7 @@ LEVELS = {
     "coarse": Level(order=2, tail=1.6, body=0.35, far=0.3, grading=0.7, curvature=1.5),
     "standard": Level(order=3, tail=1.6, body=0.35, far=0.3, grading=0.7, curvature=1.5),
     "fine": Level(order=3, tail=1.2, body=0.25, far=0.25, grading=0.5, curvature=2.0),
+    "paper": Level(order=2, tail=0.6, body=0.12, far=0.14, grading=0.25, curvature=3.5),
 }
 
 
@@ -203,19 +205,37 @@ def straight_mesh(
 @lru_cache(maxsize=4)
 def _tetrahedra(outline: Outline, channel: Channel, level: Level, zone: Zone | None) -> Any:
     """Netgen's mesh; the last few are kept, designs with the same outline share it."""
+    return _fluid(outline, channel, level).GenerateMesh(sizes(outline, channel, level, zone))
+
+
+def surface_mesh(outline: Outline, channel: Channel, level: Level) -> Any:
+    """Netgen's triangles on body, straight tail and channel alone."""
+    only = sizes(outline, channel, level, perfstepsend=MeshingStep.MESHSURFACE)
+    return _fluid(outline, channel, level).GenerateMesh(only)
+
+
+def _fluid(outline: Outline, channel: Channel, level: Level) -> occ.OCCGeometry:
     fluid = _channel_solid(outline, channel) - _swimmer_solid(outline, level)
     if len(fluid.solids) != 1:
         raise MicroswimError("the fluid is not one piece: the swimmer cuts through the channel")
-    sizes = MeshingParameters(
+    return occ.OCCGeometry(fluid)
+
+
+def sizes(
+    outline: Outline, channel: Channel, level: Level, zone: Zone | None = None, **more: Any
+) -> MeshingParameters:
+    """Netgen's parameters for a level in a channel."""
+    found = MeshingParameters(
         maxh=level.far * channel.diameter / outline.unit,
         grading=level.grading,
         curvaturesafety=level.curvature,
         optsteps3d=6,
+        **more,
     )
     if zone:
         for at in _zone_points(outline, zone):
-            sizes.RestrictH(*at)
-    return occ.OCCGeometry(fluid).GenerateMesh(sizes)
+            found.RestrictH(*at)
+    return found
 
 
 def _zone_points(outline: Outline, zone: Zone) -> list[tuple[float, float, float, float]]:

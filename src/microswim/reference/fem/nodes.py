@@ -20,7 +20,7 @@ from scipy.sparse import csr_matrix
 from scipy.sparse.linalg import splu
 
 
-def _lattice(order: int, corners: int) -> np.ndarray:
+def lattice(order: int, corners: int) -> np.ndarray:
     """Barycentric indices (i_1, .., i_corners) that sum to `order`."""
     grid = product(range(order + 1), repeat=corners)
     return np.array([index for index in grid if sum(index) == order])
@@ -44,9 +44,9 @@ class Nodes:
     def __init__(self, space: ngs.H1) -> None:
         self.space = space
         mesh = space.mesh
-        lattice = _lattice(space.globalorder, 4)
+        indices = lattice(space.globalorder, 4)
         corner = np.array([[1, 0, 0], [0, 1, 0], [0, 0, 1], [0, 0, 0]], dtype=float)
-        reference = lattice @ corner / space.globalorder
+        reference = indices @ corner / space.globalorder
         places = _positions(mesh, reference)
         self._numbers: dict[tuple, int] = {}
         rows, columns, values, points = [], [], [], []
@@ -57,7 +57,7 @@ class Nodes:
             if order not in shapes:
                 finite = space.GetFE(ngs.ElementId(ngs.VOL, element.nr))
                 shapes[order] = np.array([list(finite.CalcShape(*at)) for at in reference])
-            for local, key in enumerate(_keys(corners, lattice)):
+            for local, key in enumerate(_keys(corners, indices)):
                 if key in self._numbers:
                     continue
                 self._numbers[key] = len(points)
@@ -83,21 +83,24 @@ class Nodes:
     def on(self, boundary: str) -> np.ndarray:
         """Mask of the nodes on the boundaries that match a pattern."""
         mesh, order = self.space.mesh, self.space.globalorder
-        lattice = _lattice(order, 3)
+        indices = lattice(order, 3)
         mask = np.zeros(len(self.points), dtype=bool)
         for element in mesh.Boundaries(boundary).Elements():
-            corners = [v.nr for v in element.vertices]
-            mask[[self._numbers[key] for key in _keys(corners, lattice)]] = True
+            mask[self.numbers([v.nr for v in element.vertices], indices)] = True
         return mask
 
+    def numbers(self, corners: list[int], indices: np.ndarray) -> list[int]:
+        """Numbers of the lattice nodes of a triangle or tetrahedron with these vertices."""
+        return [self._numbers[key] for key in _keys(corners, indices)]
 
-def _keys(corners: list[int], lattice: np.ndarray) -> list[tuple]:
+
+def _keys(corners: list[int], indices: np.ndarray) -> list[tuple]:
     """Name of each lattice node: the vertices it belongs to, each with its barycentric index."""
     ranked = np.argsort(corners)
     sorted_corners = [corners[i] for i in ranked]
     return [
         tuple((c, i) for c, i in zip(sorted_corners, index) if i)
-        for index in lattice[:, ranked].tolist()
+        for index in indices[:, ranked].tolist()
     ]
 
 

@@ -5,7 +5,7 @@ With u_j the flow of the rigid mode w_j (j = 1..6), u_t that of the tail's motio
     R_ij = w_i' K u_j,   F_i = w_i' K u_t,   G = u_t' K u_t      [Tabak Eq. 17, by linearity]
 
 Inside, lengths are in units of the body's diameter and viscosity is one; the gait is returned in
-the swimmer's units. Depends on channel, displacement, mesh, stokes, gait.
+the swimmer's units. Depends on channel, displacement, mesh, remesh, stokes, gait.
 """
 
 from __future__ import annotations
@@ -24,6 +24,7 @@ from microswim.surroundings import Channel
 
 from .displacement import Wave
 from .mesh import Level, Outline, Zone, check_in_channel, level_named, straight_mesh
+from .remesh import Laid, filled
 from .stokes import FOLDED, Stokes
 
 
@@ -45,13 +46,19 @@ def room_around(outline: Outline, channel: Channel) -> float:
     return float(np.min(channel.clearance(outline.unit * axis @ channel.axes))) / outline.unit
 
 
-def problem(swimmer: Any, channel: Channel, level: Level) -> tuple[Wave, Stokes]:
-    """Mesh and spaces for a swimmer in a channel, refused where they make no sense."""
+def wave_in(channel: Channel, swimmer: Any) -> Wave:
+    """The wave of a swimmer in a channel, refused where it makes no sense."""
     outline = Outline.of(swimmer)
     wave = Wave(swimmer, outline, max(room_around(outline, channel), 0.0))
     check_in_channel(outline, channel, wave.reach + outline.radius)
     wave.check()
-    zone = None
+    return wave
+
+
+def problem(swimmer: Any, channel: Channel, level: Level) -> tuple[Wave, Stokes]:
+    """Wave, and one straight mesh with spaces that carries it through the whole period."""
+    wave, zone = wave_in(channel, swimmer), None
+    outline = wave.outline
     for attempt in range(6):
         flow = Stokes(straight_mesh(outline, channel, level, zone), level.order)
         if (smallest := smallest_jacobian(wave, flow)) > 2 * FOLDED:
@@ -59,9 +66,27 @@ def problem(swimmer: Any, channel: Channel, level: Level) -> tuple[Wave, Stokes]
         level = replace(level, curvature=1.1 * level.curvature)
         zone = Zone(outline.radius + 0.7 * wave.width, wave.scale * 1.2 * 0.93**attempt)
     raise MicroswimError(
-        f"no mesh carries this wave without folding (smallest Jacobian {smallest:.2g}); "
-        "lower the wave, use fewer waves or sections = sheared"
+        f"no one mesh carries this wave through a period without folding (smallest Jacobian "
+        f"{smallest:.2g}), as a run in time needs; lower the wave or use fewer waves, or take the "
+        "quasi-steady gait, which makes a mesh for each phase"
     )
+
+
+def meshes(wave: Wave, channel: Channel, level: Level) -> tuple[bool, Callable[[float], Laid]]:
+    """Whether meshes are filled in anew, and the mesh with the wave on it by phase.
+
+    One straight mesh displaced, as long as that does not fold; else one filled in for each phase.
+    """
+    flow = Stokes(straight_mesh(wave.outline, channel, level), level.order)
+    if smallest_jacobian(wave, flow) > 2 * FOLDED:
+        return False, lambda phase: displaced(wave, flow, phase)
+    return True, lambda phase: filled(wave, channel, level, phase)
+
+
+def displaced(wave: Wave, flow: Stokes, phase: float) -> Laid:
+    """The wave laid on the nodes of a straight mesh."""
+    X = flow.nodes.points
+    return Laid(flow, X, X + wave.displacement(X, phase))
 
 
 def smallest_jacobian(wave: Wave, flow: Stokes, phases: int = 8) -> float:
@@ -70,9 +95,15 @@ def smallest_jacobian(wave: Wave, flow: Stokes, phases: int = 8) -> float:
     return min(flow.smallest_jacobian(X + wave.displacement(X, float(a))) for a in angles)
 
 
-def tail_data(wave: Wave, flow: Stokes, phase: float) -> np.ndarray:
-    """Boundary data of the tail's motion per unit phase rate, without net flux."""
-    X, x, on = flow.nodes.points, flow.places, flow.on["tail"]
+def tail_data(
+    wave: Wave, flow: Stokes, phase: float, straight: np.ndarray | None = None
+) -> np.ndarray:
+    """Boundary data of the tail's motion per unit phase rate, without net flux.
+
+    `straight`: where the nodes lie on the straight outline, by default where the mesh has them.
+    """
+    X = flow.nodes.points if straight is None else straight
+    x, on = flow.places, flow.on["tail"]
     velocity, normal = np.zeros_like(x), np.zeros_like(x)
     velocity[on] = wave.surface_velocity(X[on], x[on], phase)
     normal[on] = wave.outward(X[on], x[on], phase)
@@ -86,13 +117,24 @@ def snapshot(
     viscosity: float,
     tell: Callable[[], None] = lambda: None,
 ) -> Snapshot:
+    """Solve the seven flows at one phase on a straight mesh; `solved` says more."""
+    return solved(wave, displaced(wave, flow, phase), phase, viscosity, tell)
+
+
+def solved(
+    wave: Wave,
+    laid: Laid,
+    phase: float,
+    viscosity: float,
+    tell: Callable[[], None] = lambda: None,
+) -> Snapshot:
     """Solve the seven flows at one phase; `tell` is called after the factorisation and each."""
-    X = flow.nodes.points
-    flow.move(X + wave.displacement(X, phase))
+    flow = laid.flow
+    flow.move(laid.places)
     flow.factorise(1.0)
     tell()
     modes = flow.rigid_modes(wave.outline.centre)
-    data = [*modes, tail_data(wave, flow, phase)]
+    data = [*modes, tail_data(wave, flow, phase, laid.straight)]
     total, body = np.zeros((6, 7)), np.zeros((6, 7))
     for j, motion in enumerate(data):
         reaction = flow.apply(flow.solve(motion))
@@ -115,7 +157,7 @@ def body_resistance(
     channel
         The vessel; `channel.position` is that of the body's centre.
     level
-        ``"coarse"``, ``"standard"``, ``"fine"`` or a `Level`.
+        ``"coarse"``, ``"standard"``, ``"fine"``, ``"paper"`` or a `Level`.
     viscosity
         Of the fluid.
     """
@@ -161,7 +203,7 @@ def gait(
     channel
         The vessel; by default the swimmer's own, or `Channel.around` (ten body diameters).
     level
-        ``"coarse"``, ``"standard"``, ``"fine"`` or a `Level`.
+        ``"coarse"``, ``"standard"``, ``"fine"``, ``"paper"`` or a `Level`.
     phases
         Phases solved over the period. A rigid helix on the axis of a cylinder needs one only.
     progress
@@ -178,19 +220,29 @@ def gait(
         if progress:
             progress(next(done), of)
 
-    wave, flow = problem(swimmer, channel, level_named(level))
+    wave = wave_in(channel, swimmer)
+    anew, mesh_at = meshes(wave, channel, level_named(level))
     tell()
-    viscosity = float(swimmer.fluid.viscosity)
-    shots = [snapshot(wave, flow, float(angle), viscosity, tell) for angle in angles]
+    shots, mesh_info = [], {}
+    for angle in map(float, angles):
+        laid = mesh_at(angle)
+        shots.append(solved(wave, laid, angle, float(swimmer.fluid.viscosity), tell))
+        mesh_info = _of_mesh(laid.flow)
+        del laid  # a filled mesh gives its memory back before the next
     info = {
         "level": level if isinstance(level, str) else asdict(level),
-        "unknowns": int(flow.unknowns),
-        "elements": int(flow.mesh.ne),
-        "seconds": dict(flow.seconds),
+        "mesh": "filled in anew at each phase" if anew else "displaced",
+        **mesh_info,
         "channel": asdict(channel),
         "wall_seconds": time.perf_counter() - start,
     }
     return _assembled(swimmer, shots, turning, info)
+
+
+def _of_mesh(flow: Stokes) -> dict[str, Any]:
+    """What a gait says of the mesh it was found on."""
+    size = {"unknowns": int(flow.unknowns), "elements": int(flow.mesh.ne)}
+    return {**size, "seconds": dict(flow.seconds)}
 
 
 def vessel(swimmer: Any, channel: Channel | None) -> Channel:

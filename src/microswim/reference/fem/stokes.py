@@ -98,13 +98,17 @@ class Stokes:
 
     def smallest_jacobian(self, places: np.ndarray) -> float:
         """Smallest det(1 + grad d) at quadrature points with the nodes at `places`."""
+        return float(np.min(self.jacobians(places)))
+
+    def jacobians(self, places: np.ndarray) -> np.ndarray:
+        """Smallest det(1 + grad d) of each element with the nodes at `places`."""
         self.position = self.nodes.coefficients(places)
         self.mesh.UnsetDeformation()
         self.deformation.vec.FV().NumPy()[:] = (self.position - self._straight).T.ravel()
         rule = ngs.IntegrationRule(ngs.TET, 2 * self.order)
         points = self.mesh.MapToAllElements(rule, ngs.VOL)
         jacobian = ngs.Det(ngs.Id(3) + ngs.Grad(self.deformation))
-        return float(np.min(jacobian(points)))
+        return np.asarray(jacobian(points)).reshape(self.mesh.ne, -1).min(axis=1)
 
     def factorise(self, viscosity: float, inertia: float = 0.0) -> None:
         """Assemble K and factorise it; `inertia` is the coefficient c of the mass term.

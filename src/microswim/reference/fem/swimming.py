@@ -163,7 +163,7 @@ def swim(
     steps_per_period
         Time steps a period; the error falls with their square.
     level
-        ``"coarse"``, ``"standard"``, ``"fine"`` or a `Level`.
+        ``"coarse"``, ``"standard"``, ``"fine"``, ``"paper"`` or a `Level`.
     free
         Which of us, uq, ur, os, oq, or are free; by default `swimmer.motion`. All false holds the
         swimmer: thrust and torque of a stationary swimmer.

@@ -2,10 +2,12 @@
 
     python benchmarks/bench_control.py [--peers PYTHON]
 
-PYTHON is an interpreter with mujoco, gymnasium and pyelastica, apart from this one. Steps are
-processor seconds on one core, the least of several runs, so that other work on the machine counts
-little; environment steps are counted by the clock on all cores, and beside it per processor second
-times two. Results go to benchmarks/results/control.json and, as a table, to the screen.
+PYTHON is an interpreter with mujoco, gymnasium, pyelastica and softmobility, apart from this one; a
+peer that is not there is named in a line and left out. SoftMobility swims the three spheres of its
+own example 07, 200 steps a period, its rollout compiled by JAX beforehand. Steps are processor
+seconds on one core, the least of several runs, so that other work on the machine counts little;
+environment steps are counted by the clock on all cores, and beside it per processor second times
+two. Results go to benchmarks/results/control.json and, as a table, to the screen.
 """
 
 from __future__ import annotations
@@ -68,6 +70,28 @@ try:
     found["PyElastica rod, slender body, 50 elements"] = rate(step, 2000)
 except Exception as error:
     found["PyElastica: " + str(error)[:80]] = None
+try:
+    import jax, numpy as np
+    jax.config.update("jax_enable_x64", True)
+    import softmobility
+    body = softmobility.SoftBody('''
+dof_names: [L]
+design_names: [k, eps]
+defaults: {k: 2.0, eps: 0.3, L0: 0.0, a0: 0.05, a1: 0.05, a2: 0.05}
+spheres:
+  - {radius: a0, force: [-k * L0, 0, 0]}
+  - {radius: a1, position: [-1 - L0, 0, 0], force: [k * L0, 0, 0]}
+  - {radius: a2, position: [1 + eps * sin(time), 0, 0]}
+''', verbose=False)
+    run = softmobility.FlowBodyRollout(soft_body=body, flow=softmobility.no_flow()).rollout
+    design = jax.numpy.asarray(body.design_defaults)
+    swim = jax.jit(lambda design: run(dt=2 * np.pi / 200, n_steps=1200, design=design)[0])
+    def periods():
+        swim(design).block_until_ready()
+    periods()  # compiles
+    found["SoftMobility (JAX), three spheres, compiled rollout"] = 1200 * rate(periods, 3)
+except Exception as error:
+    found["SoftMobility: " + str(error)[:80]] = None
 print(json.dumps(found))
 """
 
@@ -151,10 +175,21 @@ def peers(python):
     """Steps per processor second of other environments and rods."""
     if python is None:
         return {}
-    run = subprocess.run([python, "-c", PEER], capture_output=True, text=True, check=False)
+    one = os.environ | {"OMP_NUM_THREADS": "1", "XLA_FLAGS": "--xla_cpu_multi_thread_eigen=false"}
+    run = subprocess.run([python, "-c", PEER], capture_output=True, text=True, check=False, env=one)
     if run.returncode:
         raise SystemExit(run.stderr)
     return json.loads(run.stdout.splitlines()[-1])
+
+
+def beside(others, steps, environment_steps):
+    """Peers that are there, each beside our steps of a swimmer or of an environment."""
+    ours = {name: environment_steps if "MuJoCo" in name else steps for name in others}
+    return {
+        name: {"steps per processor second": rate, "ours meanwhile": ours[name] / rate}
+        for name, rate in others.items()
+        if rate is not None
+    }
 
 
 def main():
@@ -165,7 +200,7 @@ def main():
     results = {
         "microseconds": micro,
         "environments": envs,
-        "peers": others,
+        "peers": beside(others, 1e6 / micro["step, compiled loop"], envs["Steer"]["two cores"] / 2),
         "cores": os.cpu_count(),
     }
     (HERE / "results").mkdir(exist_ok=True)

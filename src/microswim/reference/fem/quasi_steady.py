@@ -205,7 +205,8 @@ def gait(
     level
         ``"coarse"``, ``"standard"``, ``"fine"``, ``"paper"`` or a `Level`.
     phases
-        Phases solved over the period. A rigid helix on the axis of a cylinder needs one only.
+        Phases over the period. On the axis of a cylinder a rigid helix needs one only, a plane
+        wave is solved at half of them: the others are its mirror images.
     progress
         Called as ``progress(done, of)`` after the mesh, and in each phase after the factorisation
         and each of the seven flows.
@@ -213,7 +214,9 @@ def gait(
     start = time.perf_counter()
     channel = vessel(swimmer, channel)
     turning = turns_rigidly(swimmer, channel)
-    angles = np.arange(1 if turning else phases) * 2.0 * np.pi / phases
+    mirrored = phases % 2 == 0 and mirrors_itself(swimmer, channel)
+    wanted = 1 if turning else phases // 2 if mirrored else phases
+    angles = np.arange(wanted) * 2.0 * np.pi / phases
     done, of = count(1), 1 + 8 * len(angles)
 
     def tell() -> None:
@@ -229,6 +232,8 @@ def gait(
         shots.append(solved(wave, laid, angle, float(swimmer.fluid.viscosity), tell))
         mesh_info = _of_mesh(laid.flow)
         del laid  # a filled mesh gives its memory back before the next
+    if mirrored:
+        shots += [mirror_image(shot) for shot in shots]
     info = {
         "level": level if isinstance(level, str) else asdict(level),
         "mesh": "filled in anew at each phase" if anew else "displaced",
@@ -260,6 +265,20 @@ def is_round(swimmer: Any) -> bool:
 def turns_rigidly(swimmer: Any, channel: Channel) -> bool:
     """Whether one phase tells all: a round swimmer on the axis of a cylinder."""
     return channel.centred and is_round(swimmer)
+
+
+def mirrors_itself(swimmer: Any, channel: Channel) -> bool:
+    """Whether half a period later is the mirror image: a plane wave on the axis of a cylinder."""
+    tail = swimmer.tail
+    waves = getattr(tail, "kind", "") == "plane_wave" and tail.surface_motion != "rigid"
+    return channel.centred and waves
+
+
+def mirror_image(shot: Snapshot) -> Snapshot:
+    """The same swimmer seen in the plane q = 0: R -> M R M, F -> M F; torques are axial."""
+    M = np.diag([1.0, -1.0, 1.0, -1.0, 1.0, -1.0])
+    R, body_R = M @ shot.resistance @ M, M @ shot.body_resistance @ M
+    return Snapshot(R, M @ shot.propulsion, shot.activity, body_R, M @ shot.body_propulsion)
 
 
 def _assembled(swimmer: Any, shots: list[Snapshot], turning: bool, info: dict) -> Gait:

@@ -205,24 +205,28 @@ def of_the_box(i):
     )
 
 
-def designs(level="coarse"):
-    """Smallest Jacobian over a period; remeshed where the first mesh folds."""
-    for kind, sections in (
-        (ms.HelicalTail, "perpendicular"),
-        (ms.HelicalTail, "sheared"),
-        (ms.PlaneWaveTail, "sheared"),
+def designs(level="coarse", steepest="0"):
+    """Smallest Jacobian of the displaced mesh over a period, or of one filled in where it folds.
+
+    `steepest`: only designs of at least that amplitude times number of waves.
+    """
+    for kind, sections, motion in (
+        (ms.HelicalTail, "perpendicular", "rigid"),
+        (ms.HelicalTail, "sheared", "rigid"),
+        (ms.PlaneWaveTail, "sheared", "translating"),
     ):
         for amplitude in (0.01, 0.05, 0.1, 0.15):
             for waves in (1, 2, 3, 4, 5):
-                tail = {"amplitude": amplitude, "waves": waves}
-                motion = "rigid" if kind is ms.HelicalTail else "translating"
-                design = base(sections, motion, kind=kind, **tail)
-                try:
-                    wave, flow = qs.problem(design, Channel(), level_named(level))
-                    said = f"{qs.smallest_jacobian(wave, flow):.2f}, {flow.mesh.ne} elements"
-                except ms.MicroswimError as refusal:
-                    said = f"refused: {refusal}"
-                print(kind.kind, sections, amplitude, waves, said, flush=True)
+                if amplitude * waves < float(steepest):
+                    continue
+                design = base(sections, motion, kind=kind, amplitude=amplitude, waves=waves)
+                wave = qs.wave_in(Channel(), design)
+                anew, mesh_at = qs.meshes(wave, Channel(), level_named(level))
+                laid = mesh_at(0.0)
+                least = laid.flow.smallest_jacobian(laid.places)
+                least = least if anew else qs.smallest_jacobian(wave, laid.flow)
+                how = f"{'filled in' if anew else 'displaced'}, {laid.flow.mesh.ne} elements"
+                print(kind.kind, sections, amplitude, waves, f"{least:.2f}", how, flush=True)
 
 
 def film(folder="out"):

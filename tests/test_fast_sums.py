@@ -20,7 +20,7 @@ SHAPES = st.tuples(
 def parameters(waves, bk, ramp, sign, spin):
     L = 2.0
     k = 2 * np.pi * waves / L
-    return np.array([L, bk / k, k, ramp, sign, 2.1, 3.4, 0.02, 0.6, spin])
+    return np.array([L, bk / k, k, ramp, sign, 2.1, 3.4, 0.02, 0.6, spin, 0.3])
 
 
 def differences(one, other):

@@ -94,6 +94,8 @@ DESIGNS = {
         ("tabak/helix-constant", {"motion.frequency_frame": "lab"}),
         ("tabak/plane_wave", {}),
         ("tabak/plane_wave-constant", {}),
+        ("tabak/helix", {"coefficients.tip": True}),
+        ("tabak/plane_wave", {"coefficients.tip": True}),
     ],
 )
 def test_batch_equals_one_by_one(preset, overrides):

@@ -47,7 +47,17 @@ def test_picture_of_the_cells_shows_each():
 def test_the_tip_takes_power_and_keeps_momentum_balance():
     """Moved with its own velocity, the tip's force is its drag times velocity, as F_p says."""
     phase = np.linspace(0.0, 5.0, 7)
-    R, F, G = rotation.end_drag(WAVE, phase)
+    gaits = [replace(WAVE, coefficients=ms.GrayHancock(tip=tip)).gait() for tip in (True, False)]
+    R, F, G = (
+        f(gaits[0]) - f(gaits[1])
+        for f in (
+            lambda g: g.resistance(phase),
+            lambda g: g.propulsion(phase),
+            lambda g: g.activity(phase),
+        )
+    )
+    drag = 0.5 * ms.Sphere(radius=WAVE.tail.radius).diagonal(WAVE.fluid.viscosity)[0]
+    assert R[:, 0, 0] == pytest.approx(drag)
     P, _, velocity = WAVE.tail.centreline(np.full_like(phase, WAVE.tail.apparent_length), phase)
     arm = P - WAVE.body.centre
     assert np.allclose(R, np.swapaxes(R, 1, 2))

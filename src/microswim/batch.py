@@ -99,7 +99,7 @@ def _chunk(swimmer: Swimmer, arrays: dict[str, Any], tolerance: float) -> dict[s
         warnings.simplefilter("ignore")
         many = swimmer.lifted(arrays)
         own = parameters if swimmer.region is None else swimmer.region.parameters
-        p = np.ascontiguousarray(np.broadcast_to(own(many), (n, 10)))
+        p = np.ascontiguousarray(np.broadcast_to(own(many), (n, 11)))
         body = np.ascontiguousarray(np.broadcast_to(body_resistance(many), (n, 6, 6)))
         good = _buildable(many, p, body)
         rate = np.broadcast_to(many.tail.rate, (n,))

@@ -18,7 +18,8 @@ from __future__ import annotations
 from typing import Any
 
 import numpy as np
-from numba import njit
+
+from .compiled import njit
 
 REAL, VECTORS = 10, 6  #: helix: invariant corrections, and lateral vectors
 PLANES = ((0, 1, 5), (2, 3, 4))  #: plane wave: in the plane of the wave, and out of it

@@ -46,9 +46,14 @@ class Coefficients:
     spin
         Whether a section that spins about its own centreline feels the torque
         ``c_r = 4 pi mu r_t^2`` per unit length. False is the paper's model.
+    tip
+        Whether the free end feels half of Stokes' drag on a sphere of the filament's radius,
+        ``3 pi mu r_t``. The paper's model has none; a wave of a whole number of turns cancels along
+        its length, and its end then decides the force and torque across.
     """
 
     spin: bool = True
+    tip: bool = False
     law: ClassVar[str]
 
     def pair(self, tail: Tail, viscosity: Any) -> tuple[Any, Any]:
@@ -62,6 +67,10 @@ class Coefficients:
         """
         spin = 4.0 * np.pi * viscosity * tail.radius**2 if self.spin else 0.0 * tail.radius
         return (*self.pair(tail, viscosity), spin)
+
+    def end(self, tail: Tail, viscosity: Any) -> Any:
+        """Force and velocity of the tip, in all directions: half a sphere, half its drag."""
+        return 3.0 * np.pi * viscosity * tail.radius if self.tip else 0.0 * tail.radius
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -9,6 +9,7 @@ rounding. Written so that each number may be an array, a kernel also takes many 
 
 from __future__ import annotations
 
+import hashlib
 from collections.abc import Callable
 from contextvars import ContextVar
 from functools import cached_property, update_wrapper
@@ -22,6 +23,37 @@ FEW = 8
 _in_python: ContextVar[bool] = ContextVar("in_python", default=False)
 
 
+def njit(**options: Any) -> Callable[[Callable[..., Any]], Any]:
+    """``numba.njit`` whose cache processes may fill at once.
+
+    numba calls what it stores 1, 2, ... and keeps a list of which is for which types. Of two
+    processes that compile for different types one could overwrite what the other has listed, and
+    the list would lead to code for other types. Here each name is made of the types.
+    """
+    import numba
+
+    def decorate(function: Callable[..., Any]) -> Any:
+        made = numba.njit(**options)(function)
+        stored = getattr(made._cache, "_cache_file", None)  # none if it is not cached
+        if stored is not None:
+            _name_by_types(stored)
+        return made
+
+    return decorate
+
+
+def _name_by_types(stored: Any) -> None:
+    save = stored.save
+
+    def save_by_types(key: Any, data: Any) -> None:
+        types = hashlib.sha256(repr(key).encode()).hexdigest()[:16]
+        name = f"{stored._index_name.removesuffix('.nbi')}.{types}.nbc"
+        stored._data_name = lambda number: name
+        save(key, data)
+
+    stored.save = save_by_types
+
+
 class Kernel:
     """A function that numba compiles on its call number `first` + 1; kernels may call kernels."""
 
@@ -32,8 +64,6 @@ class Kernel:
     @cached_property
     def dispatcher(self) -> Any:
         """The function as numba has it."""
-        from numba import njit
-
         return njit(cache=True, **self.options)(self.function)
 
     @property

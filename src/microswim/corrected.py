@@ -8,9 +8,10 @@ from __future__ import annotations
 from typing import Any
 
 import numpy as np
-from numba import njit, prange
+from numba import prange
 
 from . import blocks, shaded
+from .compiled import njit
 from .gait import MIRROR_Q
 from .kriging import predict
 from .mobility import solve
@@ -40,7 +41,7 @@ def helices(
             predict(y, Z[d], N[d], nodes, tips, lengths, phasors, cut, alpha, work)
             m = sizes[d]
             tail = shaded.table(p[d], ramp_rule, (xi[m, : m + 1], weight[m, : m + 1]))
-            G0 = shaded.fill_base(R[d, 0], F[d, 0], p[d], D[d], mu[d], tail, 0.0, 1.0)
+            G0 = shaded.fill_base(R[d, 0], F[d, 0], p[d], D[d], tail, 0.0, 1.0)
             a = p[d, 8]
             extra[d, 0] = D[d, 0] * np.exp(y[10])
             extra[d, 1] = y[11] * mu[d] * a * a
@@ -101,7 +102,7 @@ def waves(
             tail = shaded.table(p[d], ramp_rule, (xi[m, : m + 1], weight[m, : m + 1]))
             r, f, g = R[d, :HALF], F[d, :HALF], G[d, :HALF]
             for j in range(HALF):
-                g[j] = shaded.fill_base(r[j], f[j], p[d], D[d], mu[d], tail, PHASES[j], 0.0)
+                g[j] = shaded.fill_base(r[j], f[j], p[d], D[d], tail, PHASES[j], 0.0)
             scale = scales(r, f, g)
             extra[d, 0] = D[d, 0]
             for j in range(HALF):

@@ -111,7 +111,7 @@ class Correction:
 
     @staticmethod
     def parameters(swimmer: Swimmer) -> np.ndarray:
-        """Kernel parameters (..., 10) of the base."""
+        """Kernel parameters (..., 11) of the base."""
         return shaded.parameters(swimmer)
 
     def inputs(self, swimmer: Swimmer) -> tuple[np.ndarray, np.ndarray]:
@@ -223,7 +223,7 @@ class Correction:
     def _matrices(self, many: Swimmer, Z: np.ndarray, N: np.ndarray) -> tuple[np.ndarray, ...]:
         """R (n, m, 6, 6), F (n, m, 6), G (n, m) over the phases, and the body's share (n, 3)."""
         n = len(Z)
-        p = np.ascontiguousarray(np.broadcast_to(shaded.parameters(many), (n, 10)))
+        p = np.ascontiguousarray(np.broadcast_to(shaded.parameters(many), (n, 11)))
         drags = many.body.diagonal(many.fluid.viscosity)
         D = np.stack([np.broadcast_to(d, (n,)) for d in drags], axis=-1)
         mu = np.broadcast_to(many.fluid.viscosity, (n,))

@@ -105,7 +105,15 @@ def add_segment(R: Any, F: Any, X: Any, T: Any, U: Any, dl: Any, c: Any, spin: f
     return f0 * U[0] + f1 * U[1] + f2 * U[2] + twist * t0 * spin
 
 
-PARAMETERS = ("L", "b", "k", "ramp", "sign", "c_t", "c_n", "c_r", "offset", "spin")
+PARAMETERS = ("L", "b", "k", "ramp", "sign", "c_t", "c_n", "c_r", "offset", "spin", "tip")
+
+
+@compiled(fastmath=FAST)
+def add_tip(kind: int, R: Any, F: Any, p: Any, phase: Any) -> Any:
+    """Add the drag of the tip, a point at ``s = L`` that resists alike in all directions."""
+    s, q, r, _, _, u, v = wave_nodes(kind, 1.0 + 0 * p[3], phase, False, p)
+    X, T, U = (s + p[8], q, r), (1.0 + 0 * s, 0 * s, 0 * s), (0 * u, u, v)
+    return add_segment(R, F, X, T, U, 1.0, (p[10], p[10], 0 * p[10]), 0.0)
 
 
 @compiled(fastmath=FAST)
@@ -126,6 +134,7 @@ def wave_tail(kind: int, arc: bool, p: Any, phase: Any, ramp_rule: Any, rule: An
             dl = weight[i] * width * p[0] * (speed if arc else 1.0)
             T = (1.0 / speed, q_s / speed, r_s / speed)
             G += add_segment(R, F, (s + p[8], q, r), T, (0 * u, u, v), dl, c, spin)
+    G += add_tip(kind, R, F, p, phase)
     for i in range(6):
         for j in range(i):
             R[j, i] = R[i, j]

@@ -17,10 +17,10 @@ from functools import cached_property
 from typing import Any
 
 import numpy as np
-from numba import njit
 from scipy.linalg import solve_triangular
 from scipy.optimize import minimize
 
+from .compiled import njit
 from .kernels import FAST
 
 PHASORS = 3

@@ -11,9 +11,10 @@ from functools import cache
 from typing import Any
 
 import numpy as np
-from numba import njit, prange
+from numba import prange
 
-from .kernels import gauss
+from .compiled import njit
+from .kernels import HELIX, PLANE_WAVE, add_tip, gauss
 from .mobility import solve, solve_lanes
 from .planarwave import add_wave, fill_nodes
 from .rigidhelix import MOST_NODES, add_constant_part, add_ramp
@@ -36,7 +37,7 @@ def solve_helices(
 ) -> tuple[np.ndarray, np.ndarray]:
     """Twists at phase 0 and tail powers ``F_p . V + G`` per unit rate of many helices, in parallel.
 
-    `p` (n, 10), `body` (n, 6, 6), `counts` (n,) the nodes on each ramp; where the count is negative
+    `p` (n, 11), `body` (n, 6, 6), `counts` (n,) the nodes on each ramp; where the count is negative
     the result is NaN. Returns (n, 6) and (n,).
     """
     return _helices(arc, p, body, free, counts, *_ramp_rules())
@@ -58,7 +59,8 @@ def _helices(arc: bool, p: Any, body: Any, free: Any, counts: Any, xi: Any, weig
                 for j in range(i + 1):
                     R[i, j] = body[d, i, j]
             G = add_ramp(R, F[l], p[d], 0.0, arc, (xi[m, :m], weight[m, :m]), trig)
-            power[d] = G + add_constant_part(R, F[l], p[d], 0.0, arc)
+            G += add_constant_part(R, F[l], p[d], 0.0, arc)
+            power[d] = G + (add_tip(HELIX, R, F[l], p[d], 0.0) if p[d, 10] != 0 else 0.0)
             for i in range(6):
                 U[i, l] = -F[l, i]
                 for j in range(i + 1):
@@ -78,7 +80,7 @@ def solve_waves(
 ) -> Any:
     """Twists and tail powers ``F_p . V + G`` per unit rate of many plane waves, in parallel.
 
-    `p` (n, 10), `body` (n, 6, 6). Returns V (n, m, 6) and the powers (n, m) over the m phases.
+    `p` (n, 11), `body` (n, 6, 6). Returns V (n, m, 6) and the powers (n, m) over the m phases.
     """
     n, m = p.shape[0], phases.size
     V = np.empty((n, m, 6))
@@ -94,6 +96,7 @@ def solve_waves(
                     for l in range(i + 1):
                         R[i, l] = body[d, i, l]
                 G = add_wave(R, F, p[d], nodes, phases[j], arc)
+                G += add_tip(PLANE_WAVE, R, F, p[d], phases[j])
                 for i in range(6):
                     V[d, j, i] = -F[i]
                 solve(R, V[d, j], free)

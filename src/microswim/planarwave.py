@@ -15,7 +15,7 @@ from typing import Any
 import numpy as np
 
 from .compiled import compiled
-from .kernels import FAST
+from .kernels import FAST, PLANE_WAVE, add_tip
 
 
 @compiled(fastmath=FAST)
@@ -100,6 +100,7 @@ def in_a_row(arc: bool, p: Any, phases: Any, ramp_rule: Any, rule: Any) -> Any:
     fill_nodes(nodes, p, ramp_rule, rule)
     for j in range(m):
         G[j] = add_wave(R[j], F[j], p, nodes, phases[j], arc)
+        G[j] += add_tip(PLANE_WAVE, R[j], F[j], p, phases[j])
         for i in range(6):
             for n in range(i):
                 R[j, n, i] = R[j, i, n]
@@ -107,7 +108,7 @@ def in_a_row(arc: bool, p: Any, phases: Any, ramp_rule: Any, rule: Any) -> Any:
 
 
 def side_by_side(arc: bool, p: Any, phases: Any, ramp_rule: Any, rule: Any) -> Any:
-    """`wave_phases` as Python, all phases at once, and all designs of p (10, n): (m, 6, 6, n)..."""
+    """`wave_phases` as Python, all phases at once, and all designs of p (11, n): (m, 6, 6, n)..."""
     each = p.shape[1:]
     R = np.zeros((6, 6, phases.size, *each), dtype=p.dtype)
     F = np.zeros((6, phases.size, *each), dtype=p.dtype)
@@ -115,6 +116,7 @@ def side_by_side(arc: bool, p: Any, phases: Any, ramp_rule: Any, rule: Any) -> A
     fill_nodes.written(nodes, p, ramp_rule, rule)
     phases = phases.reshape(-1, *[1] * len(each))
     G = add_wave.written(R, F, p, nodes, phases, arc)
+    G += add_tip.written(PLANE_WAVE, R, F, p, phases)
     upper = np.triu_indices(6, 1)
     R[upper] = R.swapaxes(0, 1)[upper]
     return np.moveaxis(R, 2, 0), np.moveaxis(F, 1, 0), G

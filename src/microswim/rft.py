@@ -7,7 +7,8 @@ With the local resistance ``C = c_n I + (c_t - c_n) t t'`` per unit length (Eqs.
               [ X^ C     -X^ C X^     ]
     F_p = int [ C u_hat;  X x C u_hat ]  dl   + spin:  c_r t (t . w_hat)
 
-where ``X^ v = X x v`` and w_hat is the section's own rate of rotation. In Eq. (14) the paper prints
+where ``X^ v = X x v`` and w_hat is the section's own rate of rotation; a tip with drag adds the
+same at ``s = L`` with ``C = 3 pi mu r_t I``. In Eq. (14) the paper prints
 ``R C R u_hat`` where ``R C R' u_hat`` is meant. The line element is arc length,
 ``dl = |dP/ds| ds`` (the paper's ``ds`` is the option ``line_element = "apparent"``).
 
@@ -34,15 +35,18 @@ from .planarwave import wave_phases
 from .rigidhelix import FEWEST_WAVES, helix_tail, ramp_nodes
 from .swimmer import SURROUNDINGS, Swimmer
 
+AXIS = np.array([1.0, 0.0, 0.0])
+
 
 def parameters(swimmer: Swimmer) -> np.ndarray:
-    """Kernel parameters of a swimmer with a wave tail, shape (..., 10), as in `PARAMETERS`."""
+    """Kernel parameters of a swimmer with a wave tail, shape (..., 11), as in `PARAMETERS`."""
     tail, x = swimmer.tail, swimmer.interaction.tail
     local = swimmer.coefficients.local(tail, swimmer.fluid.viscosity)
     values = (
         *(tail.apparent_length, tail.amplitude, tail.wavenumber, tail.ramp, tail.sign),
         *(factor * c for factor, c in zip(x, local)),
         *(swimmer.body.semi_axes3[0], tail.spin),
+        swimmer.coefficients.end(tail, swimmer.fluid.viscosity),
     )
     if any(isinstance(v, np.ndarray) for v in values):
         return np.stack(np.broadcast_arrays(*values), axis=-1)
@@ -159,14 +163,21 @@ def _custom_samples(
         panels.append((a + (b - a) * x, (b - a) * w))
     x, w = (np.concatenate(part) for part in zip(*panels))
     P, P_s, U = tail.centreline(tail.length * x[None, :], phases[:, None])
-    X = P + np.array([offset, 0 * offset, 0 * offset])
-    kind = np.result_type(X, np.float64, *c)
+    kind = np.result_type(P, offset, np.float64, *c)
     c = tuple(np.asarray(v, dtype=kind)[()] for v in c)
     ds = (tail.length * w).astype(kind)
+    end = swimmer.coefficients.end(tail, swimmer.fluid.viscosity)
+    drag = tuple(np.asarray(v, dtype=kind)[()] for v in (end, end, 0.0))
+    tip = tail.centreline(np.full((1, 1), tail.length), phases[:, None])
     arc = swimmer.motion.line_element == "arc"
-    nodes_at = [np.ascontiguousarray(v, dtype=kind) for v in (X, P_s, U)]
-    results = [
-        centreline_tail(*(v[j] for v in nodes_at), ds, arc, c, tail.spin)
-        for j in range(len(phases))
-    ]
-    return tuple(np.array(part) for part in zip(*results))
+    along = _quadrature((P + offset * AXIS, P_s, U), ds, arc, c, tail.spin)
+    point = np.ones(1, dtype=kind)
+    ending = _quadrature((tip[0] + offset * AXIS, *tip[1:]), point, False, drag, 0.0)
+    return tuple(a + b for a, b in zip(along, ending))
+
+
+def _quadrature(at: Any, ds: np.ndarray, arc: bool, c: Any, spin: float) -> tuple[np.ndarray, ...]:
+    """``B_t``, ``F_p``, G at each phase from position, slope and velocity at nodes, (m, n, 3)."""
+    at = [np.ascontiguousarray(v, dtype=ds.dtype) for v in at]
+    each = [centreline_tail(*(v[j] for v in at), ds, arc, c, spin) for j in range(len(at[0]))]
+    return tuple(np.array(part) for part in zip(*each))

@@ -18,7 +18,7 @@ from typing import Any
 import numpy as np
 
 from .compiled import compiled
-from .kernels import FAST
+from .kernels import FAST, HELIX, add_tip
 
 #: Below this number of waves the closed integrals lose digits to cancellation.
 FEWEST_WAVES = 0.05
@@ -197,6 +197,7 @@ def helix_tail(arc: bool, p: Any, phase: Any, ramp_rule: Any) -> Any:
     F = np.zeros((6, *p.shape[1:]), dtype=p.dtype)
     trig = np.empty((2, ramp_rule[0].size, *p.shape[1:]), dtype=p.dtype)
     G = add_ramp(R, F, p, phase, arc, ramp_rule, trig) + add_constant_part(R, F, p, phase, arc)
+    G += add_tip(HELIX, R, F, p, phase)
     for i in range(6):
         for j in range(i):
             R[j, i] = R[i, j]

@@ -3,8 +3,8 @@
 In the plane of the beat the swimmer obeys ``R V + F_p rate = 0`` for (us, uq, or), with
 ``R = D Gamma + E + R_tail``. Each `Variant` frees some of: the coefficients Gamma, a coupling E of
 force across and turning, factors of the tail's c_t and c_n; takes the body's block from the
-reference; or adds the tip, half a sphere with half its drag, ``3 pi mu r_t`` at s = L, which
-neither Eq. (5) nor (14) has. It is fitted to the reference's velocities, or to the whole R and F_p.
+reference; or adds the tip (`Coefficients.tip`), which neither Eq. (5) nor (14) has. It is fitted to
+the reference's velocities, or to the whole R and F_p.
 Depends on gait, interaction, swimmer.
 """
 
@@ -53,31 +53,6 @@ VARIANTS = (
     Variant("tip, tail factors from propulsion, then Gamma", ((TAIL, F), (GAMMA, V)), True),
     Variant("tip; Gamma, E and tail factors from R and F_p", ((UNKNOWNS, (*R, *F)),), True),
 )
-
-
-def end_drag(swimmer: Swimmer, phase: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """R (n, 6, 6), F_p (n, 6) and activity (n,) of the tail's tip, half a sphere.
-
-    Examples
-    --------
-    >>> import microswim as ms
-    >>> import numpy as np
-    >>> from microswim.rotation import end_drag
-    >>> swimmer = ms.Swimmer.preset("tabak/plane_wave")
-    >>> R, F, G = end_drag(swimmer, np.zeros(1))
-    >>> round(float(R[0, 0, 0] / (3 * np.pi * 100.0 * 0.05)), 12)
-    1.0
-    """
-    tail, phase = swimmer.tail, np.asarray(phase, dtype=float)
-    drag = 3.0 * np.pi * swimmer.fluid.viscosity * tail.radius
-    P, _, velocity = tail.centreline(np.full_like(phase, tail.apparent_length), phase)
-    arm = P - swimmer.body.centre
-    carried = np.concatenate(
-        [np.broadcast_to(np.eye(3), (len(phase), 3, 3)), np.cross(np.eye(3), arm[:, None])], axis=1
-    )  # rows: velocity of the tip for each unit twist
-    R = drag * carried @ np.swapaxes(carried, 1, 2)
-    F = drag * np.einsum("nij,nj->ni", carried, velocity)
-    return R, F, drag * np.sum(velocity**2, axis=-1)
 
 
 def study(swimmer: Swimmer, reference: Gait) -> list[dict[str, Any]]:
@@ -129,7 +104,8 @@ def _model(swimmer: Swimmer, values: dict[str, float], variant: Variant, own: An
         rotation=(1.0, 1.0, values["gamma_r"]),
         tail=(values["tail_t"], values["tail_n"], 1.0),
     )
-    made = replace(swimmer, interaction=x).gait()
+    law = replace(swimmer.coefficients, tip=variant.tip)
+    made = replace(swimmer, interaction=x, coefficients=law).gait()
     phase = 2.0 * np.pi * np.arange(PHASES) / PHASES
     drag = np.array(swimmer.body.diagonal(swimmer.fluid.viscosity))
     R, wrench, G = made.resistance(phase), made.propulsion(phase), made.activity(phase)
@@ -138,9 +114,6 @@ def _model(swimmer: Swimmer, values: dict[str, float], variant: Variant, own: An
     body[1, 5] = body[5, 1] = values["coupling"] * np.sqrt(drag[1] * drag[5])
     body = body if own is None else own
     R = R + body - plain
-    if variant.tip:
-        end = end_drag(swimmer, phase)
-        R, wrench, G = R + end[0], wrench + end[1], G + end[2]
     shares = {"body_R": np.broadcast_to(body, R.shape), "body_F": 0.0 * wrench}
     return Gait.from_samples(R, wrench, G, **shares, rate=made.rate, free=made.free)
 

@@ -22,20 +22,20 @@ from functools import cache
 from typing import Any
 
 import numpy as np
-from numba import njit
 
 from .coefficients import GrayHancock
+from .compiled import njit
 from .kernels import FAST, gauss
 from .planarwave import fill_nodes
 from .swimmer import Swimmer
 
-_LAW = GrayHancock()
+_LAW = GrayHancock(tip=True)
 
 ON_RAMP = 8  #: nodes on the ramp
 
 
 @njit(cache=True, fastmath=FAST, error_model="numpy")
-def add_tail(R: Any, F: Any, p: Any, tip: Any, nodes: Any, phase: float, g: float) -> Any:
+def add_tail(R: Any, F: Any, p: Any, nodes: Any, phase: float, g: float) -> Any:
     """Add tail and tip to the lower triangle of R and to ``F_p``; returns G.
 
     `nodes` as of `microswim.planarwave.fill_nodes`, the tip the last of them; g the sign of the
@@ -63,7 +63,7 @@ def add_tail(R: Any, F: Any, p: Any, tip: Any, nodes: Any, phase: float, g: floa
         t, w = slope * c - k * u, -g * (slope * d + k * y)
         v2 = 1.0 + t * t + w * w
         dl = nodes[1, i] * np.sqrt(v2)
-        n, D, c_s = c_n * dl + nodes[6, i] * tip, d_c * dl / v2, c_r * dl / v2
+        n, D, c_s = c_n * dl + nodes[6, i] * p[10], d_c * dl / v2, c_r * dl / v2
         r2 = x * x + y * y + z * z
         q2 = radius * radius / r2
         q = np.sqrt(q2)
@@ -128,15 +128,12 @@ def table(p: Any, ramp_rule: Any, rule: Any) -> Any:
 
 
 @njit(cache=True)
-def fill_base(R: Any, F: Any, p: Any, D: Any, mu: Any, nodes: Any, phase: float, g: float) -> Any:
-    """Fill R with the drags D (6,) of the body and the tail's R, and ``F_p``; returns G.
-
-    With ``c_r = 4 pi mu r_t^2`` the drag of the tip, ``3 pi mu r_t``, is ``3/2 sqrt(pi mu c_r)``.
-    """
+def fill_base(R: Any, F: Any, p: Any, D: Any, nodes: Any, phase: float, g: float) -> Any:
+    """Fill R with the drags D (6,) of the body and the tail's R, and ``F_p``; returns G."""
     R[:], F[:] = 0.0, 0.0
     for i in range(6):
         R[i, i] = D[i]
-    G = add_tail(R, F, p, 1.5 * np.sqrt(np.pi * mu * p[7]), nodes, phase, g)
+    G = add_tail(R, F, p, nodes, phase, g)
     for i in range(6):
         for j in range(i):
             R[j, i] = R[i, j]
@@ -144,23 +141,24 @@ def fill_base(R: Any, F: Any, p: Any, D: Any, mu: Any, nodes: Any, phase: float,
 
 
 @njit(cache=True)
-def base(p: Any, D: Any, mu: Any, nodes: Any, phases: Any, g: float) -> Any:
+def base(p: Any, D: Any, nodes: Any, phases: Any, g: float) -> Any:
     """``(R, F_p, G)`` of body and tail at several phases: shapes (m, 6, 6), (m, 6), (m,)."""
     m = len(phases)
     R, F = np.empty((m, 6, 6), dtype=p.dtype), np.empty((m, 6), dtype=p.dtype)
     G = np.empty(m, dtype=p.dtype)
     for j in range(m):
-        G[j] = fill_base(R[j], F[j], p, D, mu, nodes, phases[j], g)
+        G[j] = fill_base(R[j], F[j], p, D, nodes, phases[j], g)
     return R, F, G
 
 
 def parameters(swimmer: Swimmer) -> np.ndarray:
-    """Kernel parameters (..., 10) of the left-handed tail, Gray and Hancock's law with spin."""
+    """Kernel parameters (..., 11) of the left-handed tail, Gray and Hancock's law with spin."""
     tail = swimmer.tail
     local = _LAW.local(tail, swimmer.fluid.viscosity)
     values = (
         *(tail.apparent_length, tail.amplitude, tail.wavenumber, tail.ramp, 1.0),
         *(*local, swimmer.body.semi_axes3[0], tail.spin * tail.sign),
+        _LAW.end(tail, swimmer.fluid.viscosity),
     )
     if not any(isinstance(v, np.ndarray) for v in values):
         return np.array(values) + 0.0
@@ -192,8 +190,8 @@ def hand(swimmer: Swimmer) -> float:
 
 def base_of(swimmer: Swimmer, phases: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     """`base` of one swimmer."""
-    p, mu = parameters(swimmer), float(swimmer.fluid.viscosity)
-    D = np.array(swimmer.body.diagonal(mu), dtype=float)
+    p = parameters(swimmer)
+    D = np.array(swimmer.body.diagonal(swimmer.fluid.viscosity), dtype=float)
     most = int(sizes(swimmer.tail.number_of_waves))
     ramp_rule, xi, weight = rules(most)
-    return base(p, D, mu, table(p, ramp_rule, (xi[most], weight[most])), phases, hand(swimmer))
+    return base(p, D, table(p, ramp_rule, (xi[most], weight[most])), phases, hand(swimmer))

@@ -127,6 +127,7 @@ class CoefficientsTable(_Table):
 
     law: Literal["lighthill", "gray_hancock", "cox", "constant"] = "lighthill"
     spin: bool = True
+    tip: bool = False
     normal: _quantity("Pa s") | None = None  # type: ignore[valid-type]
     tangential: _quantity("Pa s") | None = None  # type: ignore[valid-type]
 

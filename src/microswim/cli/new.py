@@ -83,6 +83,7 @@ def spec_text(kind: str, units: str) -> str:
         "[coefficients]",
         ('law = "lighthill"', "lighthill | gray_hancock | cox | constant (normal, tangential)"),
         ("spin = true", "the filament resists spinning about itself"),
+        ("tip = false", "true: the free end has a drag of its own, 3 pi mu r_t"),
         "",
         "[interaction]",
         ("translation = [1.0, 1.0, 1.0]", "factors on the body's drag along s, q, r"),

@@ -9,9 +9,9 @@ from __future__ import annotations
 from typing import Any
 
 import numpy as np
-from numba import njit
 
 from .. import checks
+from ..compiled import njit
 from ..errors import SpecError
 from ..kinematics import to_lab
 from .chance import normals

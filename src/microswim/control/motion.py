@@ -18,8 +18,9 @@ from __future__ import annotations
 from typing import Any
 
 import numpy as np
-from numba import njit, prange
+from numba import prange
 
+from ..compiled import njit
 from ..kernels import FAST
 from ..kinematics import to_lab
 from ..stepping import LOWER as LOWER

@@ -13,8 +13,9 @@ from importlib.resources import as_file, files
 from typing import Any
 
 import numpy as np
-from numba import njit, prange
+from numba import prange
 
+from ..compiled import njit
 from ..errors import SpecError
 from ..kernels import FAST
 from ..swimmer import Swimmer

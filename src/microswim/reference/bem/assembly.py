@@ -1,4 +1,4 @@
-"""Loops over patches and targets: matrix blocks, own patches, stress. Depends on numba, kernels.
+"""Loops over patches and targets: matrix blocks, own patches, stress. Depends on kernels.
 
 The interpreter's lock is released; threads take every n-th patch.
 """
@@ -6,8 +6,8 @@ The interpreter's lock is released; threads take every n-th patch.
 from __future__ import annotations
 
 import numpy as np
-from numba import njit
 
+from ...compiled import njit
 from .kernels import CELLS, add_nodal, add_patch, add_stress, frame_cell
 
 

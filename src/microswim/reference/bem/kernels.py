@@ -10,7 +10,8 @@ targets. Everything here is without the factor 1/(8 pi mu). Depends on numba.
 from __future__ import annotations
 
 import numpy as np
-from numba import njit
+
+from ...compiled import njit
 
 LEVELS = 8
 CELLS = 2**LEVELS - 1

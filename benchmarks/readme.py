@@ -43,7 +43,7 @@ def accurate():
     off = [max(abs(100 * (float(r[3]) / float(r[1]) - 1)), 0.01) for r in known]
     plain = ms.Swimmer.preset("tabak/helix").gait().mean_velocity[0] / float(known[0][1])
     one = rows("accuracy.md", "Lighthill, with spin", "grid")
-    forward, rate = (rows("accuracy.md", "helix", f"mean.{q}", "all (30)") for q in ("us", "os"))
+    forward, rate = (rows("accuracy.md", "helix", f"mean.{q}", "all (60)") for q in ("us", "os"))
     cells = [(s, rows("world.md", s)) for s in ("B", "G")]
     inferred = [
         f"{digits(r[7], 1)} % ({s}'s {r[6].split()[0].replace('_', ' ')})" for s, r in cells
@@ -66,7 +66,7 @@ def accurate():
         ),
         (
             "surrogate calibrated over a region, 100 solves",
-            "30 designs drawn afterwards",
+            "60 designs drawn afterwards",
             f"u_s {spread(forward, 3, 5)}; body rate {spread(rate, 3, 5)}",
         ),
         (

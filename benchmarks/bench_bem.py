@@ -22,11 +22,11 @@ for name in ("NUMBA_NUM_THREADS", "OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MK
 
 import json
 import sys
-import time
 from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
+from clock import least, timed
 from scipy.linalg import lu_factor
 from scipy.spatial.distance import cdist
 
@@ -54,43 +54,33 @@ def swimmer(amplitude=0.1, waves=3.0, body=0.5, length=2.0):
     return ms.Swimmer(body=ms.Sphere(radius=body), tail=tail, fluid=ms.Fluid(viscosity=100.0))
 
 
-def least(function, repeats=5):
-    """Least processor time and last result of a function."""
-    best = np.inf
-    for _ in range(repeats):
-        start = time.process_time()
-        result = function()
-        best = min(best, time.process_time() - start)
-    return best, result
-
-
 def peak_flops(kind=float, n=1500):
     """Floating point operations per second of a matrix product: what LAPACK could reach here."""
     a = np.random.default_rng(0).normal(size=(n, n)).astype(kind)
-    seconds, _ = least(lambda: a @ a)
+    seconds = least(lambda: a @ a, 5)
     return 2 * n**3 / seconds
 
 
 def split(one, level="standard", repeats=5):
     """Processor seconds of a gait and of its parts."""
     chosen = bem.get_level(level) if isinstance(level, str) else level
-    mesh, surface = least(
+    mesh, surface = timed(
         lambda: swimmer_surface(one.body, one.tail, 0.0, chosen.resolution), repeats
     )
     layer = Layer(surface, 100.0, chosen.rule)
-    assembly, A = least(layer.matrix, repeats)
+    assembly, A = timed(layer.matrix, repeats)
     A[-1, -1] = 1.0
     single = A.astype(np.float32)
-    whole, gait = least(lambda: one.gait(model="bem", level=chosen), repeats)
+    whole, gait = timed(lambda: one.gait(model="bem", level=chosen), repeats)
     return {
         "unknowns": surface.unknowns,
         "gait": whole,
         "geometry": mesh,
         "assembly": assembly,
-        "factorisation": least(lambda: lu_factor(A, check_finite=False), repeats)[0],
+        "factorisation": least(lambda: lu_factor(A, check_finite=False), repeats),
         "factorisation, single precision": least(
             lambda: lu_factor(single, check_finite=False), repeats
-        )[0],
+        ),
         "u_s": float(gait.mean_velocity[0]),
         "Omega_s": float(gait.mean_velocity[3]),
     }
@@ -166,7 +156,7 @@ def designs(count="60"):
         row = {"design": design.tolist(), "corner": n >= count - count // 2, "fine": fine.tolist()}
         shown = f"{design.round(3)} | {fine[0]:.5f} {fine[3]:.4f}"
         for level in ("coarse", "standard"):
-            seconds, gait = least(
+            seconds, gait = timed(
                 lambda one=one, level=level: one.gait(model="bem", level=level), 2
             )
             error = 100 * (gait.mean_velocity[[0, 3]] / fine[[0, 3]] - 1)
@@ -200,7 +190,7 @@ def levels():
     """Base case by level and order."""
     rows = []
     for name, order in LEVEL_ORDERS:
-        seconds, gait = least(
+        seconds, gait = timed(
             lambda n=name, p=order: swimmer().gait(model="bem", level=n, order=p), 1
         )
         u = gait.mean_velocity
@@ -311,10 +301,10 @@ def peers():
         )
 
     for level in ("coarse", "standard"):
-        seconds, gait = least(lambda n=level: swimmer().gait(model="bem", level=n))
+        seconds, gait = timed(lambda n=level: swimmer().gait(model="bem", level=n), 5)
         note(f"boundary elements, {level}", seconds, gait.info["unknowns"], gait.mean_velocity)
     for panel, around in ((1.6, 3), (1.2, 4), (0.8, 6)):
-        seconds, (n, u) = least(lambda p=panel, a=around: stokeslets(p, a), 1)
+        seconds, (n, u) = timed(lambda p=panel, a=around: stokeslets(p, a), 1)
         note("regularised Stokeslets", seconds, n, u)
     own = [r for r in rows if r[0].startswith("boundary")]
     blobs = [r for r in rows if r[0].startswith("regularised")]

@@ -120,22 +120,35 @@ class Correction:
         N = np.broadcast_to(swimmer.tail.number_of_waves, (len(x),))
         return np.ascontiguousarray((x - self.columns[1]) / self.columns[2]), N
 
-    def outside(self, swimmer: Swimmer) -> list[str]:
-        """In words, what puts a design outside the region; empty inside."""
+    def _misses(self, many: Swimmer) -> list[tuple[str, Any, str, Any]]:
+        """Name, value, what is asked of it, and whether it misses that, of each number and word."""
         out = []
         for name, low in self.low.items():
-            value, high = _number(swimmer, name), self.high[name]
+            value, high = _number(many, name), self.high[name]
             slack = 1e-9 * max(abs(low), abs(high))
-            if not low - slack <= value <= high + slack:
-                out.append(f"{name} = {value:.6g} is not in {low:g} to {high:g}")
+            inside = (value >= low - slack) & (value <= high + slack)
+            out.append((name, value, f"in {low:g} to {high:g}", np.logical_not(inside)))
         for name, held in self.fixed.items():
-            value = _number(swimmer, name)
-            if not abs(value - held) <= 1e-9 * abs(held):
-                out.append(f"{name} = {value:.6g} is not {held:g}")
-        for name, word in words(swimmer).items():
-            if word != self.choices.get(name):
-                out.append(f"{name} is {word}, not {self.choices.get(name)}")
+            value = _number(many, name)
+            same = np.abs(value - held) <= 1e-9 * abs(held)
+            out.append((name, value, f"{held:g}", np.logical_not(same)))
         return out
+
+    def _wrong_words(self, swimmer: Swimmer) -> list[str]:
+        return [
+            f"{name} is {word}, not {self.choices.get(name)}"
+            for name, word in words(swimmer).items()
+            if word != self.choices.get(name)
+        ]
+
+    def outside(self, swimmer: Swimmer) -> list[str]:
+        """In words, what puts a design outside the region; empty inside."""
+        numbers = [
+            f"{name} = {value:.6g} is not {asked}"
+            for name, value, asked, misses in self._misses(swimmer)
+            if misses
+        ]
+        return numbers + self._wrong_words(swimmer)
 
     def expected(self, swimmer: Swimmer) -> dict[str, float]:
         """Expected relative error of each quantity at a design (one standard deviation).
@@ -148,30 +161,25 @@ class Correction:
     def _expected(self, Z: np.ndarray, N: np.ndarray) -> dict[str, float]:
         z = np.real(Z[0])
         doubt = self.surfaces.doubt_of_one(z, float(np.real(N[0])))
-        off = self.spots - z
-        far = np.einsum("ij,ij->i", off, off) / (2.0 * NEAR**2)
-        weight = np.exp(far.min() - far)
-        squared = doubt * (weight @ self.ratios) / weight.sum()
-        return dict(zip(self.errors, np.sqrt(squared).tolist()))
+        return dict(zip(self.errors, np.sqrt(doubt * self._around(z[None])[0]).tolist()))
+
+    def _around(self, z: np.ndarray) -> np.ndarray:
+        """Mean of `ratios` around designs (n, f), weighted by a Gaussian, (n, quantities)."""
+        far = np.sum((z[:, None] - self.spots) ** 2, axis=-1) / (2.0 * NEAR**2)
+        weight = np.exp(far.min(axis=1, keepdims=True) - far)
+        return (weight @ self.ratios) / weight.sum(axis=1, keepdims=True)
 
     def expected_of_many(self, many: Swimmer, count: int) -> np.ndarray:
         """Expected relative error of the mean forward velocity (count,), NaN outside the region."""
-        inside = np.full(count, all(w == self.choices.get(n) for n, w in words(many).items()))
-        for name, low in self.low.items():
-            value, high = _number(many, name), self.high[name]
-            slack = 1e-9 * max(abs(low), abs(high))
-            inside &= (value >= low - slack) & (value <= high + slack)
-        for name, held in self.fixed.items():
-            inside &= np.abs(_number(many, name) - held) <= 1e-9 * abs(held)
-        out, rows = np.full(count, np.nan), np.flatnonzero(inside)
-        Z, N = self.inputs(many)
-        Z, N = (np.broadcast_to(x, (count, *x.shape[1:])) for x in (Z, N))
-        ratios = self.ratios[:, list(self.errors).index("mean.us")]
+        misses = np.full(count, bool(self._wrong_words(many)))
+        for _, _, _, there in self._misses(many):
+            misses |= there
+        out, rows = np.full(count, np.nan), np.flatnonzero(~misses)
+        Z, N = (np.broadcast_to(x, (count, *x.shape[1:])) for x in self.inputs(many))
+        forward = list(self.errors).index("mean.us")
         for part in np.array_split(rows, -(-len(rows) // 1024) or 1):
-            far = np.sum((Z[part, None] - self.spots) ** 2, axis=-1) / (2.0 * NEAR**2)
-            weight = np.exp(far.min(axis=1, keepdims=True) - far)
-            squared = self.surfaces.doubt(Z[part], N[part]) * (weight @ ratios)
-            out[part] = np.sqrt(squared / weight.sum(axis=1))
+            doubt = self.surfaces.doubt(Z[part], N[part])
+            out[part] = np.sqrt(doubt * self._around(Z[part])[:, forward])
         return out
 
     def gait(self, swimmer: Swimmer) -> Gait:

@@ -59,10 +59,9 @@ def main(robots=64, steps=900, seed=0):
         arrived += int(np.sum(over & running & (rewards > 0)))
         running &= ~(over | cut)
     off, late = np.array(off), int(1.0 / DT)
+    rms = np.sqrt(np.nanmean(off[late:] ** 2))
     return {
-        "distance off the path after a second (mm, rms)": float(
-            np.sqrt(np.nanmean(off[late:] ** 2))
-        ),
+        "distance off the path after a second (mm, rms)": float(rms),
         "arrived": arrived / robots,
         "off": off,
         "paths": paths[:SHOWN],
@@ -76,11 +75,7 @@ def figure(results):
     for i, path in enumerate(results["paths"]):
         centre = path.mean(axis=0)
         plane = np.linalg.svd(path - centre)[2][:2]  # in which it bends most
-        (x, y), (u, v) = (
-            ((p - centre) @ plane.T for p in (path, results["swum"][:, i]))
-            if False
-            else [((p - centre) @ plane.T).T for p in (path, results["swum"][:, i])]
-        )
+        (x, y), (u, v) = (plane @ (p - centre).T for p in (path, results["swum"][:, i]))
         left.plot(x, y - 4 * i, "--", color="#222222", lw=1, label="wanted" if i == 0 else None)
         left.plot(u, v - 4 * i, color="#D55E00", lw=1, label="swum" if i == 0 else None)
     left.set(xlabel="mm", ylabel="mm", aspect="equal")

@@ -13,6 +13,7 @@ import platform
 import time
 from collections.abc import Callable, Iterable, Iterator
 from concurrent.futures import Future, ThreadPoolExecutor
+from importlib.metadata import version
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -143,8 +144,6 @@ def _open(path: Path, space: Space, attributes: dict[str, Any], resume: bool) ->
 
 def _provenance(job: Job, space: Space) -> dict[str, Any]:
     """Where the results come from: version, spec, model, resolution, designs, machine."""
-    import zarr
-
     over = {name: v.tolist() for name, v in zip(space.names, space.values) if v.size <= 10_000}
     return {
         "title": f"sweep of {space.size} designs over {', '.join(space.names)}",
@@ -157,7 +156,7 @@ def _provenance(job: Job, space: Space) -> dict[str, Any]:
         "over": json.dumps(over | {"digest": _digest(space)}, sort_keys=True),
         "created": time.strftime("%Y-%m-%dT%H:%M:%SZ", time.gmtime()),
         "machine": f"{platform.machine()}, {platform.system()}, Python {platform.python_version()}",
-        "libraries": f"numpy {np.__version__}, zarr {zarr.__version__}",
+        "libraries": f"numpy {np.__version__}, zarr {version('zarr')}",
     }
 
 

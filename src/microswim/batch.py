@@ -104,7 +104,9 @@ def _chunk(swimmer: Swimmer, arrays: dict[str, Any], tolerance: float) -> dict[s
         good = _buildable(many, p, body)
         rate = np.broadcast_to(many.tail.rate, (n,))
     if swimmer.region is not None:
-        return _calibrated(swimmer, arrays, good, rate)
+        if not good.all():
+            many = swimmer.lifted({k: v[good] if v.size > 1 else v for k, v in arrays.items()})
+        return _calibrated(swimmer, many, good, rate)
     if swimmer.tail.kind == "helix":
         return _helix(swimmer, *_solved_helices(swimmer, p, body, good, tolerance), body, rate)
     return _plane_wave(swimmer, *_solved_waves(swimmer, p, body, good, tolerance), body, rate)
@@ -157,17 +159,15 @@ def _solved_waves(
     return V, power
 
 
-def _calibrated(swimmer: Swimmer, arrays: dict[str, Any], good: Any, rate: Any) -> dict[str, Any]:
-    """Results of a surrogate that carries a region calibration."""
+def _calibrated(swimmer: Swimmer, many: Swimmer, good: Any, rate: Any) -> dict[str, Any]:
+    """Results of a surrogate that carries a region calibration; `many` are the good designs."""
     assert swimmer.region is not None
-    n, group = len(good), np.flatnonzero(good)
-    helix = swimmer.tail.kind == "helix"
+    n, helix = len(good), swimmer.tail.kind == "helix"
     V = np.full((n, 1 if helix else PHASES, 6), np.nan)
     power, work = np.full(V.shape[:2], np.nan), np.full(V.shape[:2], np.nan)
-    if group.size:
-        many = swimmer.lifted({k: v[group] if v.size > 1 else v for k, v in arrays.items()})
+    if good.any():
         free = np.array(swimmer.motion.mask)
-        V[group], power[group], work[group] = swimmer.region.solve(many, free, PHASES)
+        V[good], power[good], work[good] = swimmer.region.solve(many, free, PHASES)
     none = np.zeros((n, 6, 6))
     out = (_helix if helix else _plane_wave)(swimmer, V, power, none, rate)
     with np.errstate(invalid="ignore", divide="ignore"):

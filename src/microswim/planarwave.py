@@ -15,7 +15,7 @@ from typing import Any
 import numpy as np
 
 from .compiled import compiled
-from .kernels import FAST, PLANE_WAVE, add_tip
+from .kernels import FAST, PLANE_WAVE, add_tip, cosine_sine
 
 
 @compiled(fastmath=FAST)
@@ -23,16 +23,20 @@ def fill_nodes(nodes: Any, p: Any, ramp_rule: Any, rule: Any) -> None:
     """Rows of `nodes`: x, weight, a, a', cos ks, sin ks; `p` as `microswim.kernels.PARAMETERS`."""
     L, b, k, ramp, offset = p[0], p[1], p[2], p[3], p[8]
     m = ramp_rule[0].size
-    for i in range(nodes.shape[1]):
-        on_ramp = i < m
-        xi = ramp * ramp_rule[0][i] if on_ramp else ramp + (1.0 - ramp) * rule[0][i - m]
-        s = xi * L
+    for i in range(m):
+        s = ramp * ramp_rule[0][i] * L
         nodes[0, i] = s + offset
-        nodes[1, i] = L * (ramp * ramp_rule[1][i] if on_ramp else (1.0 - ramp) * rule[1][i - m])
-        nodes[2, i] = b * xi / ramp if on_ramp else b
-        nodes[3, i] = b / (ramp * L) if on_ramp else 0 * b
-        nodes[4, i] = np.cos(k * s)
-        nodes[5, i] = np.sin(k * s)
+        nodes[1, i] = L * ramp * ramp_rule[1][i]
+        nodes[2, i] = b * ramp_rule[0][i]
+        nodes[3, i] = b / (ramp * L)
+        nodes[4, i], nodes[5, i] = cosine_sine(k * s)
+    for i in range(rule[0].size):
+        s = (ramp + (1.0 - ramp) * rule[0][i]) * L
+        nodes[0, m + i] = s + offset
+        nodes[1, m + i] = L * (1.0 - ramp) * rule[1][i]
+        nodes[2, m + i] = b
+        nodes[3, m + i] = 0 * b
+        nodes[4, m + i], nodes[5, m + i] = cosine_sine(k * s)
 
 
 @compiled(fastmath=FAST, error_model="numpy")

@@ -19,11 +19,12 @@ def nearest_turn(B2: np.ndarray, waves: Any) -> Any:
     deep = B2 > SHALLOW
     if not deep.any():
         return np.inf
-    B2 = np.where(deep, B2, 2.0 * SHALLOW)
+    out = np.full(B2.shape, np.inf)
+    waves, B2 = np.broadcast_to(waves, B2.shape)[deep], B2[deep]
     theta = np.full_like(B2, 2.0 * np.pi)
     for _ in range(8):  # theta + B2 sin theta = 0, from the side where Newton cannot miss
         theta = theta - (theta + B2 * np.sin(theta)) / (1.0 + B2 * np.cos(theta))
     theta = np.minimum(theta, 2.0 * np.pi * np.maximum(waves, 0.5))
     apart2 = theta**2 + 2.0 * B2 * (1.0 - np.cos(theta))
-    nearer = deep & (apart2 < np.pi**2 + 4.0 * B2)
-    return np.where(nearer, np.sqrt(apart2), np.inf)
+    out[deep] = np.where(apart2 < np.pi**2 + 4.0 * B2, np.sqrt(apart2), np.inf)
+    return out

@@ -192,6 +192,12 @@ def beside(others, steps, environment_steps):
     }
 
 
+def kept():
+    """Peers of an earlier run, each with the ratio measured then."""
+    page = HERE.parent / "docs" / "performance.json"
+    return json.loads(page.read_text(encoding="utf-8")).get("control", {}).get("peers", {})
+
+
 def main():
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     parser.add_argument("--peers", metavar="PYTHON")
@@ -203,6 +209,9 @@ def main():
         "peers": beside(others, 1e6 / micro["step, compiled loop"], envs["Steer"]["two cores"] / 2),
         "cores": os.cpu_count(),
     }
+    if not others:
+        print("no peers without --peers PYTHON; those of the last run with it are kept\n")
+        results["peers"] = kept()
     (HERE / "results").mkdir(exist_ok=True)
     (HERE / "results" / "control.json").write_text(json.dumps(results, indent=1))
     print(f"{'one core, processor time':<50} {'µs':>10} {'ratio':>9}")

@@ -133,6 +133,7 @@ def derived(swimmer: Swimmer) -> dict[str, Any]:
         "c_t": c_t,
         "c_n": c_n,
         "c_r": c_r,
+        "tip": float(swimmer.coefficients.end(tail, fluid.viscosity)),
         "reynolds_number": fluid.density * abs(tail.frequency) * scale**2 / fluid.viscosity,
         "free": [n for n, free in zip(DEGREES_OF_FREEDOM, swimmer.motion.mask) if free],
     }
@@ -167,6 +168,7 @@ def spec_table(swimmer: Swimmer) -> Table:
         ("c_t", q("c_t", "Pa s"), f"along the filament, law {swimmer.coefficients.law}"),
         ("c_n", q("c_n", "Pa s"), "across the filament"),
         ("c_r", q("c_r", "Pa s m^2"), "spin about itself"),
+        ("tip", q("tip", "Pa s m"), "drag of the free end (tip = true)"),
         ("Reynolds number", significant(d["reynolds_number"], 3), "from body length and frequency"),
         (
             "free motions",

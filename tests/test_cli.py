@@ -118,6 +118,7 @@ def test_tables_survive_the_way_to_toml_and_back():
 
 
 BAD = {
+    "no truth value": ("coefficients.tip=3", "coefficients.tip = 3: must be true or false"),
     "negative radius": ("tail.radius=-0.05", "tail.radius"),
     "NaN": ("tail.amplitude=nan", "tail.amplitude"),
     "infinite": ("body.radius=inf", "body.radius"),

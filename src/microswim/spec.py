@@ -178,6 +178,8 @@ def _sentence(error: ValidationError, tables: dict[str, Any]) -> SpecError:
             return SpecError(f"{path}: no such field here; {_suggest(path, known)}")
         case "value_error":
             return SpecError(f"{path} = {value!r}: {context['error']}")
+        case "bool_parsing" | "bool_type":
+            return SpecError(path, value, "true or false")
         case "union_tag_invalid" | "union_tag_not_found":
             tag = context["discriminator"].strip("'")
             shown = context.get("tag")

@@ -1,7 +1,7 @@
 """Memory a factorisation will take, foreseen, against what the machine has. Depends on errors.
 
 A nested-dissection factor of a three-dimensional mesh grows like n^(4/3); the measured peaks of the
-whole process from 42,000 to 334,000 unknowns (docs/accuracy-fem.md) lie at most 20 % below
+whole process from 42,000 to 480,000 unknowns (docs/accuracy-fem.md) lie at most 20 % below
 ``0.5 GB + c n^(4/3)``, c depending on the polynomial order, since higher order couples more.
 """
 
@@ -14,7 +14,7 @@ from microswim.errors import MicroswimError
 
 GIGABYTE = 1e9
 _BASE = 0.5 * GIGABYTE
-_PER_UNKNOWN = {2: 250.0, 3: 330.0}
+_PER_UNKNOWN = {2: 285.0, 3: 330.0}
 _EXPONENT = 4.0 / 3.0
 
 

@@ -2,6 +2,7 @@
 
     python benchmarks/bench_fem.py cost coarse standard   # unknowns, seconds by part, memory
     python benchmarks/bench_fem.py ways standard 10       # four ways, channel diameter 10
+    python benchmarks/bench_fem.py tube 10 10             # boundary elements in an open tube
     python benchmarks/bench_fem.py sphere                 # against Bohlin and Brenner, three meshes
     python benchmarks/bench_fem.py convergence            # sphere in a box on three meshes
     python benchmarks/bench_fem.py inertia                # Re = 0, 0.01, 0.1, 1
@@ -27,7 +28,10 @@ import numpy as np
 from scipy.stats import qmc
 
 import microswim as ms
-from microswim.reference import fem
+from microswim.reference import bem, fem
+from microswim.reference.bem.mesh import swimmer_surface
+from microswim.reference.bem.surface import grid_boxes, sample
+from microswim.reference.bem.system import rigid_modes, solve_density, wrench_rows
 from microswim.reference.fem import quasi_steady as qs
 from microswim.reference.fem.mesh import Level, level_named
 from microswim.surroundings import Channel
@@ -91,6 +95,45 @@ def ways(level="standard", diameter="10"):
             u, lateral = gait.mean_velocity, gait.velocity_amplitude[1]
             print(f"{sections} {motion}: u_s {u[0]:.5f} Omega_s {u[3]:.4f} lateral {lateral:.4f}")
             print(f"  held: thrust {tail[0]:.2f} torque {tail[3]:.2f}", flush=True)
+
+
+def tube(diameter="10", length="10"):
+    """Boundary elements inside an open tube at rest, its wall a part of the single layer."""
+    R, L = float(diameter) / 2, float(length)
+    level, design = bem.get_level("standard"), base()
+    body, tail = design.body, design.tail
+    swimmer = swimmer_surface(body, tail, 0.0, level.resolution)
+    middle = 0.5 * (tail.apparent_length + 2 * body.centre[0])
+
+    def chart(u, v):
+        return np.stack([middle + v, R * np.cos(u), R * np.sin(u)], axis=-1)
+
+    ring = max(8, round(2 * np.pi * R / 3))
+    edges = np.linspace(-L / 2, L / 2, max(4, round(L / (0.5 * R))) + 1)
+    wall = sample(chart, grid_boxes(np.linspace(0, 2 * np.pi, ring + 1), edges))
+    still, here = np.zeros(len(wall), bool), np.ones(swimmer.patches, bool)
+    inner = swimmer.inner
+    both = bem.Surface(
+        np.concatenate([swimmer.controls, wall]),
+        np.concatenate([swimmer.motion, np.zeros_like(wall)]),
+        np.concatenate([swimmer.on_tail, still]),
+        swimmer.order,
+        None
+        if inner is None
+        else np.concatenate([inner, np.zeros((len(inner), *wall.shape[:3]))], 1),
+    )
+    for name, surface, moves in (
+        ("free space", swimmer, here),
+        ("open tube", both, np.concatenate([here, still])),
+    ):
+        modes = rigid_modes(surface.nodes, body.centre) * moves[:, None, None, None]
+        layer = bem.Layer(surface, float(design.fluid.viscosity), level.rule)
+        f = solve_density(layer, modes).density
+        resistance = wrench_rows(surface, body.centre, moves) @ f
+        propulsion = surface.moments[3].reshape(-1) @ f
+        free = [0, 1, 2, 3]
+        V = -np.linalg.solve(resistance[np.ix_(free, free)], propulsion[free]) * tail.rate
+        print(name, surface.unknowns, f"u_s {V[0]:.5f} Omega_s {V[3]:.5f}", flush=True)
 
 
 def sphere(*levels):
@@ -242,5 +285,5 @@ def film(folder="out"):
 
 if __name__ == "__main__":
     what, *rest = sys.argv[1:] or ["cost"]
-    commands = (cost, ways, sphere, convergence, inertia, march, designs, box, film)
+    commands = (cost, ways, tube, sphere, convergence, inertia, march, designs, box, film)
     {f.__name__: f for f in commands}[what](*rest)

@@ -10,7 +10,8 @@ rounding. Written so that each number may be an array, a kernel also takes many 
 from __future__ import annotations
 
 import hashlib
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
 from contextvars import ContextVar
 from functools import cached_property, update_wrapper
 from typing import Any
@@ -21,6 +22,20 @@ import numpy as np
 FEW = 8
 
 _in_python: ContextVar[bool] = ContextVar("in_python", default=False)
+_settled: ContextVar[bool | None] = ContextVar("settled", default=None)
+
+
+@contextmanager
+def settled(pays: bool) -> Iterator[None]:
+    """Within, kernels are compiled (`pays`) or not, however often they have been called before.
+
+    So what is computed does not depend on the past, to the last bit.
+    """
+    token = _settled.set(pays)
+    try:
+        yield
+    finally:
+        _settled.reset(token)
 
 
 def njit(**options: Any) -> Callable[[Callable[..., Any]], Any]:
@@ -82,6 +97,8 @@ class Kernel:
 
     def due(self, calls: int = 1) -> bool:
         """Count a call, or work worth several; whether it is time to compile."""
+        if (pays := _settled.get()) is not None:
+            return pays
         self.left -= calls
         return self.left < 0
 

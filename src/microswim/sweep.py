@@ -104,7 +104,7 @@ def sweep(
         raise SpecError("model", model, 'one of "rft", "bem", "fem"')
     space = Space.of(over, BLOCK["custom" if swimmer.tail.kind == "custom" else model])
     check_names(swimmer, space.names)
-    job = Job(swimmer, model, options)
+    job = Job(swimmer, model, options, space.size)
     attributes = _provenance(job, space)
 
     def engine(tasks: Iterable[Task]) -> Iterator[tuple[Task, Rows]]:

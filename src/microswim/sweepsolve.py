@@ -1,6 +1,7 @@
 """Solve the rows of a sweep: the same function in this process, a worker or a Dask cluster.
 
-A design that cannot be solved becomes a row with its reason. Depends on variants, metrics, batch.
+A design that cannot be solved becomes a row with its reason. Depends on variants, metrics, batch,
+compiled.
 """
 
 from __future__ import annotations
@@ -12,20 +13,30 @@ from typing import Any
 
 import numpy as np
 
+from .compiled import settled
 from .errors import MicroswimError, SpecError
 from .sweepstore import DONE, FAILED, NUMBERS, VECTORS, blank
 from .swimmer import Swimmer
 from .trajectory import screw
 from .variants import vary
 
+#: So many rows of the surrogate are done before compiled loops would be loaded.
+FEW = 2000
+
 
 @dataclass(frozen=True)
 class Job:
-    """What every row of a sweep shares: base swimmer, model and the model's options."""
+    """What every row of a sweep shares: base swimmer, model, its options, and the rows in all."""
 
     swimmer: Swimmer
     model: str = "rft"
     options: dict[str, Any] = field(default_factory=dict)
+    rows: int = 0
+
+    @property
+    def pays(self) -> bool:
+        """Whether to compile for it. The same in every process, and after an interruption."""
+        return self.rows > FEW or self.swimmer.tail.kind == "custom"
 
 
 def solve_rows(job: Job, columns: Mapping[str, np.ndarray]) -> dict[str, np.ndarray]:
@@ -43,6 +54,11 @@ def solve_rows(job: Job, columns: Mapping[str, np.ndarray]) -> dict[str, np.ndar
     dict
         As `sweepstore.blank`, every row solved or failed.
     """
+    with settled(job.pays):
+        return _solved(job, columns)
+
+
+def _solved(job: Job, columns: Mapping[str, np.ndarray]) -> dict[str, np.ndarray]:
     out = blank(len(next(iter(columns.values()))))
     left = range(len(out["status"]))
     if job.model == "rft" and not job.options:

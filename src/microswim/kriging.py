@@ -36,7 +36,7 @@ def matern(r2: Any) -> Any:
     """
     q = np.sqrt(5.0 * r2)
     near = 1.0 * (q.real < 40.0)
-    x = -near * q / 128.0
+    x = q * (near / -128.0)
     e = 1.0 + x / 9.0
     for n in (8.0, 7.0, 6.0, 5.0, 4.0, 3.0, 2.0, 1.0):
         e = 1.0 + x / n * e

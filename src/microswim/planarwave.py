@@ -29,14 +29,14 @@ def fill_nodes(nodes: Any, p: Any, ramp_rule: Any, rule: Any) -> None:
         nodes[1, i] = L * ramp * ramp_rule[1][i]
         nodes[2, i] = b * ramp_rule[0][i]
         nodes[3, i] = b / (ramp * L)
-        nodes[4, i], nodes[5, i] = cosine_sine(k * s)
     for i in range(rule[0].size):
         s = (ramp + (1.0 - ramp) * rule[0][i]) * L
         nodes[0, m + i] = s + offset
         nodes[1, m + i] = L * (1.0 - ramp) * rule[1][i]
         nodes[2, m + i] = b
         nodes[3, m + i] = 0 * b
-        nodes[4, m + i], nodes[5, m + i] = cosine_sine(k * s)
+    for i in range(nodes.shape[1]):
+        nodes[4, i], nodes[5, i] = cosine_sine(k * (nodes[0, i] - offset))
 
 
 @compiled(fastmath=FAST, error_model="numpy")

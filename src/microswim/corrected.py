@@ -36,11 +36,8 @@ def helices(
     for block in prange((n + BLOCK - 1) // BLOCK):
         y, work = np.empty(len(mean), dtype=p.dtype), np.empty((2, alpha.shape[1]), dtype=p.dtype)
         for d in range(block * BLOCK, min(n, (block + 1) * BLOCK)):
-            for i in range(len(mean)):
-                y[i] = mean[i]
-            predict(y, Z[d], N[d], nodes, tips, lengths, phasors, cut, alpha, work)
-            m = sizes[d]
-            tail = shaded.table(p[d], ramp_rule, (xi[m, : m + 1], weight[m, : m + 1]))
+            predict(y, Z[d], N[d], nodes, tips, lengths, phasors, cut, alpha, mean, work)
+            tail = shaded.table(p[d], sizes[d], ramp_rule, xi, weight)
             G0 = shaded.fill_base(R[d, 0], F[d, 0], p[d], D[d], tail, 0.0, 1.0)
             a = p[d, 8]
             extra[d, 0] = D[d, 0] * np.exp(y[10])
@@ -95,11 +92,8 @@ def waves(
     for block in prange((n + BLOCK - 1) // BLOCK):
         y, work = np.empty(len(mean), dtype=p.dtype), np.empty((2, alpha.shape[1]), dtype=p.dtype)
         for d in range(block * BLOCK, min(n, (block + 1) * BLOCK)):
-            for i in range(len(mean)):
-                y[i] = mean[i]
-            predict(y, Z[d], N[d], nodes, tips, lengths, phasors, cut, alpha, work)
-            m = sizes[d]
-            tail = shaded.table(p[d], ramp_rule, (xi[m, : m + 1], weight[m, : m + 1]))
+            predict(y, Z[d], N[d], nodes, tips, lengths, phasors, cut, alpha, mean, work)
+            tail = shaded.table(p[d], sizes[d], ramp_rule, xi, weight)
             r, f, g = R[d, :HALF], F[d, :HALF], G[d, :HALF]
             for j in range(HALF):
                 g[j] = shaded.fill_base(r[j], f[j], p[d], D[d], tail, PHASES[j], 0.0)

@@ -121,7 +121,7 @@ class Correction:
         return np.ascontiguousarray((x - self.columns[1]) / self.columns[2]), N
 
     def _misses(self, many: Swimmer) -> list[tuple[str, Any, str, Any]]:
-        """Name, value, what is asked of it, and whether it misses that, of each number and word."""
+        """Name, value, what is asked of it, and whether it misses that, of each number."""
         out = []
         for name, low in self.low.items():
             value, high = _number(many, name), self.high[name]

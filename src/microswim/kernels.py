@@ -121,6 +121,17 @@ def add_segment(R: Any, F: Any, X: Any, T: Any, U: Any, dl: Any, c: Any, spin: f
     return f0 * U[0] + f1 * U[1] + f2 * U[2] + twist * t0 * spin
 
 
+@compiled(fastmath=FAST)
+def add_sums(R: Any, F: Any, sums: Any, forces: Any) -> None:
+    """Add the 21 sums, row by row, to the lower triangle of R, and the six forces to F."""
+    n = 0
+    for i in range(6):
+        for j in range(i + 1):
+            R[i, j] += sums[n]
+            n += 1
+        F[i] += forces[i]
+
+
 PARAMETERS = ("L", "b", "k", "ramp", "sign", "c_t", "c_n", "c_r", "offset", "spin", "tip")
 
 

@@ -193,15 +193,18 @@ def predict(
     phasors: Any,
     cut: Any,
     alpha: Any,
+    mean: Any,
     work: Any,
 ) -> None:
-    """Add the targets of one design to `out` (m,), which holds the means.
+    """Write the targets of one design to `out` (m,).
 
     Group g has the rows ``cut[g] .. cut[g + 1]`` of `alpha` (m, n); complex targets take two
     rows each, real and imaginary parts, and are told by ``phasors[g, 3] > 0``. `Z` (f, n); `tips`
     (2, n) are cosine and sine of ``2 pi N``; `work` (2, n) is scratch. The inner loops run over
     the designs that were solved, several at once.
     """
+    for j in range(len(mean)):
+        out[j] = mean[j]
     n = Z.shape[1]
     even, odd = work[0], work[1]
     c0, s0 = np.cos(2.0 * np.pi * waves), np.sin(2.0 * np.pi * waves)

@@ -18,7 +18,7 @@ from typing import Any
 import numpy as np
 
 from .compiled import compiled
-from .kernels import FAST, HELIX, add_tip
+from .kernels import FAST, HELIX, add_sums, add_tip
 
 #: Below this number of waves the closed integrals lose digits to cancellation.
 FEWEST_WAVES = 0.05
@@ -180,13 +180,7 @@ def add_ramp(R: Any, F: Any, p: Any, phase: Any, arc: bool, rule: Any, trig: Any
         *(r00, r10, r11, r20, r21, r22, r30, r31, r32, r33),
         *(r40, r41, r42, r43, r44, r50, r51, r52, r53, r54, r55),
     )
-    n = 0
-    for i in range(6):
-        for j in range(i + 1):
-            R[i, j] += sums[n]
-            n += 1
-    for i, f in enumerate((f0, f1, f2, f3, f4, f5)):
-        F[i] += f
+    add_sums(R, F, sums, (f0, f1, f2, f3, f4, f5))
     return G
 
 

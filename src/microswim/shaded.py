@@ -25,7 +25,7 @@ import numpy as np
 
 from .coefficients import GrayHancock
 from .compiled import njit
-from .kernels import FAST, gauss
+from .kernels import FAST, add_sums, gauss
 from .planarwave import fill_nodes
 from .swimmer import Swimmer
 
@@ -106,19 +106,17 @@ def add_tail(R: Any, F: Any, p: Any, nodes: Any, phase: float, g: float) -> Any:
         *(r00, r10, r11, r20, r21, r22, r30, r31, r32, r33),
         *(r40, r41, r42, r43, r44, r50, r51, r52, r53, r54, r55),
     )
-    n = 0
-    for i in range(6):
-        for j in range(i + 1):
-            R[i, j] += sums[n]
-            n += 1
-    for i, f in enumerate((f0, f1, f2, f3, f4, f5)):
-        F[i] += f
+    add_sums(R, F, sums, (f0, f1, f2, f3, f4, f5))
     return G
 
 
 @njit(cache=True)
-def table(p: Any, ramp_rule: Any, rule: Any) -> Any:
-    """Nodes (7, m): the rows of `microswim.planarwave.fill_nodes`, and a one at the tip."""
+def table(p: Any, size: int, ramp_rule: Any, xi: Any, weight: Any) -> Any:
+    """Nodes (7, m): the rows of `microswim.planarwave.fill_nodes`, and a one at the tip.
+
+    The rules are those of `rules`, `size` nodes on the rest.
+    """
+    rule = xi[size, : size + 1], weight[size, : size + 1]
     if p[3] == 0.0:  # no ramp, no nodes on it
         ramp_rule = ramp_rule[0][:0], ramp_rule[1][:0]
     nodes = np.zeros((7, ramp_rule[0].size + rule[0].size), dtype=p.dtype)
@@ -193,5 +191,4 @@ def base_of(swimmer: Swimmer, phases: np.ndarray) -> tuple[np.ndarray, np.ndarra
     p = parameters(swimmer)
     D = np.array(swimmer.body.diagonal(swimmer.fluid.viscosity), dtype=float)
     most = int(sizes(swimmer.tail.number_of_waves))
-    ramp_rule, xi, weight = rules(most)
-    return base(p, D, table(p, ramp_rule, (xi[most], weight[most])), phases, hand(swimmer))
+    return base(p, D, table(p, most, *rules(most)), phases, hand(swimmer))

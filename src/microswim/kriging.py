@@ -87,11 +87,12 @@ class Kriging:
         return not np.iscomplexobj(self.alpha)
 
     @cached_property
-    def _inverse(self) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-        """Inverse Cholesky factor of the covariance; the inverse, without and with the mean
-        projected out.
-        """
-        return _inverses(self._own(self.Z, self.N) + self.noise * np.eye(len(self.Z)))
+    def _factor(self) -> tuple[np.ndarray, np.ndarray]:
+        """Inverse Cholesky factor ``F`` of the covariance, ``K^-1 = F^* F``, and ``F 1``."""
+        K = self._own(self.Z, self.N) + self.noise * np.eye(len(self.Z))
+        F = solve_triangular(np.linalg.cholesky(K), np.eye(len(K)), lower=True)
+        F = np.ascontiguousarray(F, dtype=complex)
+        return F, F.sum(axis=1)
 
     def _own(self, Z: np.ndarray, N: np.ndarray) -> np.ndarray:
         return covariance(Z, N, self.Z, self.N, self.lengths, self.phasors, self.real)
@@ -102,25 +103,44 @@ class Kriging:
 
     def doubt(self, Z: np.ndarray, N: np.ndarray) -> np.ndarray:
         """Variance (k,) at other designs, in units of the prior's."""
-        factor, inverse, _ = self._inverse
-        cross = self._own(Z, N)
+        return self.doubt_of(self._own(Z, N))
+
+    def doubt_of(self, cross: np.ndarray) -> np.ndarray:
+        """Variance (k,) at designs of prior covariance `cross` (k, n) with those solved."""
         top = 1.0 + self.phasors.sum() + self.noise
-        miss = 1.0 - cross @ inverse.sum(axis=1)
-        gained = np.sum(np.abs(factor @ cross.conj().T) ** 2, axis=0)
-        return np.maximum(top - gained + np.abs(miss) ** 2 / inverse.sum().real, self.noise)
+        return doubts(cross.astype(complex), *self._factor, top, self.noise)
 
     def left_out(self) -> tuple[np.ndarray, np.ndarray]:
         """Leave-one-out residuals (n, m), truth less prediction, and their doubt (n,)."""
-        _, _, Q = self._inverse
-        own = np.diag(Q).real
+        F, one = self._factor
+        ones = np.sum(F.conj() * one[:, None], axis=0)  # K^-1 1
+        whole = np.sum(np.abs(one) ** 2)
+        own = np.sum(np.abs(F) ** 2, axis=0) - np.abs(ones) ** 2 / whole
         return self.alpha / own[:, None], 1.0 / own
 
 
-def _inverses(K: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    factor = solve_triangular(np.linalg.cholesky(K), np.eye(len(K)), lower=True)
-    inverse = factor.conj().T @ factor
-    ones = inverse.sum(axis=1)
-    return factor, inverse, inverse - np.outer(ones, ones.conj()) / ones.sum()
+@njit(cache=True)
+def doubts(cross: Any, F: Any, one: Any, top: float, noise: float) -> Any:
+    """Variance of the process at designs, its mean estimated, at least that of the noise.
+
+    ``top - |h|^2 + |1 - h^* F 1|^2 / |F 1|^2`` with ``h = F cross^*``. Nearly all of `top`
+    cancels: the sums run in one order, so that the result does not depend on where the arrays
+    lie in memory, as it does with matrix products.
+    """
+    out = np.empty(len(cross))
+    weight = 0.0
+    for i in range(len(one)):
+        weight += abs(one[i]) ** 2
+    for k in range(len(cross)):
+        own, miss = top, 1.0 + 0.0j
+        for i in range(len(F)):
+            h = 0.0j
+            for j in range(i + 1):
+                h += F[i, j] * cross[k, j].conjugate()
+            own -= h.real * h.real + h.imag * h.imag
+            miss -= h.conjugate() * one[i]
+        out[k] = max(own + abs(miss) ** 2 / weight, noise)
+    return out
 
 
 def fit(Z: np.ndarray, N: np.ndarray, Y: np.ndarray, phasors: int, start: Any = None) -> Kriging:
@@ -277,22 +297,11 @@ class Surfaces:
         """`doubt` at one design, its features z (f,), at the cost of one evaluation."""
         Z, tips, lengths, phasors, *_ = self.packed
         cross = crossings(z, waves, Z, tips, lengths, phasors)
-        out = 0.0
-        for c, g, typical, held in zip(cross, self.groups, self._typical, self._quadratic):
-            factor, ones, weight, top = held
-            c = c.real if g.real else c
-            miss = 1.0 - ones @ c
-            half = factor @ c.conj()
-            own = top - np.vdot(half, half).real + abs(miss) ** 2 / weight
-            out += max(own, g.noise) / typical
-        return out / len(self.groups)
-
-    @cached_property
-    def _quadratic(self) -> list[tuple[Any, ...]]:
-        """Inverse Cholesky factor, row sums of the inverse, their sum, prior variance of each."""
-        held = [g._inverse[:2] for g in self.groups]
-        tops = [1.0 + g.phasors.sum() + g.noise for g in self.groups]
-        return [(f, A.sum(axis=1), A.sum().real, t) for (f, A), t in zip(held, tops)]
+        each = [
+            g.doubt_of((c.real if g.real else c)[None])[0] / typical
+            for c, g, typical in zip(cross, self.groups, self._typical)
+        ]
+        return float(np.mean(each))
 
     def left_out_doubt(self) -> np.ndarray:
         """The same (n,) at each design when it is left out."""

@@ -8,7 +8,6 @@ from __future__ import annotations
 import hashlib
 import json
 import os
-import pickle
 import platform
 import time
 from collections.abc import Callable, Iterable, Iterator
@@ -21,6 +20,7 @@ import numpy as np
 
 from . import __version__
 from .errors import SpecError
+from .regionfile import pack
 from .sweepengines import Rows, Task, connected, dask, here, processes
 from .sweepsolve import Job
 from .sweepspace import Space
@@ -163,7 +163,7 @@ def _provenance(job: Job, space: Space) -> dict[str, Any]:
 def _calibration(swimmer: Swimmer) -> str:
     """A fingerprint of the region calibration that the swimmer carries, if any."""
     region = getattr(swimmer, "region", None)
-    return "none" if region is None else hashlib.sha256(pickle.dumps(region)).hexdigest()
+    return "none" if region is None else hashlib.sha256(pack(region).encode()).hexdigest()
 
 
 def _digest(space: Space) -> str:

@@ -1,0 +1,19 @@
+"""Numbers that hang on the last bits hold on other processors than the one that runs the tests."""
+
+import os
+import subprocess
+import sys
+from pathlib import Path
+
+ROOT = Path(__file__).parents[1]
+SENSITIVE = ["tests/test_region.py", "-k", "last_bit or doubt_of_one or left_out"]
+
+
+def test_last_bits_hold_without_the_lanes_of_this_processor():
+    """Compiled code and BLAS as on a processor with AVX2 alone."""
+    other = {"NUMBA_CPU_NAME": "haswell", "OPENBLAS_CORETYPE": "Haswell"}
+    command = [sys.executable, "-m", "pytest", "-q", "-p", "no:cacheprovider", *SENSITIVE]
+    run = subprocess.run(
+        command, cwd=ROOT, env=os.environ | other, capture_output=True, text=True, check=False
+    )
+    assert run.returncode == 0, run.stdout + run.stderr

@@ -2,7 +2,6 @@
 
 A rigid helix on a body of revolution looks the same at each phase but for a rotation, so one phase
 tells all; a plane wave is sampled over half a period, the other half being its mirror image.
-Depends on rft, gait, metrics, fewdesigns, manydesigns.
 """
 
 from __future__ import annotations

@@ -10,7 +10,7 @@ Whatever the corrections y say, A, S, T come out positive definite:
 ``B = R e_os - F_p`` is the wrench that turns the body alone (whole less tail), D the isolated
 resistance, ``A_s = R_ss - R_sO^2/R_OO``. Lateral vectors are complex numbers q + i r: they turn
 with the tail. A plane wave splits by its mirror plane into (us, uq, or) and (ur, os, oq), each
-``R = L D L'``. Lengths are in units of r_s. Depends on numba alone.
+``R = L D L'``. Lengths are in units of r_s.
 """
 
 from __future__ import annotations

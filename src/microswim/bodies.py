@@ -3,7 +3,7 @@
 Holds the resistance of an ellipsoid (Oberbeck 1876 for translation, Edwardes 1892 and Perrin
 1934 for rotation) through Carlson's symmetric integrals, and Eqs. (18), (19) of the paper as an
 option of the spheroid. The frame is ``sqr``: the body touches the origin (the joint) with its
-rear pole, its centre is at ``(-r_s, 0, 0)``. Depends on checks.
+rear pole, its centre is at ``(-r_s, 0, 0)``.
 
 All formulas accept arrays and complex numbers (for the complex-step derivative); the fields are
 checked on construction.

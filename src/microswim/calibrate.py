@@ -2,7 +2,6 @@
 
 Weighted least squares with bounds, ``min_x sum ((y_i - f_i(x)) / sigma_i)^2``, with the Jacobian by
 the complex step ``Im f(x + ih)/h`` through the surrogate's kernels, so it is exact to rounding.
-Depends on observe, unknowns, identify, rft.
 """
 
 from __future__ import annotations

@@ -2,7 +2,6 @@
 
 The bank pools publications, so geometry and speed of a row are not those of one cell; what is
 assumed on top is in `CELLS`. Spreads that the bank leaves out are taken as `MISSING` of the value.
-Depends on batch, data, references; on matplotlib for the picture.
 """
 
 from __future__ import annotations

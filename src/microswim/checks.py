@@ -1,4 +1,4 @@
-"""Checks shared by everything that is validated on construction. Depends on errors."""
+"""Checks shared by everything that is validated on construction."""
 
 from __future__ import annotations
 

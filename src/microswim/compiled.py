@@ -4,7 +4,7 @@ To load what was compiled before takes numba most of a second, and to compile fo
 many; one gait in Python takes milliseconds. So a command that needs a single gait never imports
 numba, and whoever needs many compiles after a few calls. Both ways run the same lines and agree to
 rounding. Written so that each number may be an array, a kernel also takes many cases side by side
-(`Kernel.written`). Depends on nothing of the package; on numba when a kernel is compiled.
+(`Kernel.written`).
 """
 
 from __future__ import annotations

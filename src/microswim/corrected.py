@@ -1,7 +1,4 @@
-"""Compiled evaluation of a region calibration: corrected R, F_p, G of many designs, and twists.
-
-Depends on blocks, kriging, shaded.
-"""
+"""Compiled evaluation of a region calibration: corrected R, F_p, G of many designs, and twists."""
 
 from __future__ import annotations
 

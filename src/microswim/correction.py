@@ -2,7 +2,6 @@
 
 ``swimmer.gait()`` and `microswim.evaluate` of a swimmer that carries a `Correction` give the
 corrected R and F_p; a gait also the expected error, and says when the design lies outside.
-Depends on corrected, shaded, kriging.
 """
 
 from __future__ import annotations

@@ -2,7 +2,7 @@
 
 The function is sampled once on Chebyshev points along s (panel by panel) and uniform phases, until
 its coefficients have decayed to rounding; position and both derivatives then come from the series,
-at any s and phase. Depends on tails, checks.
+at any s and phase.
 """
 
 from __future__ import annotations

@@ -1,7 +1,4 @@
-"""Dotted names of the numbers that a frozen dataclass holds: ``.amplitude``, ``.rotation[1]``.
-
-Depends on nothing of the package.
-"""
+"""Dotted names of the numbers that a frozen dataclass holds: ``.amplitude``, ``.rotation[1]``."""
 
 from __future__ import annotations
 

@@ -1,7 +1,6 @@
 """Drawing a swimmer to scale: a camera, shaded faces sorted by depth, a scale bar, the axes.
 
-Parallel projection, so that lengths can be compared. Depends on surface, readable; on matplotlib
-when called.
+Parallel projection, so that lengths can be compared.
 """
 
 from __future__ import annotations

@@ -1,4 +1,4 @@
-"""The two errors a user meets. Depends on nothing.
+"""The two errors a user meets.
 
 Every message is one sentence: the field and its value, what is allowed, how to mend it.
 """

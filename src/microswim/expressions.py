@@ -2,7 +2,7 @@
 
 ``speed / torque``, ``torque <= 300``, ``0.2 <= body_rate <= 0.5``. The grammar is Python's, of
 which only numbers, names, ``+ - * / **``, ``abs sqrt log min max`` and comparisons are understood.
-The values may be numbers, arrays or complex numbers (complex-step derivative). Depends on errors.
+The values may be numbers, arrays or complex numbers (complex-step derivative).
 """
 
 from __future__ import annotations

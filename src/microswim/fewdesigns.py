@@ -1,7 +1,7 @@
 """Some designs before anything is compiled: the kernels run as Python, all designs side by side.
 
 The same sums with the same quadrature as manydesigns, which is faster once its compiled loops are
-loaded. Depends on rigidhelix, planarwave, mobility.
+loaded.
 """
 
 from __future__ import annotations

@@ -3,7 +3,7 @@
 ``R(phi) V + F_p(phi) rate = W_external``: 6x6 resistance R, propulsive wrench F_p per unit phase
 rate. The force and torque by the fluid on the swimmer is ``-(R V + F_p rate)``. Six-vectors are
 ``[linear; angular]`` in the body frame about the body's centre. Holds Eqs. (15) and (24). A gait
-does not know which model made it. Depends on numpy alone.
+does not know which model made it.
 
 A *series* is a real Fourier series in the phase, shape ``(1 + 2 H, ...)``:
 ``[mean, cos 1, sin 1, cos 2, sin 2, ...]``.

@@ -2,7 +2,7 @@
 
 With the weighted Jacobian ``J_ij = (dy_i / d ln x_j) / sigma_i = U S V'`` the combination
 ``V_k . ln x`` is known to ``1/S_k``: it counts as determined when that is below one, that is,
-when the data tell it from half or twice its value. Depends on swimmer.
+when the data tell it from half or twice its value.
 """
 
 from __future__ import annotations

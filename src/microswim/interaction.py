@@ -1,7 +1,4 @@
-"""Hydrodynamic interaction: coefficients on the resistance of body and tail [Tabak Eqs. 4, 21, 22].
-
-Depends on checks. All formulas accept arrays and complex numbers.
-"""
+"""Hydrodynamic interaction: coefficients on the resistance of body and tail [Tabak Eqs. 4, 21, 22]. All formulas accept arrays and complex numbers."""
 
 from __future__ import annotations
 

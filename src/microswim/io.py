@@ -1,7 +1,6 @@
 """A run as a Dataset, in and out of files: netCDF, Zarr, CSV of the path; with its birthplace.
 
 Every number carries its unit, and every file the version, date, model and spec it came from.
-Depends on trajectory, metrics.
 """
 
 from __future__ import annotations

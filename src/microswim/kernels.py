@@ -1,7 +1,7 @@
 """Compiled kernels of resistive force theory: one segment, one tail.
 
 The theory stands in rft; here are the sums. Everything stays analytic (no abs, no conjugates), so
-that complex-step derivatives run through the same kernels. Depends on compiled.
+that complex-step derivatives run through the same kernels.
 """
 
 from __future__ import annotations

@@ -1,4 +1,4 @@
-"""Rigid motion: quaternions, poses and the screw motion of one period. Depends on compiled.
+"""Rigid motion: quaternions, poses and the screw motion of one period.
 
 Quaternions are ``wxyz``, body to lab: ``v_lab = q v_body q*``. Everything stays analytic (no abs,
 no conjugates of complex numbers), so that the complex-step derivative runs through it.

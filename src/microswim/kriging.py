@@ -7,7 +7,7 @@ Matern 5/2 with one length per feature, times the phasors of the tail's tip,
 for complex targets (lateral vectors, harmonics of a beat); real targets take the real part. Targets
 of a group share lengths, phasors and noise; each has its own mean and variance, both closed. The
 lengths come from the marginal likelihood, leave-one-out residuals from the inverse [Rasmussen &
-Williams 2006, Eqs. 2.30, 5.12]. Depends on kernels, numba, scipy.
+Williams 2006, Eqs. 2.30, 5.12].
 """
 
 from __future__ import annotations

@@ -1,4 +1,4 @@
-"""Least squares that leaves alone what the data do not determine. Depends on identify."""
+"""Least squares that leaves alone what the data do not determine."""
 
 from __future__ import annotations
 

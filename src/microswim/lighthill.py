@@ -7,7 +7,6 @@ r"""Lighthill's integrals A_1 and A_2 [Tabak Eqs. 9, 25-28], fast and to roundin
 The integrand is ``1/theta`` at the origin plus a smooth odd part, so the integral splits into
 ``A(alpha, 0)``, a function of alpha alone, kept as a Chebyshev series in ``ln alpha`` that is made
 at first use (some 70 ms), and a smooth integral over ``[0, epsilon]`` by Gauss-Legendre.
-Depends on compiled alone; works for complex arguments too (complex-step derivatives).
 """
 
 from __future__ import annotations

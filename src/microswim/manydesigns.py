@@ -2,7 +2,7 @@
 
 The sums are those of rigidhelix and planarwave; here are the loops over designs. They always run
 compiled. Array expressions are spelled out as loops on purpose: each would be a parallel region of
-its own, and take seconds to compile. Depends on rigidhelix, planarwave, mobility.
+its own, and take seconds to compile.
 """
 
 from __future__ import annotations

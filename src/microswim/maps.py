@@ -1,7 +1,4 @@
-"""Maps of a validation: errors over two axes with the 5 % and 10 % neighbourhoods, or along one.
-
-Depends on validate; on matplotlib when called.
-"""
+"""Maps of a validation: errors over two axes with the 5 % and 10 % neighbourhoods, or along one."""
 
 from __future__ import annotations
 

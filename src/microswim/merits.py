@@ -1,7 +1,6 @@
 """What a designer may ask of a swimmer, by name: from a gait, or of many designs at once.
 
-Magnitudes throughout: a speed, a torque or a rate has no sign here. Depends on gait, batch,
-trajectory, expressions.
+Magnitudes throughout: a speed, a torque or a rate has no sign here.
 """
 
 from __future__ import annotations

@@ -1,4 +1,4 @@
-"""Single numbers about a swimmer, and their exact derivatives. Depends on gait, trajectory."""
+"""Single numbers about a swimmer, and their exact derivatives."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""The 6x6 solve for a twist, compiled: one, or several side by side. Depends on compiled.
+"""The 6x6 solve for a twist, compiled: one, or several side by side.
 
 Analytic, so that complex-step derivatives run through it.
 """

@@ -2,7 +2,7 @@
 
 Search on the surrogate; solve its optimum with the reference; where they differ by more than the
 tolerance, calibrate the surrogate at that very design and search again. Every round costs one
-reference solve. Depends on design, calibrate,.
+reference solve.
 """
 
 from __future__ import annotations

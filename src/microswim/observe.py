@@ -13,7 +13,6 @@ Names of quantities, with the degrees of freedom us, uq, ur, os, oq, or:
 ===================== ==========================================================================
 
 All are analytic in the numbers of the swimmer, so the complex step differentiates them.
-Depends on gait, swimmer.
 """
 
 from __future__ import annotations

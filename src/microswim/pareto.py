@@ -1,7 +1,4 @@
-"""The trade-off between two or three wishes: Pareto front by NSGA-II on the batched kernel.
-
-Depends on problem; pymoo (extra ``design``).
-"""
+"""The trade-off between two or three wishes: Pareto front by NSGA-II on the batched kernel."""
 
 from __future__ import annotations
 

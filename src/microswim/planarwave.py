@@ -5,7 +5,7 @@ With ``c = cos(k s - phase)``, ``d = sin(k s - phase)`` and x measured from the 
     X = (x, a c, 0),   v t = (1, a' c - a k d, 0),   u = (0, a d, 0)
 
 so that 13 of the 21 sums of `kernels.add_segment` are left. Both equal that plain quadrature to
-rounding; a test holds them to it. Depends on kernels.
+rounding; a test holds them to it.
 """
 
 from __future__ import annotations

@@ -1,7 +1,7 @@
 """Figures of a run, from its Dataset: the path with the swimmer to scale, and the velocities.
 
 Two-column journal width; colours that the colour-blind tell apart, with a line style each; units on
-every axis. Depends on io, drawing, readable; on matplotlib when called.
+every axis.
 """
 
 from __future__ import annotations

@@ -1,7 +1,4 @@
-"""Pictures of designs: map with optimum and neighbourhood, front, sensitivity, spread, swimmers.
-
-Depends on drawing, readable, design; on matplotlib when called.
-"""
+"""Pictures of designs: map with optimum and neighbourhood, front, sensitivity, spread, swimmers."""
 
 from __future__ import annotations
 

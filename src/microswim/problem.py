@@ -1,7 +1,7 @@
 """A design problem: what may vary, what must hold, what is wanted; solved over the unit cube.
 
 The objective and the margins of the constraints come from the batched kernel for many designs,
-and with exact derivatives (complex step) for one. Depends on merits, expressions, variants.
+and with exact derivatives (complex step) for one.
 """
 
 from __future__ import annotations

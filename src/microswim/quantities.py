@@ -2,7 +2,7 @@
 
 pint says what a unit means. What may be written is narrower than what pint would evaluate: a
 number, then units with powers of one digit, so that no text of a spec file can keep the machine
-busy (``"9**9**9**9 m"``). Depends on pint, for all but the commonest units.
+busy (``"9**9**9**9 m"``).
 """
 
 from __future__ import annotations

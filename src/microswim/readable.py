@@ -1,4 +1,4 @@
-"""Numbers for people: SI values with a prefix, angles in turns. Depends on nothing."""
+"""Numbers for people: SI values with a prefix, angles in turns."""
 
 from __future__ import annotations
 

@@ -1,7 +1,7 @@
 """Many reference gaits: solved in worker processes, one thread each, and kept as they come.
 
 A folder keeps one file per design, named by a digest of swimmer, model and options: a killed run
-loses at most the solves in flight, and a later one finds what it needs. Depends on gait, swimmer.
+loses at most the solves in flight, and a later one finds what it needs.
 """
 
 from __future__ import annotations

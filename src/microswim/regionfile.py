@@ -1,7 +1,6 @@
 """A region calibration as text, for the table [region] of a spec file.
 
 Arrays go through NumPy's npz and base64, so the file holds them to the last bit and stays one file.
-Depends on correction, kriging.
 """
 
 from __future__ import annotations

@@ -1,7 +1,4 @@
-"""Fit of a region calibration: targets from reference gaits, Gaussian processes, left-out errors.
-
-Depends on correction, blocks, kriging, shaded.
-"""
+"""Fit of a region calibration: targets from reference gaits, Gaussian processes, left-out errors."""
 
 from __future__ import annotations
 

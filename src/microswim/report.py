@@ -1,7 +1,6 @@
 """The report of a run: tables of numbers in readable units, and one self-contained HTML page.
 
-Pictures are embedded, so the page is one file that can be sent around. Depends on readable; on
-plots when a page is made.
+Pictures are embedded, so the page is one file that can be sent around.
 """
 
 from __future__ import annotations

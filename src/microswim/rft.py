@@ -13,7 +13,6 @@ same at ``s = L`` with ``C = 3 pi mu r_t I``. In Eq. (14) the paper prints
 ``dl = |dP/ds| ds`` (the paper's ``ds`` is the option ``line_element = "apparent"``).
 
 Everything stays analytic, so that the complex-step derivative runs through the same kernels.
-Depends on kernels and gait.
 """
 
 from __future__ import annotations

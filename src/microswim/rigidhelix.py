@@ -8,7 +8,7 @@ measured from the body's centre, position, tangent and velocity per unit phase r
 Behind the ramp a = b is constant, ``v^2 = 1 + b^2 k^2`` too, and the sums of `kernels.add_segment`
 are combinations of ``int x^m {1, c, d} dx`` (m = 0, 1) and ``int x^m {1, c^2, d^2, c d} dx``
 (m = 0, 1, 2). On the ramp the integrand is smooth: Gauss-Legendre. Both equal the plain quadrature
-of kernels to rounding; a test holds them to it. Depends on kernels.
+of kernels to rounding; a test holds them to it.
 """
 
 from __future__ import annotations

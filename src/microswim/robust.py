@@ -1,8 +1,7 @@
 """What manufacture and ignorance do to a design: yield and Sobol indices.
 
 Numbers of the spec are uncertain: each made robot differs a little, and viscosity or interaction
-coefficients are not known better. Many samples on the batched kernel answer. Depends on merits;
-SALib (extra ``design``) for the indices.
+coefficients are not known better. Many samples on the batched kernel answer.
 """
 
 from __future__ import annotations

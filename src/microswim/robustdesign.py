@@ -1,7 +1,6 @@
 """The design whose unlucky robots are best, and of which enough meet the constraints.
 
 Differential evolution on the batched kernel, every candidate with the same sample of deviations.
-Depends on problem, design, robust; scipy.
 """
 
 from __future__ import annotations

@@ -5,7 +5,6 @@ In the plane of the beat the swimmer obeys ``R V + F_p rate = 0`` for (us, uq, o
 force across and turning, factors of the tail's c_t and c_n; takes the body's block from the
 reference; or adds the tip (`Coefficients.tip`), which neither Eq. (5) nor (14) has. It is fitted to
 the reference's velocities, or to the whole R and F_p.
-Depends on gait, interaction, swimmer.
 """
 
 from __future__ import annotations

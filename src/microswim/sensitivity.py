@@ -3,7 +3,7 @@
 At an optimum the objective's first derivatives vanish along what is free to move; what matters is
 how far each may move before the objective loses one per cent, and how the *optimal* value answers
 to everything that was held: ``dJ*/dp = dJ/dp + sum_i lambda_i dg_i/dp`` with the multipliers of
-the active constraints (envelope theorem). Depends on problem; scipy.
+the active constraints (envelope theorem).
 """
 
 from __future__ import annotations

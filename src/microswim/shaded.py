@@ -13,7 +13,7 @@ H' carries a force on the filament to the force it leaves on the whole swimmer (
 so R stays symmetric and positive definite. The tip is half a sphere, with half its drag,
 ``3 pi mu r_t`` in all directions at s = L: a wave of a whole number of turns cancels along its
 length, and what its end feels is then the larger part of the lateral wrench. Bodies that are not
-spheres shade like the sphere of radius r_s. Depends on kernels, planarwave.
+spheres shade like the sphere of radius r_s.
 """
 
 from __future__ import annotations

@@ -2,7 +2,7 @@
 
 pydantic says what a file may hold, pint what a unit means; what makes physical sense is checked by
 the parts themselves. A file holds either quantities with units (converted to SI) or bare numbers
-(dimensionless), never a mix. Depends on swimmer and its parts.
+(dimensionless), never a mix.
 """
 
 from __future__ import annotations

@@ -1,7 +1,5 @@
 """One step of a gait, compiled: phase, pose and loads in, pose out.
 
-Depends on kernels, kinematics, mobility.
-
 The state is position x (lab), quaternion q (``wxyz``, body to lab) and phase. Order 4: see
 trajectory. Everything is analytic, so that complex-step derivatives run through it.
 """

@@ -1,7 +1,7 @@
 """The swimmer's surface as a mesh of quadrilaterals, for pictures and files.
 
 Body, tube and its round tip at one phase, in the frame ``sqr`` moved to the body's centre. A
-drawing, not a computational mesh: the reference solvers build their own. Depends on swimmer.
+drawing, not a computational mesh: the reference solvers build their own.
 """
 
 from __future__ import annotations

@@ -1,7 +1,7 @@
 """What bounds the fluid: a plane wall, or a vessel (a cylindrical channel or a box).
 
 Plain descriptions, fixed in the swimmer's frame: a gait beside a wall holds at that pose. The
-boundary elements know the wall, the finite elements the vessel. Depends on checks.
+boundary elements know the wall, the finite elements the vessel.
 """
 
 from __future__ import annotations

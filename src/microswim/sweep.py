@@ -1,7 +1,4 @@
-"""Many solves: a grid or a list of designs into one Dataset, on disk if wanted.
-
-Depends on sweepspace, sweepstore, sweepsolve, sweepengines; xarray.
-"""
+"""Many solves: a grid or a list of designs into one Dataset, on disk if wanted."""
 
 from __future__ import annotations
 

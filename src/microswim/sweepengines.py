@@ -1,8 +1,7 @@
 """Where the rows of a sweep are solved: here, in local processes, or on a Dask cluster.
 
 An engine is a generator: tasks in, ``(task, results)`` out, in whatever order they come. A worker
-that dies costs the design it held one more try, then that design's row says so. Depends on
-sweepsolve; distributed and dask_jobqueue on demand.
+that dies costs the design it held one more try, then that design's row says so.
 """
 
 from __future__ import annotations

@@ -1,7 +1,6 @@
 """Solve the rows of a sweep: the same function in this process, a worker or a Dask cluster.
 
-A design that cannot be solved becomes a row with its reason. Depends on variants, metrics, batch,
-compiled.
+A design that cannot be solved becomes a row with its reason.
 """
 
 from __future__ import annotations

@@ -2,7 +2,6 @@
 
 A design has a row number, C order of the grid. The blocks are the chunks of the store: as many
 whole trailing axes as fit, then a part of the next, so that a block is always a run of rows.
-Depends on errors.
 """
 
 from __future__ import annotations

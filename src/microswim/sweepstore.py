@@ -2,7 +2,7 @@
 
 Every file of the store is replaced atomically, the status of a block after its results; a design
 whose status is not written is solved again. Plain ``xarray.open_zarr`` reads the store at any
-moment. Why so: docs/decisions/sweep-store.md. Depends on zarr, sweepspace.
+moment. Why so: docs/decisions/sweep-store.md.
 """
 
 from __future__ import annotations

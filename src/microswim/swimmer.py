@@ -1,7 +1,4 @@
-"""Swimmer: body, tail, fluid, local coefficients and interaction; the one noun of the package.
-
-Depends on bodies, tails, coefficients, interaction.
-"""
+"""Swimmer: body, tail, fluid, local coefficients and interaction; the one noun of the package."""
 
 from __future__ import annotations
 

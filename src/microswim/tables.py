@@ -1,6 +1,6 @@
 """What a spec file may hold: its tables, field by field, with the unit of each quantity.
 
-pydantic reads them; the parts themselves check what makes physical sense. Depends on quantities.
+pydantic reads them; the parts themselves check what makes physical sense.
 """
 
 from __future__ import annotations

@@ -1,7 +1,7 @@
 """Tails: rotating helix and travelling plane wave [Tabak Eq. 12]; see also customtail.
 
 A tail is its centreline ``P(s, phase)`` in the frame ``sqr`` (origin at the joint, s away from the
-body) with ``phase = omega t``; tangent and velocity follow from P. Depends on checks.
+body) with ``phase = omega t``; tangent and velocity follow from P.
 
 All formulas accept arrays and complex numbers (for design maps and the complex-step derivative);
 the fields are checked on construction.

@@ -1,7 +1,7 @@
 """Tracks: times and positions of a swimmer's body centre, 2-D or 3-D, optionally its attitude.
 
 Reads the CSV of `identify`, and finds the frequency of the wobble in a track's spectrum, which
-needs no model of the swimmer. Depends on errors, spec (units), kinematics.
+needs no model of the swimmer.
 """
 
 from __future__ import annotations

@@ -3,8 +3,7 @@
 The path depends on the design through the gait alone: ``x(t) = x_0 + R_0 p(t; design, phase_0)``
 with the path p of a swimmer that starts at the origin. The frequency comes from the track's
 spectrum, first guesses from a grid of designs, then amplitude, number of waves, frequency (and
-what else is asked for) are fitted together with the unknown initial pose and phase. Depends on
-track, trackpath, trackguess, calibrate and unknowns (names), identify (what data determine).
+what else is asked for) are fitted together with the unknown initial pose and phase.
 """
 
 from __future__ import annotations

@@ -1,7 +1,7 @@
 """First guesses for `trackfit`: designs from a grid, then phase and pose in closed form.
 
 A track shows three things without any fit: the frequency of its wobble, the size of the wobble
-and the speed along the smoothed path. A grid of designs is compared with those. Depends on batch.
+and the speed along the smoothed path. A grid of designs is compared with those.
 """
 
 from __future__ import annotations

@@ -6,7 +6,7 @@ A rigid helix on a body of revolution has a constant twist in the frame T of its
 
 with ``U_0, W_0`` its velocities at phase 0 and Q the rotation by sign phase about s. A plane wave
 moves in its plane: heading ``h = int W_r dt``, position ``int R(h) U dt``, both by Fourier series.
-Everything else is left to `trajectory`. Depends on gait, kinematics, trajectory.
+Everything else is left to `trajectory`.
 """
 
 from __future__ import annotations

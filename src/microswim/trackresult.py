@@ -1,4 +1,4 @@
-"""What the identification of a swimmer from its track gives. Depends on identify, swimmer."""
+"""What the identification of a swimmer from its track gives."""
 
 from __future__ import annotations
 

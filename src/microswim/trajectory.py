@@ -3,7 +3,6 @@
 Position and unit quaternion by a Runge-Kutta-Munthe-Kaas method of order 4: Runge-Kutta in the
 rotation vector u of the step, ``u' = w + u x w / 2 + u x (u x w) / 12`` (Munthe-Kaas 1999), so the
 quaternion keeps its norm. A steadily driven swimmer repeats the screw motion of one period.
-Depends on gait, kinematics, stepping.
 """
 
 from __future__ import annotations

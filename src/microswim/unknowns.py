@@ -1,7 +1,6 @@
 """Names of what a calibration looks for: ``translation.s``, ``coupling.qr``, ``tail.n``, ...
 
 An unknown may stand for several numbers of the spec at once (lateral directions that are alike).
-Depends on swimmer.
 """
 
 from __future__ import annotations

@@ -9,7 +9,7 @@ dissipation (``|V|^2 = V'RV``, ``|F|^2 = F'R^-1 F``), root mean square over the 
     of which     V(R', F_p) and V(R, F_p') alone      so that a disagreement has an address
 
 Lateral velocities nearly cancel at some designs: they are judged against their scale over the map
-(the largest value of the reference). Depends on references, observe.
+(the largest value of the reference).
 """
 
 from __future__ import annotations

@@ -2,7 +2,7 @@
 
 `Swimmer.with_` sets a part's own fields; here also one entry of a list
 (``interaction.translation[0]``) and the kind of a part (``tail.kind``, ``body.shape``,
-``coefficients.law``), which keeps the fields that both kinds have. Depends on swimmer, its parts.
+``coefficients.law``), which keeps the fields that both kinds have.
 """
 
 from __future__ import annotations

@@ -1,6 +1,6 @@
 """VTK files for ParaView: the swimmer in time (XML PolyData, a .pvd collection) and its path.
 
-Written here, since it takes a page. Binary, little-endian, base64. Depends on surface.
+Written here, since it takes a page. Binary, little-endian, base64.
 """
 
 from __future__ import annotations

@@ -1,4 +1,4 @@
-"""How near a helix comes to itself from turn to turn. Depends on numpy."""
+"""How near a helix comes to itself from turn to turn."""
 
 from __future__ import annotations
 

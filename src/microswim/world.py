@@ -2,7 +2,6 @@
 
 Vibrio alginolyticus (Tabak Section 3.1), Rodenborn's rigid helix, cells of the BOSO-Micro bank,
 Table 3 of the paper. Each function gives rows; ``microswim world`` prints them and writes the page.
-Depends on calibrate, cells, data, references.
 """
 
 from __future__ import annotations

@@ -2,7 +2,7 @@
 
 A module `cli/<name>.py` holds ``command``; its file name is the command's name. Mistakes in a
 specification become one sentence on stderr and exit status 2, other failures exit status 1,
-Ctrl-C 130. Depends on click; each command on what it calls.
+Ctrl-C 130.
 """
 
 from __future__ import annotations

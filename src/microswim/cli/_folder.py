@@ -1,4 +1,4 @@
-"""The folder of a run: all files at once or none. Depends on io, vtk, plots, report."""
+"""The folder of a run: all files at once or none."""
 
 from __future__ import annotations
 

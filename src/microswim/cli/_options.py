@@ -1,7 +1,4 @@
-"""Options that the commands share: where the swimmer comes from, the model, how to print.
-
-Depends on click; on spec when a command runs.
-"""
+"""Options that the commands share: where the swimmer comes from, the model, how to print."""
 
 from __future__ import annotations
 

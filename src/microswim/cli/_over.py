@@ -1,8 +1,4 @@
-"""``--over``: what varies and how far, as text. Depends on errors; on spec for units.
-
-``name=a:b`` a range, ``name=a:b:n`` n values, ``name=a:b:n:log`` logarithmic, ``name=x,y,z`` a
-list; several names with commas between them. Quantities carry units: ``tail.length=1mm:3mm:5``.
-"""
+"""``--over``: what varies and how far, as text. Quantities carry units: ``tail.length=1mm:3mm:5``."""
 
 from __future__ import annotations
 

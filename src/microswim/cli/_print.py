@@ -1,4 +1,4 @@
-"""Tables on the terminal, and a line that says what is going on. Depends on rich, report."""
+"""Tables on the terminal, and a line that says what is going on."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""``microswim demo``: the paper's base case swims. Depends on presets, data, io, report."""
+"""``microswim demo``: the paper's base case swims."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""``microswim export``: the model for another program, as C or as an FMU. Depends on control."""
+"""``microswim export``: the model for another program, as C or as an FMU."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""``microswim new``: a commented spec to start from. Depends on spec."""
+"""``microswim new``: a commented spec to start from."""
 
 from __future__ import annotations
 

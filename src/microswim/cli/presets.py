@@ -1,4 +1,4 @@
-"""``microswim presets``: the swimmers that come along. Depends on presets."""
+"""``microswim presets``: the swimmers that come along."""
 
 from __future__ import annotations
 

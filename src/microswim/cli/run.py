@@ -1,4 +1,4 @@
-"""``microswim run``: how a swimmer swims. Depends on spec, io, report."""
+"""``microswim run``: how a swimmer swims."""
 
 from __future__ import annotations
 

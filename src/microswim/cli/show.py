@@ -1,4 +1,4 @@
-"""``microswim show``: what a spec works out to. Depends on spec, report."""
+"""``microswim show``: what a spec works out to."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""``microswim studio``: the page where a swimmer swims. Depends on studio, spec."""
+"""``microswim studio``: the page where a swimmer swims."""
 
 from __future__ import annotations
 

@@ -1,7 +1,4 @@
-"""``microswim swim``: swimming in time from rest by finite elements, the fluid's inertia included.
-
-Depends on reference.fem, io, report.
-"""
+"""``microswim swim``: swimming in time from rest by finite elements, the fluid's inertia included."""
 
 from __future__ import annotations
 

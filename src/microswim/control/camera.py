@@ -1,7 +1,7 @@
 """The camera of a compiled environment: a frame every so many steps, late and noisy.
 
 The same model as sensor, for thousands of environments: a ring of frames, each position and heading
-(the direction the body leads, ``-s``). Depends on chance, kinematics.
+(the direction the body leads, ``-s``).
 """
 
 from __future__ import annotations

@@ -1,4 +1,4 @@
-"""Random numbers inside compiled environments: one stream per environment. Depends on numba.
+"""Random numbers inside compiled environments: one stream per environment.
 
 SplitMix64 (Steele, Lea & Flood 2014): a counter and a mixing function, so a stream depends on its
 key alone, not on how many environments there are nor on which core they run.

@@ -1,6 +1,6 @@
 """The model as self-contained C99: one header, one source, the coefficients inside.
 
-The C in ``c/`` mirrors motion line by line; here its placeholders are filled. Depends on stepper.
+The C in ``c/`` mirrors motion line by line; here its placeholders are filled.
 """
 
 from __future__ import annotations

@@ -1,4 +1,4 @@
-"""The C compiler of this machine, where an export needs one. Depends on errors."""
+"""The C compiler of this machine, where an export needs one."""
 
 from __future__ import annotations
 

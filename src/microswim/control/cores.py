@@ -1,4 +1,4 @@
-"""How many cores a compiled loop over swimmers wakes. Depends on numba."""
+"""How many cores a compiled loop over swimmers wakes."""
 
 from __future__ import annotations
 

@@ -10,7 +10,6 @@ The state is ``y = [x (lab), q (wxyz, body to lab), phase]``, the inputs are the
 integrated by the Runge-Kutta-Munthe-Kaas method of order 4 of trajectory. No allocation; all
 analytic, so that complex-step derivatives run through it. ``twist``, ``strain``: tables of M
 and v, and of K, `response`; ``moment``: magnetic, in the body frame.
-Depends on kernels, kinematics, stepping.
 """
 
 from __future__ import annotations

@@ -1,7 +1,4 @@
-"""Paths in space for an environment: polylines of equal steps, and where one is along them.
-
-Depends on chance.
-"""
+"""Paths in space for an environment: polylines of equal steps, and where one is along them."""
 
 from __future__ import annotations
 

@@ -2,8 +2,7 @@
 
 Two controls: the motor's rate, and the rate at which a guiding field turns in the plane z = 0. The
 robot's magnet lies along its axis, so the field turns the robot as it turns a magnetotactic cell,
-with a lag; nothing else holds it in the plane. Millimetres in observations, SI inside. Depends on
-motion, camera, chance.
+with a lag; nothing else holds it in the plane. Millimetres in observations, SI inside.
 """
 
 from __future__ import annotations

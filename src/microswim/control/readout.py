@@ -1,7 +1,4 @@
-"""What can be read off the motion, compiled: twist, torque of the motor, derivatives of a step.
-
-Depends on motion.
-"""
+"""What can be read off the motion, compiled: twist, torque of the motor, derivatives of a step."""
 
 from __future__ import annotations
 

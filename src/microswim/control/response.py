@@ -6,8 +6,7 @@
 V is the twist *relative to the background flow* at the body's centre, W the external wrench, e the
 strain of that flow, all in the body frame, tau the motor's torque. The products are periodic, so
 they are Fourier series too: for a rigid helix on a body of revolution exact with two (K: three)
-harmonics, else resolved to rounding. Degrees of freedom that are held have zero rows. Depends on
-gait, strain.
+harmonics, else resolved to rounding. Degrees of freedom that are held have zero rows.
 """
 
 from __future__ import annotations

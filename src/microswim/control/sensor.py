@@ -1,4 +1,4 @@
-"""Sensor: what a camera sees of a swimmer, late, seldom and with noise. Depends on stepper.
+"""Sensor: what a camera sees of a swimmer, late, seldom and with noise.
 
 A layer of its own: the stepper does not know it, a controller may do without it.
 """

@@ -3,7 +3,7 @@
 Each step of 20 ms: the coils turn the field about the wanted direction at the wanted frequency, the
 robot follows as `motion` has it (beyond step-out it does not), a flow that nobody measures carries
 it, and a camera sees it seldom, late and with noise. Millimetres in observations and paths, SI
-inside. Depends on motion, camera, paths, chance.
+inside.
 """
 
 from __future__ import annotations

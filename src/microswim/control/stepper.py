@@ -1,8 +1,7 @@
 """Stepper: a swimmer sample by sample, for a controller's loop.
 
 Inputs are held over a step; only the field may turn within it. Inside, a step is divided so that
-tail, field and body turn little (`motion.internal_steps`), each part of order 4. Depends on
-response, motion, readout.
+tail, field and body turn little (`motion.internal_steps`), each part of order 4.
 """
 
 from __future__ import annotations

@@ -8,7 +8,7 @@ A swimmer held in the flow ``u(X) = E X`` (E symmetric, X from the body's centre
 
 K_i the body's own resistance to rotation. The body of revolution and the ellipsoid are exact when
 alone; that body and tail shade one another in a strain is left out, as in the surrogate itself.
-``g(phi) = int û . C u dl`` is the part of the motor's torque. Depends on rft, kernels, swimmer.
+``g(phi) = int û . C u dl`` is the part of the motor's torque.
 """
 
 from __future__ import annotations

@@ -2,7 +2,7 @@
 
 The sidecar says where the numbers come from (``source``, ``place``), how they were ``obtained``,
 their ``uncertainty``, the ``rights``, a ``note`` on what to beware of, and unit and meaning of
-every column. A set without a complete sidecar does not pass the tests. Depends on errors.
+every column. A set without a complete sidecar does not pass the tests.
 """
 
 from __future__ import annotations

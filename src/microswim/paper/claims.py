@@ -9,7 +9,6 @@ A verdict is one of
 
 `Judgement.holds` compares the verdict with the numbers of today. The tolerance of a claim comes
 from the digits that the paper prints (and the rounding of what goes in), never from our result.
-Depends on the modules of the tables and figures.
 """
 
 from __future__ import annotations

@@ -1,8 +1,7 @@
 """What the modules of the paper share: its swimmers, sweeps, and our reference in place of its CFD.
 
 A `Context` says how thorough a run is and where finished reference solutions are kept, so that an
-interrupted run resumes. Depends on swimmer, batch, gait; the reference
-solves through `Swimmer.gait`.
+interrupted run resumes.
 """
 
 from __future__ import annotations

@@ -4,7 +4,7 @@ The measured values (Goto et al. 2001) are in no text available to us. Four of t
 *inferred* from what the paper says of its errors, and are labelled so: the model is exact at
 specimen C; at G it errs by 8.2 % (corrected); at B by 47.2 % (uncorrected); at F by 6.5 %
 (corrected). The reading that fits: tail length along the filament, the tail's rate counted in the
-lab frame. Depends on presets, gait.
+lab frame.
 """
 
 from __future__ import annotations

@@ -3,7 +3,7 @@
 The paper does not say which equations its maps come from. Its helical velocity is met by the closed
 form of Eq. (20) (no ramp), the tail's rate counted in the lab frame, and the constant pair; its
 plane wave by Eqs. (14), (15) integrated over the apparent length with the constant pair. Those
-readings are drawn; `readings` tabulates the others. Depends on swimmer, coefficients, batch.
+readings are drawn; `readings` tabulates the others.
 """
 
 from __future__ import annotations

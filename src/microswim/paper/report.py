@@ -1,7 +1,6 @@
 """One self-contained page: every table, figure and claim beside our numbers, no network.
 
-Figures are inlined as SVG and saved beside the page as SVG and PDF. Depends on claims, style and
-the modules of the tables and figures.
+Figures are inlined as SVG and saved beside the page as SVG and PDF.
 """
 
 from __future__ import annotations

@@ -1,4 +1,4 @@
-"""Look of the figures: one colour-blind-safe palette, journal sizes. Depends on matplotlib.
+"""Look of the figures: one colour-blind-safe palette, journal sizes.
 
 The palette is that of Okabe & Ito (2008); lines differ in their dashes too, so that the figures
 survive a grey print. The dashes are the paper's: solid for the constant pair, dashed for

@@ -1,7 +1,7 @@
 """Table 1: the base case, drawn to scale with both tails (the paper's Fig. 1), and what follows.
 
 Also the base case by the reference: velocities, forces on the held and the free swimmer, and the
-four ways in which the tail's surface may move. Depends on context, coefficients.
+four ways in which the tail's surface may move.
 """
 
 from __future__ import annotations

@@ -1,4 +1,4 @@
-"""Table 2: the seven specimens of Vibrio alginolyticus, to scale. Depends on data, presets."""
+"""Table 2: the seven specimens of Vibrio alginolyticus, to scale."""
 
 from __future__ import annotations
 

@@ -2,7 +2,7 @@
 
 The paper solves Eq. (15) backwards for the velocities of its CFD. For the helix those are printed,
 so its table can be checked; for the plane wave they are not. The same problem is solved for the
-velocities of our reference. Depends on calibrate, data.
+velocities of our reference.
 """
 
 from __future__ import annotations

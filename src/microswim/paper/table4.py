@@ -1,7 +1,7 @@
 """Table 4: errors of the model and ranges of its velocities over the paper's sweeps.
 
 The printed errors are against the paper's CFD, which was not published; ours are against our
-reference. The ranges are of the model alone and can be computed. Depends on data, fig4.
+reference. The ranges are of the model alone and can be computed.
 """
 
 from __future__ import annotations

@@ -1,6 +1,6 @@
 """Spec files that come with the package: base cases of the paper, measured cells.
 
-A preset is a spec file like any other, and the best way to learn the format. Depends on errors.
+A preset is a spec file like any other, and the best way to learn the format.
 """
 
 from __future__ import annotations

@@ -8,8 +8,6 @@ with `n1, n2` normal to the centreline (perpendicular sections) or the fixed `e_
 sections). The kink of the ramp [Tabak Sec. 2] is rounded over +-r_t, and the centreline is
 continued to s < 0 (analytically for helix and plane wave, straight for other tails) so that the
 tube grows out of the body without a gap.
-
-Depends on: numpy, scipy, microswim.errors.
 """
 
 from __future__ import annotations

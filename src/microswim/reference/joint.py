@@ -1,7 +1,4 @@
-"""The joint: the closed curve in which the tail's tube meets the body.
-
-Depends on: numpy, geometry, microswim.errors.
-"""
+"""The joint: the closed curve in which the tail's tube meets the body."""
 
 from __future__ import annotations
 

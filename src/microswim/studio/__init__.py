@@ -1,7 +1,7 @@
 """The studio: a page in the browser where a swimmer swims while its numbers are dragged.
 
 The browser animates by itself from a gait's few Fourier coefficients; the server answers when a
-number changes and keeps nothing about anyone. Depends on starlette and uvicorn (extra ``studio``).
+number changes and keeps nothing about anyone.
 """
 
 from __future__ import annotations

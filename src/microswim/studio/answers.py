@@ -2,7 +2,6 @@
 
 Pure functions of the spec's tables; nothing is remembered. A gait travels as rows of a Fourier
 series, 21 columns for the lower triangle of R and 6 for F_p, as `microswim.stepping` packs them.
-Depends on tables, rft, batch, metrics, stepping.
 """
 
 from __future__ import annotations

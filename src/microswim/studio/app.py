@@ -1,4 +1,4 @@
-"""The ASGI application: routes, limits, and errors as sentences. Depends on answers, judge, page.
+"""The ASGI application: routes, limits, and errors as sentences.
 
 It keeps nothing about who asks. The one thing with a life of its own is a job of the judge, known
 by a token that only its owner has.

@@ -1,8 +1,7 @@
 """What bounds the fluid, for the scene: the wall or the channel about the body's centre.
 
 Both lie still in the lab frame where the swimmer starts. A swimmer that touches them is refused
-here already, by points of its surface, since the surrogate would not notice. Depends on
-surroundings.
+here already, by points of its surface, since the surrogate would not notice.
 """
 
 from __future__ import annotations

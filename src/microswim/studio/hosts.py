@@ -1,7 +1,7 @@
 """Who is meant by a request: only names of this machine are answered.
 
 A page elsewhere can make its own name point at this machine (DNS rebinding); its requests carry
-that name, not ours. An address in numbers cannot be rebound. Depends on starlette.
+that name, not ours. An address in numbers cannot be rebound.
 """
 
 from __future__ import annotations

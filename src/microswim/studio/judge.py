@@ -2,7 +2,6 @@
 
 A job is known by a token that only who started it holds, so that browser tabs share nothing. A
 worker waits for the next job after it is done; one that is cancelled or forgotten is ended.
-Depends on work.
 """
 
 from __future__ import annotations

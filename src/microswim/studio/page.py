@@ -1,4 +1,4 @@
-"""The built page: its files, and the page with its data inside. Depends on answers.
+"""The built page: its files, and the page with its data inside.
 
 The sources of the page are in ``studio/`` of the repository; what is in ``static`` is built.
 """

@@ -1,4 +1,4 @@
-"""Serve the studio on this machine. Depends on app, uvicorn."""
+"""Serve the studio on this machine."""
 
 from __future__ import annotations
 

@@ -1,7 +1,7 @@
 """Spec tables as the page holds them: checked, complete, in one unit per dimension.
 
 What arrives from a browser is data: a spec that names code (``kind = "custom"``) is refused before
-anything is imported. Depends on spec.
+anything is imported.
 """
 
 from __future__ import annotations

@@ -1,7 +1,4 @@
-"""What a worker of the judge does: reference against surrogate, calibration, the flow.
-
-Depends on answers, tables, calibrate, reference.bem.
-"""
+"""What a worker of the judge does: reference against surrogate, calibration, the flow."""
 
 from __future__ import annotations
 

@@ -2,8 +2,7 @@
 
 The wall is a swimmer's `wall`, by the image tensor of Blake, J. R. (1971) Proc. Camb. Phil. Soc.
 70, 303-310. `gait` gives the gait of a swimmer, `solve` the flow at one phase, `resistance` the
-matrix of any closed surface. Depends on swimmer, bodies, tails, gait, errors; see
-docs/decisions/boundary-elements.md.
+matrix of any closed surface.
 """
 
 from __future__ import annotations

@@ -1,4 +1,4 @@
-"""Loops over patches and targets: matrix blocks, own patches, stress. Depends on kernels.
+"""Loops over patches and targets: matrix blocks, own patches, stress.
 
 The interpreter's lock is released; threads take every n-th patch.
 """

@@ -1,8 +1,7 @@
 """Reference square [-1, 1]^2 of the boundary elements: nodes, interpolation, Duffy rules.
 
 A patch holds its geometry as a polynomial through q x q Chebyshev nodes of the exact map, and its
-density as a polynomial through p x p Gauss nodes, which are the collocation points. Depends on
-numpy.
+density as a polynomial through p x p Gauss nodes, which are the collocation points.
 """
 
 from __future__ import annotations

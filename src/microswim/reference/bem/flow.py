@@ -1,7 +1,4 @@
-"""The flow in files and pictures: VTK of surface and field, a plane cut through the fluid.
-
-Depends on solution's arrays, numpy; matplotlib only inside `picture`.
-"""
+"""The flow in files and pictures: VTK of surface and field, a plane cut through the fluid."""
 
 from __future__ import annotations
 

@@ -4,7 +4,7 @@
 
 Far patches take the plain Gauss rule, nearer ones a finer rule on cells that are halved until each
 lies `near` half lengths from the target. Cells of a patch are evaluated once and kept for all
-targets. Everything here is without the factor 1/(8 pi mu). Depends on numba.
+targets. Everything here is without the factor 1/(8 pi mu).
 """
 
 from __future__ import annotations

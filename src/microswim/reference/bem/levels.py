@@ -1,4 +1,4 @@
-"""Levels of resolution: coarse, standard, fine. Depends on mesh, system."""
+"""Levels of resolution: coarse, standard, fine."""
 
 from __future__ import annotations
 

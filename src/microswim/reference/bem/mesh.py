@@ -3,7 +3,7 @@
 The body is the image of the unit sphere under its semi-axes. Around the piercing point of the tail
 the sphere carries rings that grow geometrically from the joint curve to the equator; the far
 hemisphere is half a cubed sphere. The tube's panels follow arc length and curvature, its first
-edges bend into the joint curve. Depends on numpy, geometry, surface.
+edges bend into the joint curve.
 """
 
 from __future__ import annotations

@@ -2,8 +2,7 @@
 
 A helix on a body of revolution turns as a whole: one phase gives all. A plane wave mirrors
 after half a period, P(phase + pi) = mirror_q P(phase); a helix on an ellipsoid turns by pi into
-itself. Near a wall, and for other tails, the full period is sampled. Depends on solution, levels,
-gait.
+itself. Near a wall, and for other tails, the full period is sampled.
 """
 
 from __future__ import annotations

@@ -8,7 +8,7 @@ Force and torque are by the surface on the fluid, about the body's centre. Where
 against the body the velocity jumps at the joint and f grows there like 1/distance: the resultant
 of f converges slowly, the torque and the lateral force *on the body alone* drift with the logarithm
 of the mesh size. The densities f_i of rigid motions see no jump, so F_p is taken from them; what
-the resultant of f says instead is `raw_propulsion`. Depends on mesh, system, levels.
+the resultant of f says instead is `raw_propulsion`.
 """
 
 from __future__ import annotations

@@ -1,7 +1,7 @@
 """A surface of curved quadrilateral patches, and simple closed ones (ellipsoid, torus).
 
 Every patch is a smooth map from [-1, 1]^2, sampled at q x q Chebyshev nodes, with X_u x X_v
-pointing into the fluid. Depends on numpy and element.
+pointing into the fluid.
 """
 
 from __future__ import annotations

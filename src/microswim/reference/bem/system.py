@@ -6,7 +6,7 @@ Collocation leaves one null vector, the constant pressure f = n of the fluid ins
 or flat tail nearly more: a pressure p_k that varies along it drives next to no flow. Forces do not
 feel them, but they answer to the smallest error of quadrature, so the system is bordered against
 them all, which also takes up the small net flux of a waving tail. Forces and torques are integrals
-of the density. Depends on numpy, scipy, numba kernels.
+of the density.
 """
 
 from __future__ import annotations

@@ -1,6 +1,6 @@
 """Finite elements in a channel: quasi-steady Stokes gait, and swimming with inertia in time.
 
-Needs the extra ``fem`` (NGSolve, MKL). Depends on channel; the rest is imported on call.
+Needs the extra ``fem`` (NGSolve, MKL).
 """
 
 from __future__ import annotations

@@ -11,7 +11,7 @@ Close to the joint perpendicular sections would leave the body's surface; there 
 the stretch in planes of constant s that a straight oblique tube has, and the body's surface slides
 over itself. The mesh stays valid while |P - sigma e_s| max|w1'| < 1.
 
-Nothing here knows a mesh: positions are NumPy arrays. Depends on geometry and mesh (Outline).
+Nothing here knows a mesh: positions are NumPy arrays.
 """
 
 from __future__ import annotations

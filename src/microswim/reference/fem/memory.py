@@ -1,4 +1,4 @@
-"""Memory a factorisation will take, foreseen, against what the machine has. Depends on errors.
+"""Memory a factorisation will take, foreseen, against what the machine has.
 
 A nested-dissection factor of a three-dimensional mesh grows like n^(4/3); the measured peaks of the
 whole process from 42,000 to 480,000 unknowns (docs/accuracy-fem.md) lie at most 20 % below

@@ -2,7 +2,7 @@
 
 Meshed once per outline; the wave is laid on it by an analytic displacement (`displacement`), or,
 where that folds it, on its surface alone (`remesh`).
-Lengths are in units of `Outline.unit`. Depends on channel, errors, netgen and ngsolve.
+Lengths are in units of `Outline.unit`.
 """
 
 from __future__ import annotations

@@ -10,7 +10,7 @@ by the second backward difference (BDF2, the first step BDF1), u and w of the sa
 
 The convective term is extrapolated, u* = 2 u - u_old, so that a step is one symmetric system; this
 is stable while |u|^2 rho dt / mu is well below one. A uniform flow is not disturbed by the mesh's
-motion (the form is not conservative). Depends on stokes, ngsolve.
+motion (the form is not conservative).
 """
 
 from __future__ import annotations

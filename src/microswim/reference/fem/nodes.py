@@ -7,7 +7,7 @@ lattice points of the mesh and coefficients are related by one sparse square mat
     value(x_n) = sum_j phi_j(x_n) c_j,
 
 factorised once. With it the displacement and the surface's velocities are plain NumPy functions of
-the nodes. Depends on ngsolve, numpy and scipy.
+the nodes.
 """
 
 from __future__ import annotations

@@ -1,7 +1,4 @@
-"""The flow as VTK files, and off-screen pictures and animations of it (extra ``viz``).
-
-Depends on stokes; PyVista is imported on call.
-"""
+"""The flow as VTK files, and off-screen pictures and animations of it (extra ``viz``)."""
 
 from __future__ import annotations
 

@@ -5,7 +5,7 @@ With u_j the flow of the rigid mode w_j (j = 1..6), u_t that of the tail's motio
     R_ij = w_i' K u_j,   F_i = w_i' K u_t,   G = u_t' K u_t      [Tabak Eq. 17, by linearity]
 
 Inside, lengths are in units of the body's diameter and viscosity is one; the gait is returned in
-the swimmer's units. Depends on channel, displacement, mesh, remesh, stokes, gait.
+the swimmer's units.
 """
 
 from __future__ import annotations

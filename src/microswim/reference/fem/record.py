@@ -1,7 +1,4 @@
-"""The march in time as plain arrays: checkpoint, resume, and the Dataset that comes out.
-
-Depends on navier_stokes (Past), errors, numpy and xarray.
-"""
+"""The march in time as plain arrays: checkpoint, resume, and the Dataset that comes out."""
 
 from __future__ import annotations
 

@@ -9,7 +9,7 @@ what makes flat triangles curved: with X_j the lattice nodes of the straight mes
 so that edges and faces within follow by the basis alone. An element that even this folds has its
 curving shrunk until it does not; flat ones are valid as Netgen made them, so that this ends.
 A mesh so made has no memory of the phase before: it serves the quasi-steady solver, not a run in
-time. Depends on displacement, mesh, nodes, stokes, netgen and ngsolve.
+time.
 """
 
 from __future__ import annotations

@@ -6,7 +6,6 @@ with velocity given on swimmer and walls. Forces are consistent residuals, not i
 the force of the surface on the fluid along a test motion w is w' (K u - f), w taken on the surface
 alone, which is five to ten times more accurate. In a closed vessel one pressure unknown is pinned,
 surface velocities are made free of net flux and the mean pressure is set to zero.
-Depends on memory, nodes, errors, ngsolve.
 """
 
 from __future__ import annotations

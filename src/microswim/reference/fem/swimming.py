@@ -4,7 +4,6 @@ The swimmer has no inertia of its own: force and torque of the fluid on it vanis
 in the paper [Tabak Eq. 17]. The pose of the new step is extrapolated (Adams-Bashforth), the
 velocity follows from fluid and constraint at once. Inside: body diameter, viscosity and phase rate
 are one, the density is ``Re = rho |rate| l^2 / mu`` (2 pi times the paper's Reynolds number).
-Depends on quasi_steady, navier_stokes, displacement, record, picture.
 """
 
 from __future__ import annotations

@@ -1,4 +1,7 @@
-"""Hydrodynamic interaction: coefficients on the resistance of body and tail [Tabak Eqs. 4, 21, 22]. All formulas accept arrays and complex numbers."""
+"""Hydrodynamic interaction: coefficients on the resistance of body and tail.
+
+[Tabak Eqs. 4, 21, 22]. All formulas accept arrays and complex numbers.
+"""
 
 from __future__ import annotations
 

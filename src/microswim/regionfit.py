@@ -1,4 +1,4 @@
-"""Fit of a region calibration: targets from reference gaits, Gaussian processes, left-out errors."""
+"""Fit of a region calibration: targets of reference gaits, Gaussian processes, left-out errors."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""``--over``: what varies and how far, as text. Quantities carry units: ``tail.length=1mm:3mm:5``."""
+"""``--over``: what varies and how far, as text; quantities carry units: ``1mm:3mm:5``."""
 
 from __future__ import annotations
 

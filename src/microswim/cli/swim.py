@@ -1,4 +1,4 @@
-"""``microswim swim``: swimming in time from rest by finite elements, the fluid's inertia included."""
+"""``microswim swim``: swim in time from rest by finite elements, with the fluid's inertia."""
 
 from __future__ import annotations
 

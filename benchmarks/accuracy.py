@@ -25,8 +25,10 @@ import numpy as np
 import readme
 
 import microswim as ms
-from microswim import observe, references, rotation
-from microswim.world import table
+from microswim.calibration import observations as observe
+from microswim.jobs import references
+from microswim.studies.paper import plane_wave_rotation as rotation
+from microswim.studies.world.page import table
 
 HERE = Path(__file__).parent
 RESULTS = HERE / "results" / "accuracy.json"

@@ -32,9 +32,9 @@ from scipy.spatial.distance import cdist
 
 import microswim as ms
 from microswim.data import load
-from microswim.reference import bem
-from microswim.reference.bem.mesh import swimmer_surface
-from microswim.reference.bem.system import Layer, rigid_modes
+from microswim.models import bem
+from microswim.models.bem.mesh import swimmer_surface
+from microswim.models.bem.system import Layer, rigid_modes
 
 RESULTS = Path(__file__).parent / "results" / "bem.json"
 LEVEL_ORDERS = [

@@ -26,8 +26,9 @@ from numba import njit
 from scipy.integrate import solve_ivp
 
 import microswim as ms
-from microswim.control import compiler, environments, motion, readout
-from microswim.kinematics import rotation_matrix
+from microswim.control import environments, motion, readout
+from microswim.control.export import compiler
+from microswim.numerics.rigid_motion import rotation_matrix
 
 gymnasium.register_envs(environments)
 HERE = Path(__file__).parent

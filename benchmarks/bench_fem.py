@@ -28,13 +28,13 @@ import numpy as np
 from scipy.stats import qmc
 
 import microswim as ms
-from microswim.reference import bem, fem
-from microswim.reference.bem.mesh import swimmer_surface
-from microswim.reference.bem.surface import grid_boxes, sample
-from microswim.reference.bem.system import rigid_modes, solve_density, wrench_rows
-from microswim.reference.fem import quasi_steady as qs
-from microswim.reference.fem.mesh import Level, level_named
-from microswim.surroundings import Channel
+from microswim.models import bem, fem
+from microswim.models.bem.mesh import swimmer_surface
+from microswim.models.bem.surface import grid_boxes, sample
+from microswim.models.bem.system import rigid_modes, solve_density, wrench_rows
+from microswim.models.fem import gait as qs
+from microswim.models.fem.mesh import Level, level_named
+from microswim.swimmer.geometry.surroundings import Channel
 
 FOUR = ms.Motion(free=("us", "uq", "ur", "os"))
 
@@ -274,7 +274,7 @@ def designs(level="coarse", steepest="0"):
 
 def film(folder="out"):
     """One period of the helix at Re = 0.1 on the coarse mesh: flow files, picture, animation."""
-    from microswim.reference.fem import picture
+    from microswim.models.fem import picture
 
     flows = Path(folder) / "flow"
     options = {"periods": 1, "steps_per_period": 20, "checkpoint_every": 2, "vtk": flows}

@@ -22,7 +22,10 @@ import numpy as np
 from clock import least
 
 import microswim as ms
-from microswim import kernels, planarwave, references, rft
+from microswim.jobs import references
+from microswim.models.rft import gait as rft
+from microswim.models.rft import plane_wave as planarwave
+from microswim.models.rft import segment as kernels
 
 RESULTS = Path(__file__).parent / "results" / "growth.json"
 HELIX, WAVE = (ms.Swimmer.preset(f"tabak/{name}") for name in ("helix", "plane_wave"))

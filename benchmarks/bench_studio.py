@@ -23,9 +23,10 @@ os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")  # as the command does
 
 sys.path.insert(0, str(Path(__file__).parents[1] / "tests"))
 
-from microswim import presets
-from microswim.studio.app import create_app
 from test_studio import call  # a request through the ASGI interface, JSON included
+
+from microswim.spec import presets
+from microswim.studio.app import create_app
 
 WIDE = {
     "x": {"field": "tail.amplitude", "from": 0.01, "to": 0.2, "count": 72},

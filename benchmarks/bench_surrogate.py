@@ -27,8 +27,11 @@ from clock import least
 from numba import njit
 
 import microswim as ms
-from microswim import kernels, manydesigns, rft, rigidhelix
-from microswim.mobility import solve
+from microswim.models.rft import gait as rft
+from microswim.models.rft import helix as rigidhelix
+from microswim.models.rft import loops_compiled as manydesigns
+from microswim.models.rft import segment as kernels
+from microswim.numerics.solve6 import solve
 
 HERE = Path(__file__).parent
 DESIGNS = 20_000

@@ -18,9 +18,9 @@ from pathlib import Path
 import numpy as np
 
 import microswim as ms
-from microswim.sweepengines import Task, Worker
-from microswim.sweepsolve import Job
-from microswim.sweepspace import Space
+from microswim.studies.sweeps.engines import Task, Worker
+from microswim.studies.sweeps.rows import Job
+from microswim.studies.sweeps.space import Space
 
 BASE = "tabak/helix"
 

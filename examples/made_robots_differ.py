@@ -7,7 +7,7 @@ above.
 """
 
 import microswim as ms
-from microswim import plots_design
+from microswim.output.plots import design as plots_design
 
 
 def main():

@@ -13,7 +13,7 @@ from pathlib import Path
 import pytest
 
 import microswim as ms
-from microswim import presets
+from microswim.spec import presets
 
 ROOT = Path(__file__).parents[1]
 PUBLIC = sorted(ms.__all__)
@@ -112,6 +112,11 @@ def test_the_face_is_lazy():
     assert not heavy & loaded
 
 
+def test_the_root_holds_the_face_the_errors_and_the_checks_alone():
+    modules = {p.name for p in (ROOT / "src" / "microswim").glob("*.py*") if p.is_file()}
+    assert modules == {"__init__.py", "__init__.pyi", "errors.py", "checks.py"}
+
+
 def test_modules_do_not_hide_the_functions_of_their_name():
     """`ms.trajectory` is the function, also after somebody imported the module `trajectory`."""
     code = """
@@ -175,5 +180,5 @@ for name in microswim.__all__:
 
 @pytest.mark.parametrize("name", presets.names())
 def test_every_preset_is_a_swimmer(name):
-    with as_file(files("microswim.presets") / f"{name}.toml") as path:
+    with as_file(files("microswim.spec.presets") / f"{name}.toml") as path:
         assert isinstance(ms.Swimmer.from_toml(path), ms.Swimmer)

@@ -6,7 +6,11 @@ import sys
 from pathlib import Path
 
 ROOT = Path(__file__).parents[1]
-SENSITIVE = ["tests/test_region.py", "-k", "last_bit or doubt_of_one or left_out"]
+SENSITIVE = [
+    "tests/calibration/region/test_region.py",
+    "-k",
+    "last_bit or doubt_of_one or left_out",
+]
 
 
 def test_last_bits_hold_without_the_lanes_of_this_processor():

@@ -18,7 +18,7 @@ import numpy as np
 from matplotlib.figure import Figure
 
 import microswim as ms
-from microswim.control.reach import MOMENT, robot
+from microswim.control.environments.reach import MOMENT, robot
 
 KNOTS, HOLD, DT = 10, 0.1, 0.01
 TOP, FIELD = 16 * np.pi, 4e-3

@@ -6,7 +6,7 @@ import math
 from collections.abc import Iterable
 from typing import Any
 
-from .errors import SpecError
+from microswim.errors import SpecError
 
 
 def number(

@@ -14,8 +14,8 @@ from typing import Any
 
 import click
 
-from .. import __version__
-from ..errors import MicroswimError, SpecError
+from microswim import __version__
+from microswim.errors import MicroswimError, SpecError
 
 
 class Failure(click.ClickException):

@@ -9,13 +9,13 @@ from contextlib import contextmanager
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from ..errors import SpecError
+from microswim.errors import SpecError
 
 if TYPE_CHECKING:
     import xarray as xr
 
-    from ..report import Table
-    from ..swimmer import Swimmer
+    from microswim.output.report.html import Table
+    from microswim.swimmer.swimmer import Swimmer
 
 FILES = {
     "report.html": "numbers, pictures, spec and provenance on one page",
@@ -75,7 +75,10 @@ def write(
     lead: str = "",
 ) -> None:
     """Write all files of a run into an existing folder."""
-    from .. import io, plots, report, vtk
+    from microswim.output import report
+    from microswim.output.io import run as io
+    from microswim.output.io import vtk
+    from microswim.output.plots import run as plots
 
     (folder / "spec.toml").write_text(run.attrs["spec"], encoding="utf-8")
     io.save(run, folder / "run.nc")

@@ -13,10 +13,10 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
-from ..errors import SpecError
+from microswim.errors import SpecError
 
 if TYPE_CHECKING:
-    from ..swimmer import Swimmer
+    from microswim.swimmer.swimmer import Swimmer
 
 MODELS = ("rft", "bem", "fem")
 
@@ -83,8 +83,8 @@ def read(spec: Path | None, preset: str | None, changes: tuple[str, ...] = ()) -
     SpecError
         One sentence.
     """
-    from .. import presets
-    from ..spec import from_dict, load, override
+    from microswim.spec import presets
+    from microswim.spec.file import from_dict, load, override
 
     if (spec is None) == (preset is None):
         raise SpecError(

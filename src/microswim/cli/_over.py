@@ -7,7 +7,7 @@ from typing import Any
 
 import numpy as np
 
-from ..errors import SpecError
+from microswim.errors import SpecError
 
 UNITS = {
     "fluid.viscosity": "Pa s",
@@ -118,7 +118,7 @@ def value(name: str, text: str) -> Any:
     unit = UNITS.get(name.partition("[")[0])
     if unit is None or not text[:1].isdigit():
         return text
-    from ..quantities import to_si
+    from microswim.spec.units import to_si
 
     try:
         return to_si(text, unit)

@@ -5,10 +5,10 @@ from __future__ import annotations
 import time
 from typing import TYPE_CHECKING, Any
 
-from ._progress import bar
+from microswim.cli._progress import bar
 
 if TYPE_CHECKING:
-    from ..report import Table
+    from microswim.output.report.html import Table
 
 
 def print_table(table: Table) -> None:

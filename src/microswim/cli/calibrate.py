@@ -9,8 +9,16 @@ from typing import Any
 
 import click
 
-from ..errors import SpecError
-from ._options import Given, change, example, json_option, print_json, swimmer_options, to_toml
+from microswim.cli._options import (
+    Given,
+    change,
+    example,
+    json_option,
+    print_json,
+    swimmer_options,
+    to_toml,
+)
+from microswim.errors import SpecError
 
 
 @click.command(
@@ -90,10 +98,10 @@ def _names(texts: tuple[str, ...]) -> list[str]:
 
 
 def _region(given: Given, output: Path | None, options: dict, asked: dict) -> tuple[dict, dict]:
-    from ..region import calibrate_region
-    from ..regionfile import pack
-    from ._over import bounds
-    from ._progress import bar
+    from microswim.calibration.region.calibrate import calibrate_region
+    from microswim.calibration.region.text import pack
+    from microswim.cli._over import bounds
+    from microswim.cli._progress import bar
 
     region = bounds(asked["region"])
     folder = (output or Path(f"{given.name.replace('/', '-')}.toml")).with_suffix(".solves")
@@ -124,12 +132,12 @@ def _region(given: Given, output: Path | None, options: dict, asked: dict) -> tu
 
 
 def _coefficients(given: Given, output: Any, options: dict, asked: dict) -> tuple[dict, dict]:
-    from ..calibrate import calibrate
+    from microswim.calibration.calibrate import calibrate
 
     data = _data(given, options, asked)
     bounds = {}
     for text in asked["bound"]:
-        from ._over import bounds as parse
+        from microswim.cli._over import bounds as parse
 
         bounds |= parse((text,))
     fit = calibrate(
@@ -187,8 +195,8 @@ def _rows(path: Path) -> list[dict[str, str]]:
 
 
 def _table(given: Given, path: Path) -> list[Any]:
-    from ..observe import Observation
-    from ._over import value
+    from microswim.calibration.observations import Observation
+    from microswim.cli._over import value
 
     out = []
     for row in _rows(path):
@@ -209,7 +217,7 @@ def _table(given: Given, path: Path) -> list[Any]:
 
 
 def _series(given: Given, path: Path) -> list[Any]:
-    from ..observe import from_series
+    from microswim.calibration.observations import from_series
 
     rows = _rows(path)
     columns = {name: [_number(path, row[name]) for row in rows] for name in rows[0]}

@@ -9,11 +9,11 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
-from ._options import example, force_option
+from microswim.cli._options import example, force_option
 
 if TYPE_CHECKING:
-    from ..gait import Gait
-    from ..report import Table
+    from microswim.gait.gait import Gait
+    from microswim.output.report.html import Table
 
 FREE = "us uq ur os"
 CASES = (  # label, preset, with interaction coefficients, solver in the data set
@@ -50,13 +50,15 @@ NOTE = (
 @force_option
 def command(out: Path, bem: bool, force: bool) -> None:
     """Let the paper's base case swim: numbers, pictures, a report."""
-    from . import _folder, _print
+    from microswim.cli import _folder, _print
 
     start = time.perf_counter()
     force = force or out == Path("out/demo")
     _folder.check(out, force)
-    from .. import io, presets, report
-    from ..swimmer import Swimmer
+    from microswim.output import report
+    from microswim.output.io import run as io
+    from microswim.spec import presets
+    from microswim.swimmer.swimmer import Swimmer
 
     click.echo("The base case of Tabak & Yesilyurt: a sphere pushed by a rotating helix.\n")
     preset = CASES[0][1]
@@ -78,9 +80,9 @@ def command(out: Path, bem: bool, force: bool) -> None:
 
 def comparison(bem: bool) -> Table:
     """The base case by every method at hand, against the paper and independent numbers."""
-    from .. import data
-    from ..report import Table
-    from ..swimmer import Swimmer
+    from microswim import data
+    from microswim.output.report.html import Table
+    from microswim.swimmer.swimmer import Swimmer
 
     known = data.load("base-case").sel(free=FREE)
     rows = [_row("the paper's CFD", _known(known, "cfd_paper"), None)]
@@ -92,7 +94,7 @@ def comparison(bem: bool) -> Table:
         check = None if solver is None else _known(known, solver)
         rows.append(_row(label, _numbers(swimmer.gait()), check))
     if bem:
-        from ._print import timed_gait
+        from microswim.cli._print import timed_gait
 
         gait, _ = timed_gait(Swimmer.preset(CASES[0][1]), "bem")
         rows.append(_row("boundary elements", _numbers(gait), _known(known, "bem")))

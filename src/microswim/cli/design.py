@@ -7,8 +7,16 @@ from typing import Any
 
 import click
 
-from ..errors import SpecError
-from ._options import Given, change, example, json_option, out_option, print_json, swimmer_options
+from microswim.cli._options import (
+    Given,
+    change,
+    example,
+    json_option,
+    out_option,
+    print_json,
+    swimmer_options,
+)
+from microswim.errors import SpecError
 
 
 @click.command(
@@ -53,7 +61,7 @@ def command(given: Given, as_json: bool, out: Path | None, **asked: Any) -> None
     yaw, speed_per_torque, speed_per_power, distance_per_cycle, energy_per_distance,
     amplitude_wavenumber, arc_length, length_over_amplitude, ... and the numbers of the spec.
     """
-    from ._over import bounds
+    from microswim.cli._over import bounds
 
     over = bounds(asked["over"])
     wishes = (*asked["maximize"], *asked["minimize"])
@@ -82,7 +90,7 @@ def _one(asked: dict[str, Any]) -> dict[str, Any]:
 
 
 def _optimum(given: Given, over: Any, asked: dict[str, Any], out: Path | None) -> dict[str, Any]:
-    from ..design import design
+    from microswim.studies.optimisation.design import design
 
     options = dict(change(text) for text in asked["options"])
     best = design(
@@ -101,8 +109,8 @@ def _optimum(given: Given, over: Any, asked: dict[str, Any], out: Path | None) -
 def _pictures(given: Given, best: Any, out: Path | None) -> None:
     if out is None:
         return
-    from .. import plots_design
-    from ..sweep import sweep
+    from microswim.output.plots import design as plots_design
+    from microswim.studies.sweeps.sweep import sweep
 
     out.mkdir(parents=True, exist_ok=True)
     plots_design.sensitivity(best).savefig(out / "sensitivity.png")
@@ -119,7 +127,7 @@ def _pictures(given: Given, best: Any, out: Path | None) -> None:
 
 
 def _front(given: Given, over: Any, asked: dict[str, Any], out: Path | None) -> dict[str, Any]:
-    from ..pareto import pareto
+    from microswim.studies.optimisation.pareto import pareto
 
     result = pareto(
         given.swimmer,
@@ -130,7 +138,7 @@ def _front(given: Given, over: Any, asked: dict[str, Any], out: Path | None) -> 
         seed=asked["seed"],
     )
     if out is not None:
-        from ..plots_design import front
+        from microswim.output.plots.design import front
 
         out.mkdir(parents=True, exist_ok=True)
         result.to_netcdf(out / "front.nc")
@@ -140,9 +148,9 @@ def _front(given: Given, over: Any, asked: dict[str, Any], out: Path | None) -> 
 
 
 def _robust(given: Given, over: Any, asked: dict[str, Any], out: Path | None) -> dict[str, Any]:
-    from ..robust import robustness, sobol_indices
-    from ..robustdesign import robust_design
-    from ._over import spreads
+    from microswim.cli._over import spreads
+    from microswim.studies.optimisation.robust_design import robust_design
+    from microswim.studies.optimisation.robustness import robustness, sobol_indices
 
     uncertain = spreads(asked["uncertain"])
     more = {"quantile": asked["quantile"], "least_yield": asked["least_yield"]}
@@ -150,7 +158,7 @@ def _robust(given: Given, over: Any, asked: dict[str, Any], out: Path | None) ->
     made = robustness(best.swimmer, uncertain, subject_to=asked["subject_to"])
     blame = sobol_indices(best.swimmer, uncertain, best.objective)
     if out is not None:
-        from .. import plots_design
+        from microswim.output.plots import design as plots_design
 
         _pictures(given, best, out)
         merit = best.objective if best.objective in made else "speed"

@@ -9,8 +9,7 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
-from ..errors import SpecError
-from ._options import (
+from microswim.cli._options import (
     Given,
     example,
     force_option,
@@ -20,9 +19,10 @@ from ._options import (
     print_json,
     swimmer_options,
 )
+from microswim.errors import SpecError
 
 if TYPE_CHECKING:
-    from ..control.stepper import Stepper
+    from microswim.control.stepper import Stepper
 
 
 @click.command(
@@ -92,9 +92,9 @@ def command(
 
     The files need no Python; their heads say conventions, units and where the numbers come from.
     """
-    from ..control import compiler
-    from ..control.cmodel import c_model
-    from ..control.stepper import Stepper
+    from microswim.control.export import compiler
+    from microswim.control.export.cmodel import c_model
+    from microswim.control.stepper import Stepper
 
     name = name or _identifier(given.name)
     files = [f"{name}.h", f"{name}.c"] if kind == "c" else [f"{name}.fmu"]
@@ -116,8 +116,8 @@ def _written(
     stepper: Stepper, code: Any, spec: str, out: Path, files: list[str], fmi: str
 ) -> dict[str, Any]:
     """Write into a scratch folder, then move: all files or none."""
-    from ..control import compiler
-    from ..control.fmu import export_fmu
+    from microswim.control.export import compiler
+    from microswim.control.export.fmu import export_fmu
 
     out.mkdir(parents=True, exist_ok=True)
     about: dict[str, Any] = {}

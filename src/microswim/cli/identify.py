@@ -7,7 +7,14 @@ from typing import Any
 
 import click
 
-from ._options import Given, example, json_option, out_option, print_json, swimmer_options
+from microswim.cli._options import (
+    Given,
+    example,
+    json_option,
+    out_option,
+    print_json,
+    swimmer_options,
+)
 
 EXAMPLES = example(
     "microswim identify track.csv sperm.toml",
@@ -45,8 +52,8 @@ def command(
     (body to lab) of the body's centre. Two coordinates are the projection onto the image. SPEC or
     --preset says what is known of the swimmer; what is not unknown stays as it is.
     """
-    from ..track import Track
-    from ..trackfit import SHAPE, identify_swimmer
+    from microswim.studies.identification.problem import SHAPE, identify_swimmer
+    from microswim.studies.identification.track import Track
 
     swimmer = given.swimmer
     read = Track.from_csv(track, si=swimmer.units == "SI")

@@ -6,8 +6,8 @@ from pathlib import Path
 
 import click
 
-from ..errors import SpecError
-from ._options import example
+from microswim.cli._options import example
+from microswim.errors import SpecError
 
 
 @click.command(

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import click
 
-from ._options import example, json_option, print_json
+from microswim.cli._options import example, json_option, print_json
 
 
 @click.command(epilog=example("microswim presets", "microswim presets --show goto/C > mine.toml"))
@@ -12,8 +12,8 @@ from ._options import example, json_option, print_json
 @json_option
 def command(show: str | None, as_json: bool) -> None:
     """List the swimmers that come along, or print the spec file of one."""
-    from .. import presets
-    from ..report import Table
+    from microswim.output.report.html import Table
+    from microswim.spec import presets
 
     if show is not None:
         text = presets.read(show)
@@ -26,7 +26,7 @@ def command(show: str | None, as_json: bool) -> None:
     if as_json:
         print_json({"presets": [{"name": n, "about": text} for n, text in about.items()]})
         return
-    from ._print import print_table
+    from microswim.cli._print import print_table
 
     print_table(Table("Presets: microswim run --preset NAME", ("name", ""), list(about.items())))
 

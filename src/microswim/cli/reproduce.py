@@ -6,7 +6,7 @@ from pathlib import Path
 
 import click
 
-from ._options import example, json_option, print_json
+from microswim.cli._options import example, json_option, print_json
 
 EXAMPLES = example(
     "microswim reproduce --out paper          everything, some ten minutes",
@@ -37,9 +37,9 @@ def command(only: tuple[str, ...], quick: bool, out: Path, as_json: bool) -> Non
     import sys
     import warnings
 
-    from ..coefficients import ValidityWarning
-    from ..errors import MicroswimError
-    from ..paper.report import reproduce
+    from microswim.errors import MicroswimError
+    from microswim.studies.paper.report import reproduce
+    from microswim.swimmer.drag.coefficients import ValidityWarning
 
     terminal = sys.stderr.isatty() and not as_json
 

@@ -7,7 +7,7 @@ from typing import Any
 
 import click
 
-from ._options import (
+from microswim.cli._options import (
     Given,
     example,
     force_option,
@@ -51,11 +51,12 @@ def command(
 
     SPEC is a TOML file; "microswim new" writes one to start from.
     """
-    from . import _folder, _print
+    from microswim.cli import _folder, _print
 
     if out is not None:
         _folder.check(out, force)
-    from .. import io, report
+    from microswim.output import report
+    from microswim.output.io import run as io
 
     gait, seconds = _print.timed_gait(given.swimmer, model, level, estimate=True)
     numbers: dict[str, Any] = {

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import click
 
-from ._options import Given, example, json_option, print_json, swimmer_options
+from microswim.cli._options import Given, example, json_option, print_json, swimmer_options
 
 
 @click.command(epilog=example("microswim show robot.toml", "microswim show --preset goto/C --json"))
@@ -12,11 +12,11 @@ from ._options import Given, example, json_option, print_json, swimmer_options
 @json_option
 def command(given: Given, as_json: bool) -> None:
     """Print the swimmer of a spec with its derived numbers: alpha, k, arc length, c_t, c_n, Re."""
-    from ..report import derived, spec_table
+    from microswim.output.report.html import derived, spec_table
 
     if as_json:
         print_json({"swimmer": given.name, "spec": given.tables, **derived(given.swimmer)})
         return
-    from ._print import print_table
+    from microswim.cli._print import print_table
 
     print_table(spec_table(given.swimmer))

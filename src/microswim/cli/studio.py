@@ -7,8 +7,8 @@ from pathlib import Path
 
 import click
 
-from ..errors import MicroswimError
-from ._options import example, read
+from microswim.cli._options import example, read
+from microswim.errors import MicroswimError
 
 
 @click.command(
@@ -49,13 +49,13 @@ def command(
         preset = "tabak/helix"
     given = read(spec, preset, changes)
     if snapshot is not None:
-        from ..studio import snapshot as page
+        from microswim.studio import snapshot as page
 
         snapshot.write_text(page(given.tables, given.name), encoding="utf-8")
         click.echo(f"wrote {snapshot}")
         return
     try:
-        from ..studio.server import serve
+        from microswim.studio.server import serve
     except ModuleNotFoundError as error:
         raise MicroswimError(
             f"the studio needs {error.name}: pip install 'microswim[studio]'"

@@ -9,8 +9,7 @@ from typing import Any
 
 import click
 
-from ..errors import SpecError
-from ._options import (
+from microswim.cli._options import (
     Given,
     change,
     example,
@@ -20,6 +19,7 @@ from ._options import (
     print_json,
     swimmer_options,
 )
+from microswim.errors import SpecError
 
 
 @click.command(
@@ -79,8 +79,8 @@ def command(given: Given, out: Path, as_json: bool, level: str | None, **asked: 
     Results are on disk as they come. Killed at any moment, a sweep loses at most the solves in
     flight, and --resume goes on to the same result. A failed design is a row with its reason.
     """
-    from ..sweep import sweep
-    from ._progress import bar
+    from microswim.cli._progress import bar
+    from microswim.studies.sweeps.sweep import sweep
 
     over = _over(asked.pop("over"), asked.pop("designs"))
     if asked["scheduler"] and asked["cluster"]:
@@ -109,12 +109,12 @@ def _over(over: tuple[str, ...], designs: Path | None) -> Any:
     if bool(over) == bool(designs):
         raise SpecError("give --over NAME=A:B:N or --designs FILE, one of the two")
     if designs is None:
-        from ._over import axes
+        from microswim.cli._over import axes
 
         return axes(over)
     import csv
 
-    from ._over import value
+    from microswim.cli._over import value
 
     try:
         with designs.open(encoding="utf-8", newline="") as file:
@@ -127,7 +127,7 @@ def _over(over: tuple[str, ...], designs: Path | None) -> Any:
 
 
 def _report(result: Any, out: Path, seconds: float) -> dict[str, Any]:
-    from ..sweepstore import FAILED
+    from microswim.studies.sweeps.store import FAILED
 
     failed = result["status"].values == FAILED
     reasons = Counter(map(str, result["reason"].values[failed]) if failed.any() else ())

@@ -9,8 +9,7 @@ from typing import Any
 
 import click
 
-from ..errors import SpecError
-from ._options import (
+from microswim.cli._options import (
     Given,
     example,
     force_option,
@@ -20,6 +19,7 @@ from ._options import (
     print_json,
     swimmer_options,
 )
+from microswim.errors import SpecError
 
 FILES = {
     "swim.nc": "velocities, forces and pose in time, netCDF",
@@ -110,12 +110,12 @@ def command(
 
 def _check(given: Given, out: Path | None, resume: bool, force: bool, flow: bool, film: bool):
     """Refuse before any work what cannot end well; with --force, clear the way."""
-    from . import _folder
+    from microswim.cli import _folder
 
     if out is None and (resume or flow):
         raise SpecError("--resume, --flow and --film need --out DIR")
     if film:
-        from ..reference.fem import require_viewer
+        from microswim.models.fem import require_viewer
 
         require_viewer()
     if out is None or resume:
@@ -131,8 +131,8 @@ def _check(given: Given, out: Path | None, resume: bool, force: bool, flow: bool
 
 
 def _march(given: Given, out: Path | None, options: dict[str, Any]) -> Any:
-    from ..reference import fem
-    from ._progress import bar
+    from microswim.cli._progress import bar
+    from microswim.models import fem
 
     try:
         with bar(f"swim {given.name}, {options['level']}") as progress:
@@ -144,8 +144,8 @@ def _march(given: Given, out: Path | None, options: dict[str, Any]) -> Any:
 
 
 def _report(given: Given, data: Any, options: dict[str, Any]) -> dict[str, Any]:
-    from ..reference.fem import last_period
-    from ..swimmer import DEGREES_OF_FREEDOM
+    from microswim.gait.gait import DEGREES_OF_FREEDOM
+    from microswim.models.fem import last_period
 
     return {
         "swimmer": given.name,
@@ -165,17 +165,17 @@ def _report(given: Given, data: Any, options: dict[str, Any]) -> dict[str, Any]:
 
 
 def _write(out: Path, data: Any, spec: str, film: bool) -> None:
-    from .. import __version__
+    from microswim import __version__
 
     data.attrs |= {"spec": spec, "microswim_version": __version__}
     data.to_netcdf(out / "swim.nc", engine="h5netcdf")
     _write_csv(out / "swim.csv", data)
     if (out / "flow").is_dir():
-        from ..reference.fem.picture import write_collection
+        from microswim.models.fem.picture import write_collection
 
         write_collection(out / "flow", float(data.time[0]))
     if film:
-        from ..reference.fem.picture import animate, flow_files, render
+        from microswim.models.fem.picture import animate, flow_files, render
 
         render(flow_files(out / "flow")[-1], out / "flow.png")
         animate(out / "flow", out / "flow.gif")
@@ -195,9 +195,9 @@ def _write_csv(path: Path, data: Any) -> None:
 
 
 def _print(report: dict[str, Any]) -> None:
-    from ..readable import significant
-    from ..report import Table
-    from . import _print
+    from microswim.cli import _print
+    from microswim.output.report.html import Table
+    from microswim.output.report.readable import significant
 
     mean, swing = report["mean_velocity"], report["velocity_amplitude"]
     tail, settling = report["wrench_tail"], report["settling"]

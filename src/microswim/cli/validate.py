@@ -10,7 +10,7 @@ from typing import Any
 
 import click
 
-from ._options import (
+from microswim.cli._options import (
     Given,
     change,
     example,
@@ -47,9 +47,9 @@ def command(given: Given, out: Path | None, as_json: bool, **asked: Any) -> None
     Writes a table (errors.csv), everything as JSON (validation.json) and contour maps with the 5 %
     and 10 % neighbourhoods (errors.png) into --out; solves are kept there, so a killed run goes on.
     """
-    from ..validate import validate
-    from ._over import axes
-    from ._progress import bar
+    from microswim.calibration.validate import validate
+    from microswim.cli._over import axes
+    from microswim.cli._progress import bar
 
     begun = time.perf_counter()
     with bar(f"validate {given.name}") as progress:
@@ -75,8 +75,8 @@ def command(given: Given, out: Path | None, as_json: bool, **asked: Any) -> None
 
 
 def _write(out: Path, result: Any, report: dict[str, Any]) -> None:
-    from ..maps import error_maps
-    from ._options import _plain
+    from microswim.cli._options import _plain
+    from microswim.output.plots.validation import error_maps
 
     out.mkdir(parents=True, exist_ok=True)
     rows = result.rows()

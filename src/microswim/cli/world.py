@@ -6,7 +6,7 @@ from pathlib import Path
 
 import click
 
-from ._options import example, json_option, print_json
+from microswim.cli._options import example, json_option, print_json
 
 
 @click.command(epilog=example("microswim world --no-bem", "microswim world --out docs/world.md"))
@@ -19,7 +19,8 @@ from ._options import example, json_option, print_json
 @json_option
 def command(bem: bool, out: Path | None, as_json: bool) -> None:
     """Compare with Vibrio, Rodenborn's helix, cells of BOSO-Micro and Table 3 of the paper."""
-    from .. import cells, world
+    from microswim.studies.world import cells
+    from microswim.studies.world import page as world
 
     if as_json:
         print_json(

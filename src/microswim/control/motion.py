@@ -19,11 +19,10 @@ from typing import Any
 import numpy as np
 from numba import prange
 
-from ..compiled import njit
-from ..kernels import FAST
-from ..kinematics import to_lab
-from ..stepping import LOWER as LOWER
-from ..stepping import row
+from microswim.gait.stepping import LOWER as LOWER
+from microswim.gait.stepping import row
+from microswim.numerics.compiled import FAST, njit
+from microswim.numerics.rigid_motion import to_lab
 
 INPUTS = {
     "motor_rate": slice(0, 1),

@@ -6,8 +6,7 @@ from typing import Any
 
 import numpy as np
 
-from ..kinematics import to_lab
-from .motion import (
+from microswim.control.motion import (
     STATE,
     WORK,
     advance,
@@ -19,6 +18,7 @@ from .motion import (
     sheared,
     velocity,
 )
+from microswim.numerics.rigid_motion import to_lab
 
 
 @compiled

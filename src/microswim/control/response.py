@@ -15,11 +15,12 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from ..errors import MicroswimError
-from ..gait import Gait, series_of
-from ..stepping import LOWER
-from ..swimmer import Swimmer
-from . import strain
+from microswim.control import strain
+from microswim.errors import MicroswimError
+from microswim.gait.gait import Gait
+from microswim.gait.stepping import LOWER
+from microswim.numerics.fourier import series_of
+from microswim.swimmer.swimmer import Swimmer
 
 FINEST = 1024
 

@@ -10,9 +10,9 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
-from .. import checks
-from ..kinematics import multiply
-from .stepper import State
+from microswim import checks
+from microswim.control.stepper import State
+from microswim.numerics.rigid_motion import multiply
 
 
 @dataclass(frozen=True, eq=False)

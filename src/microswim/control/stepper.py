@@ -12,13 +12,13 @@ from typing import Any
 
 import numpy as np
 
-from .. import checks
-from ..errors import SpecError
-from ..gait import Gait
-from ..swimmer import Swimmer
-from . import motion, readout
-from .cores import MANY
-from .response import Response, response
+from microswim import checks
+from microswim.control import motion, readout
+from microswim.control.cores import MANY
+from microswim.control.response import Response, response
+from microswim.errors import SpecError
+from microswim.gait.gait import Gait
+from microswim.swimmer.swimmer import Swimmer
 
 _SHAPES = {name: (3, 3) if name == "gradient" else (3,) for name in motion.INPUTS}
 _SHAPES["motor_rate"] = ()

@@ -15,9 +15,10 @@ from __future__ import annotations
 
 import numpy as np
 
-from ..kernels import centreline_tail, gauss
-from ..rft import body_resistance
-from ..swimmer import Swimmer
+from microswim.models.rft.gait import body_resistance
+from microswim.models.rft.segment import centreline_tail
+from microswim.numerics.quadrature import gauss
+from microswim.swimmer.swimmer import Swimmer
 
 #: Entries of the strain in the order of the columns of S; an off-diagonal one stands for both.
 ENTRIES = ((0, 0), (1, 1), (2, 2), (0, 1), (0, 2), (1, 2))

@@ -12,7 +12,7 @@ import tomllib
 from importlib.resources import files
 from typing import TYPE_CHECKING
 
-from ..errors import SpecError
+from microswim.errors import SpecError
 
 if TYPE_CHECKING:
     import xarray

@@ -13,14 +13,14 @@ __all__ = ["serve", "snapshot"]
 
 def serve(tables: dict[str, Any], name: str, **options: Any) -> None:
     """Serve the page until interrupted; see `microswim.studio.server.serve`."""
-    from .server import serve as run
+    from microswim.studio.server import serve as run
 
     run(tables, name, **options)
 
 
 def snapshot(tables: dict[str, Any], name: str) -> str:
     """The page as one HTML file that plays without a server, with a map of amplitude and waves."""
-    from .page import snapshot as make
-    from .page import usual_map
+    from microswim.studio.page import snapshot as make
+    from microswim.studio.page import usual_map
 
     return make([{"name": name, "tables": tables}], usual_map(tables))

@@ -1,7 +1,7 @@
 """What the page asks when a number changes: gait, readings, map, optimum.
 
 Pure functions of the spec's tables; nothing is remembered. A gait travels as rows of a Fourier
-series, 21 columns for the lower triangle of R and 6 for F_p, as `microswim.stepping` packs them.
+series, 21 columns for the lower triangle of R and 6 for F_p, as `gait.stepping` packs them.
 """
 
 from __future__ import annotations
@@ -14,14 +14,14 @@ from typing import Any
 
 import numpy as np
 
-from ..batch import evaluate, is_regular
-from ..errors import SpecError
-from ..gait import Gait
-from ..metrics import summary
-from ..stepping import pack
-from ..swimmer import Swimmer
-from . import around
-from .tables import canonical, swimmer_of, to_toml, units_of
+from microswim.errors import SpecError
+from microswim.gait.gait import Gait
+from microswim.gait.quantities import summary
+from microswim.gait.stepping import pack
+from microswim.models.rft.batch import evaluate, is_regular
+from microswim.studio import bounds as around
+from microswim.studio.spec_tables import canonical, swimmer_of, to_toml, units_of
+from microswim.swimmer.swimmer import Swimmer
 
 MAP_OUTPUTS = ("swimming_speed", "efficiency", "mean_power", "mean_torque", "body_rate")
 MOST_DESIGNS = 4000

@@ -21,11 +21,13 @@ from starlette.requests import Request
 from starlette.responses import JSONResponse, Response
 from starlette.routing import Route
 
-from .. import presets
-from ..errors import MicroswimError, SpecError
-from . import answers, page, tables, work
-from .hosts import LOCAL, Hosts
-from .judge import Judge
+from microswim.errors import MicroswimError, SpecError
+from microswim.spec import presets
+from microswim.studio import answers, page
+from microswim.studio import judge_jobs as work
+from microswim.studio import spec_tables as tables
+from microswim.studio.hosts import LOCAL, Hosts
+from microswim.studio.judge_processes import Judge
 
 LARGEST_BODY = 512 * 1024  #: bytes
 KINDS = {"html": "text/html", "js": "text/javascript", "css": "text/css", "txt": "text/plain"}

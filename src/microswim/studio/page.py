@@ -9,9 +9,9 @@ import json
 from importlib.resources import files
 from typing import Any
 
-from ..errors import MicroswimError, SpecError
-from . import answers
-from .tables import swimmer_of
+from microswim.errors import MicroswimError, SpecError
+from microswim.studio import answers
+from microswim.studio.spec_tables import swimmer_of
 
 STATIC = files(__name__.rpartition(".")[0]) / "static"
 MOST_DESIGNS = 2

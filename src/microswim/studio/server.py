@@ -11,9 +11,9 @@ from typing import Any
 
 import uvicorn
 
-from ..errors import MicroswimError
-from .app import create_app
-from .hosts import LOCAL
+from microswim.errors import MicroswimError
+from microswim.studio.app import create_app
+from microswim.studio.hosts import LOCAL
 
 PORT = 8642
 

@@ -1,0 +1,1 @@
+"""Calibration of the surrogate by a reference, at one design or over a region; validation."""

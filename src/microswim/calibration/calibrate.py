@@ -1,0 +1,348 @@
+"""The inverse problem: interaction coefficients from velocities [Tabak Eqs. 18-22, Section 3.2.1].
+
+Weighted least squares with bounds, ``min_x sum ((y_i - f_i(x)) / sigma_i)^2``, with the Jacobian by
+the complex step ``Im f(x + ih)/h`` through the surrogate's kernels, so it is exact to rounding.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Sequence
+from dataclasses import dataclass, replace
+from functools import cached_property
+from typing import Any
+
+import numpy as np
+from scipy.optimize import least_squares
+from scipy.stats import norm
+
+from microswim.calibration import observations as observe
+from microswim.calibration.identifiability import Direction, determined, physical_warnings
+from microswim.calibration.observations import Observation
+from microswim.calibration.unknowns import Unknown, resolve
+from microswim.errors import SpecError
+from microswim.gait.gait import Gait
+from microswim.models.rft.gait import gait as surrogate
+from microswim.numerics.gauss_newton import gauss_newton
+from microswim.swimmer.swimmer import Swimmer
+
+STEP = 1e-30
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class Calibration:
+    """Outcome of a calibration.
+
+    Parameters
+    ----------
+    swimmer
+        The swimmer with the fitted numbers.
+    names, values, covariance
+        Unknowns, fitted values and their covariance; infinite along what the data do not tell.
+    observations
+        The data.
+    predicted
+        What the calibrated surrogate says for each entry of the data.
+    directions, warnings
+        Combinations of the unknowns, best determined first; what is odd, in physical words.
+    method
+        ``"least squares"`` or ``"ratios"``.
+
+    Examples
+    --------
+    >>> import microswim as ms
+    >>> cell = ms.Swimmer.preset("goto/C")
+    >>> ms.calibrate(cell, {"speed": 6.23e-6}, ["translation.s"]).rank
+    1
+    """
+
+    swimmer: Swimmer
+    names: tuple[str, ...]
+    values: np.ndarray
+    covariance: np.ndarray
+    observations: tuple[Observation, ...]
+    predicted: np.ndarray
+    directions: tuple[Direction, ...]
+    warnings: tuple[str, ...]
+    method: str = "least squares"
+
+    @property
+    def coefficients(self) -> dict[str, float]:
+        """Fitted values by name."""
+        return dict(zip(self.names, map(float, self.values)))
+
+    @property
+    def uncertainty(self) -> np.ndarray:
+        """Standard uncertainty of each value; infinite where the data do not tell."""
+        return np.sqrt(np.diag(self.covariance))
+
+    @cached_property
+    def residuals(self) -> np.ndarray:
+        """(measured - predicted) / sigma, entry by entry."""
+        return (_values(self.observations) - self.predicted) / _sigmas(self.observations)
+
+    @property
+    def rank(self) -> int:
+        """Number of combinations that the data determine."""
+        return sum(d.determined for d in self.directions)
+
+    def interval(self, level: float = 0.95) -> np.ndarray:
+        """Confidence interval of each value, shape (n, 2), for normal errors of size sigma."""
+        half = norm.ppf(0.5 + level / 2.0) * self.uncertainty
+        return np.stack([self.values - half, self.values + half], axis=-1)
+
+    def as_dict(self) -> dict[str, Any]:
+        """What there is to print or to store as JSON (infinite uncertainties as None)."""
+        finite = [float(u) if np.isfinite(u) else None for u in self.uncertainty]
+        measured = _values(self.observations)
+        labels = [o.quantity for o in self.observations for _ in range(np.size(o.value))]
+        return {
+            "method": self.method,
+            "coefficients": self.coefficients,
+            "uncertainty": dict(zip(self.names, finite)),
+            "rank": self.rank,
+            "singular_values": [d.singular_value for d in self.directions],
+            "directions": [d.as_dict() for d in self.directions],
+            "covariance": np.where(np.isfinite(self.covariance), self.covariance, 0.0).tolist(),
+            "data": [
+                {"quantity": q, "measured": float(m), "predicted": float(p)}
+                for q, m, p in zip(labels, measured, self.predicted)
+            ],
+            "chi_squared": float(np.sum(self.residuals**2)),
+            "warnings": list(self.warnings),
+        }
+
+
+def calibrate(
+    swimmer: Swimmer,
+    data: Gait | dict[str, Any] | Sequence[Observation],
+    unknowns: Iterable[str] = (),
+    *,
+    quantities: Iterable[str] = (),
+    bounds: dict[str, tuple[float, float]] | None = None,
+    start: dict[str, float] | None = None,
+    positive: bool = False,
+    method: str = "least squares",
+) -> Calibration:
+    """Find interaction coefficients that make the surrogate agree with data.
+
+    Parameters
+    ----------
+    swimmer
+        The swimmer to calibrate; what is not unknown stays as it is.
+    data
+        A reference gait, measured quantities of this swimmer (``{"speed": (30e-6, 1e-6)}``, value
+        and uncertainty), or a list of `Observation` of one or several swimmers.
+    unknowns
+        Names: ``translation.s`` (also q, r, qr), ``rotation.s`` (q, r, qr), ``coupling.qr``,
+        ``tail.t`` (n, r), or any dotted number; by default those of the paper for this tail.
+    quantities
+        What to take from a reference gait; by default forward speed, lateral amplitude and rate.
+    bounds
+        Name to (least, most).
+    start
+        Name to first guess; by default the swimmer's own values.
+    positive
+        Keep the body's resistance positive definite, as it must be: positive drags, and a coupling
+        that stays below the geometric mean of the two drags it joins.
+    method
+        ``"least squares"``, or ``"ratios"``: the paper's direct ratios of force to velocity of the
+        body (from a reference gait).
+
+    Returns
+    -------
+    Calibration
+
+    Raises
+    ------
+    SpecError
+        If a name is unknown, data are missing or a bound excludes the start.
+
+    Examples
+    --------
+    >>> import microswim as ms
+    >>> swimmer = ms.Swimmer.preset("tabak/helix")
+    >>> truth = swimmer.with_({"interaction.translation": (2.24, 1.25, 1.25)})
+    >>> fit = ms.calibrate(swimmer, truth.gait(), ["translation.s", "translation.qr"])
+    >>> [round(float(v), 6) for v in fit.values]
+    [2.24, 1.25]
+    """
+    if method == "ratios":
+        return _ratios(swimmer, data)
+    if method != "least squares":
+        raise SpecError("method", method, '"least squares" or "ratios"')
+    observations = _observations(swimmer, data, quantities)
+    chosen = resolve(swimmer, unknowns)
+    problem = _Problem(swimmer, observations, chosen, positive)
+    x = problem.solve(start or {}, bounds or {})
+    return problem.outcome(x)
+
+
+def _observations(swimmer: Swimmer, data: Any, quantities: Iterable[str]) -> tuple:
+    if isinstance(data, Gait):
+        return tuple(observe.from_reference(swimmer, data, quantities))
+    if isinstance(data, dict):
+        data = observe.from_dict(swimmer, data)
+    if not data:
+        raise SpecError("data: nothing was observed; give a gait or measured quantities")
+    return tuple(data)
+
+
+@dataclass(frozen=True)
+class _Problem:
+    """Residuals and their Jacobian in the unknowns' free coordinates."""
+
+    swimmer: Swimmer
+    observations: tuple[Observation, ...]
+    unknowns: tuple[Unknown, ...]
+    positive: bool
+
+    def predict(self, values: Sequence[Any]) -> np.ndarray:
+        """All observed quantities for the unknowns' values (numbers, real or complex)."""
+        gaits: dict[int, Gait] = {}
+        out = []
+        for o in self.observations:
+            if id(o.swimmer) not in gaits:
+                gaits[id(o.swimmer)] = self._gait(o.swimmer, values)
+            out.append(np.atleast_1d(observe.observed(gaits[id(o.swimmer)], o.quantity, o.phase)))
+        return np.concatenate(out)
+
+    def _gait(self, swimmer: Swimmer, values: Sequence[Any]) -> Gait:
+        return surrogate(lift(swimmer, self.unknowns, values))
+
+    def jacobian(self, values: np.ndarray) -> np.ndarray:
+        """d predict / d values by the complex step."""
+        columns = []
+        for j in range(len(values)):
+            stepped = [complex(v, STEP * (i == j)) for i, v in enumerate(values)]
+            columns.append(np.imag(self.predict(stepped)) / STEP)
+        return np.stack(columns, axis=-1)
+
+    def solve(self, start: dict, bounds: dict) -> np.ndarray:
+        """Values at the minimum."""
+        own = self.swimmer.numbers
+        first = np.array([start.get(u.name, u.value(own)) for u in self.unknowns], dtype=float)
+        low, high = np.array([bounds.get(u.name, u.bounds) for u in self.unknowns], float).T
+        for u, x, a, b in zip(self.unknowns, first, low, high):
+            if not a < x < b:
+                raise SpecError(f"start of {u.name}", float(x), f"between {a:g} and {b:g}")
+        y, sigma = _values(self.observations), _sigmas(self.observations)
+        to, back, slope = self._coordinates()
+        limits = (np.full(len(first), -40.0), np.full(len(first), 40.0))
+        limits = limits if self.positive else (low, high)
+
+        def residuals(z: np.ndarray) -> np.ndarray:
+            return (np.real(self.predict(back(z))) - y) / sigma
+
+        def jacobian(z: np.ndarray) -> np.ndarray:
+            return self.jacobian(back(z)) @ slope(z) / sigma[:, None]
+
+        z = gauss_newton(residuals, jacobian, to(first))
+        if np.any(z <= limits[0]) or np.any(z >= limits[1]):
+            tight = dict.fromkeys(("xtol", "ftol", "gtol"), 1e-12)
+            z = least_squares(residuals, to(first), jacobian, bounds=limits, **tight).x
+        return back(z)
+
+    def _coordinates(self) -> tuple[Any, Any, Any]:
+        """Maps values -> free coordinates, back, and d values / d coordinates.
+
+        With `positive` a drag is ``exp z``, a coupling ``tanh z`` of the geometric mean of the two
+        drags that it joins (those of the unknowns, else those of the swimmer).
+        """
+        if not self.positive:
+            return np.asarray, np.asarray, lambda z: np.eye(len(z))
+        couplings = [u.pair is not None for u in self.unknowns]
+
+        def limit(values: Any, pair: tuple[int, int]) -> Any:
+            whole = lift(self.swimmer, self.unknowns, values).interaction
+            drags = (*whole.translation, *whole.rotation)
+            return np.sqrt(drags[pair[0]] * drags[3 + pair[1]] + 0j)
+
+        def back(z: Any) -> np.ndarray:
+            z = np.asarray(z)
+            values = np.where(couplings, 0.0 * z, np.exp(np.where(couplings, 0.0, z)))
+            full = values.astype(complex)
+            for i, u in enumerate(self.unknowns):
+                if u.pair is not None:
+                    full[i] = np.tanh(z[i]) * limit(values, u.pair)
+            return full if np.iscomplexobj(z) else full.real
+
+        def to(values: Any) -> np.ndarray:
+            values = np.asarray(values, dtype=float)
+            out = np.log(np.where(couplings, 1.0, np.maximum(values, 1e-12)))
+            for i, u in enumerate(self.unknowns):
+                if u.pair is not None:
+                    share = values[i] / limit(values, u.pair).real
+                    out[i] = np.arctanh(np.clip(share, -0.999, 0.999))
+            return out
+
+        def slope(z: Any) -> np.ndarray:
+            eye = np.eye(len(z)) * 1j * STEP
+            return np.stack([np.imag(back(z + e)) / STEP for e in eye], axis=-1)
+
+        return to, back, slope
+
+    def outcome(self, values: np.ndarray) -> Calibration:
+        """Everything there is to say about the solution."""
+        sigma = _sigmas(self.observations)
+        J = self.jacobian(values) / sigma[:, None]
+        directions, covariance = determined(J, values, [u.name for u in self.unknowns])
+        fitted = fitted_swimmer(self.swimmer, self.unknowns, values)
+        return Calibration(
+            swimmer=fitted,
+            names=tuple(u.name for u in self.unknowns),
+            values=values,
+            covariance=covariance,
+            observations=self.observations,
+            predicted=np.real(self.predict(values)),
+            directions=directions,
+            warnings=physical_warnings(fitted, directions),
+        )
+
+
+def lift(swimmer: Swimmer, unknowns: Iterable[Unknown], values: Sequence[Any]) -> Swimmer:
+    """Swimmer whose unknown numbers are replaced, unchecked."""
+    changes = {p: f * v for u, v in zip(unknowns, values) for p, f in u.paths}
+    return swimmer.lifted(changes)
+
+
+def fitted_swimmer(swimmer: Swimmer, unknowns: Iterable[Unknown], values: Any) -> Swimmer:
+    """Swimmer with the fitted numbers, checked."""
+    lifted = lift(swimmer, unknowns, [float(v) for v in values])
+    return lifted.with_({})
+
+
+def _values(observations: Iterable[Observation]) -> np.ndarray:
+    return np.concatenate([np.atleast_1d(np.asarray(o.value, float)) for o in observations])
+
+
+def _sigmas(observations: Iterable[Observation]) -> np.ndarray:
+    return np.concatenate(
+        [
+            np.broadcast_to(np.asarray(o.sigma, float), np.shape(o.value) or (1,))
+            for o in observations
+        ]
+    )
+
+
+def _ratios(swimmer: Swimmer, reference: Any) -> Calibration:
+    """Direct ratios of the body's force to its velocity [Tabak Section 3.2.1].
+
+    ``gamma_i = |F_b,i| / (|V_i| D_i)``: means along and about s (for a helix), amplitudes for the
+    directions whose mean is zero.
+    """
+    if not isinstance(reference, Gait):
+        raise SpecError("method", "ratios", "used with a reference gait, which holds the forces")
+    unknowns = resolve(swimmer, ())
+    phase = 2.0 * np.pi * np.arange(64) / 64
+    wrench, V = reference.body_wrench(phase), reference.velocity(phase)
+    drag = swimmer.body.diagonal(swimmer.fluid.viscosity)
+    values = []
+    for u in unknowns:
+        i = u.direction
+        whole = i == 0 or (i == 3 and swimmer.tail.kind == "helix")
+        size = (lambda x: -np.mean(x)) if whole else (lambda x: np.ptp(x) / 2.0)
+        velocity = np.mean(V[:, i]) if whole else np.ptp(V[:, i]) / 2.0
+        values.append(size(wrench[:, i]) / velocity / drag[i])
+    observations = _observations(swimmer, reference, ())
+    problem = _Problem(swimmer, observations, unknowns, False)
+    return replace(problem.outcome(np.array(values)), method="ratios")

@@ -1,0 +1,1 @@
+"""Corrections of the surrogate that vary smoothly over a region of designs."""

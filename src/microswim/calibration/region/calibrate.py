@@ -1,0 +1,267 @@
+"""Region calibration: designs chosen, solved by the reference, and a smooth correction fitted.
+
+First designs fill the region (scrambled Sobol points), then each batch goes where it lowers the
+doubt over the region most. What is fitted, in which coordinates and why:
+docs/decisions/region-calibration.md.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import replace
+from typing import Any
+
+import numpy as np
+from scipy.stats import qmc
+
+from microswim.calibration.region import kriging
+from microswim.calibration.region.correction import Correction, features, fixed_numbers, words
+from microswim.calibration.region.evaluate import SAMPLES
+from microswim.calibration.region.fit import (
+    Solved,
+    columns_of,
+    fit_groups,
+    groups_of,
+    left_out_errors,
+    one_thread,
+    scaled,
+    set_aside,
+)
+from microswim.calibration.region.kriging import Kriging, Surfaces
+from microswim.errors import MicroswimError, SpecError
+from microswim.gait.gait import Gait
+from microswim.jobs import references
+from microswim.swimmer.swimmer import Swimmer
+
+POOL = 512  #: Sobol points of a region
+CANDIDATES = 300  #: of them, those among which the next designs are chosen
+FLOOR = 0.03  #: variance, relative to the mean one, below which nothing is to be gained
+ASYMMETRY = 2e-3  #: of the reference's R, relative; beyond, its mesh does not resolve the design
+FIRST = 0.7  #: share of the solves that fill the region
+Region = dict[str, tuple[float, float]]
+
+
+def calibrate_region(
+    swimmer: Swimmer,
+    region: Region,
+    reference: str = "bem",
+    *,
+    solves: int = 100,
+    folder: Any = None,
+    workers: int | None = None,
+    seed: int = 1,
+    progress: Callable[[int, int], None] | None = None,
+    **options: Any,
+) -> Swimmer:
+    """Calibrate the surrogate over a region of designs.
+
+    Parameters
+    ----------
+    swimmer
+        What the designs have in common; a wave tail and a body.
+    region
+        Dotted name of a number of the spec to its bounds.
+    reference
+        ``"bem"`` or ``"fem"`` (or ``"rft"``).
+    solves
+        Designs to solve.
+    folder
+        Where solves are kept, so that a killed run goes on where it was.
+    workers
+        Processes, each with one thread; all cores by default.
+    seed
+        Of the choice of designs.
+    progress
+        Called with (solved, all).
+    options
+        What the reference takes, such as ``level``.
+
+    Returns
+    -------
+    Swimmer
+        The same swimmer with a `Correction`: its surrogate gaits hold over the region.
+
+    Raises
+    ------
+    SpecError
+        If the region makes no sense.
+    MicroswimError
+        If too few designs could be solved.
+
+    Examples
+    --------
+    >>> import microswim as ms
+    >>> swimmer = ms.Swimmer.preset("tabak/helix")
+    >>> region = {"tail.amplitude": (0.08, 0.12)}
+    >>> fitted = ms.calibrate_region(swimmer, region, "rft", solves=8, workers=0)
+    >>> fitted.gait().info["outside"]
+    []
+    """
+    _check(swimmer, region, solves)
+    pool = _pool(swimmer, region, seed)
+    chosen = list(range(min(max(8, round(FIRST * solves)), solves, len(pool))))
+    solved: list[Solved] = []
+    refused: list[tuple[Swimmer, str]] = []
+    unresolved: list[Solved] = []
+    fewest = max(6, len(region) + 2)
+    tried: set[int] = set()
+    options = _phases(swimmer, reference, options)
+    fitted: tuple[Kriging, ...] = ()
+    while True:
+        found = references.gaits(
+            [pool[i] for i in chosen],
+            reference,
+            folder=folder,
+            workers=workers,
+            progress=_shifted(progress, len(solved), solves),
+            **options,
+        )
+        for i, g in zip(chosen, found):
+            reason = _doubt(g)
+            if isinstance(g, Gait) and not reason:
+                solved.append(Solved(pool[i], g))
+                continue
+            refused.append((pool[i], reason))
+            if isinstance(g, Gait):
+                unresolved.append(Solved(pool[i], g))
+        tried |= set(chosen)
+        left = solves - len(solved)
+        if left <= 0 or len(tried) >= min(2 * solves, len(pool)):
+            break
+        with one_thread():
+            if len(solved) < fewest:
+                chosen = [i for i in range(len(pool)) if i not in tried][:left]
+                continue
+            fitted = fit_groups(solved, fitted)
+            count = min(left, max(4, solves // 8))
+            known = [s.swimmer for s in solved] + [s for s, _ in refused]
+            chosen = _least_sure(pool, fitted, known, tried, count)
+    if len(solved) < fewest:
+        why = refused[0][1] if refused else "the region holds no more"
+        raise MicroswimError(f"only {len(solved)} designs could be solved: {why}")
+    about: dict[str, Any] = {"reference": reference, "solves": len(solved), "seed": seed}
+    with one_thread():
+        solved, doubtful = set_aside(solved, fitted)
+        about["set_aside"] = [_values_of(s.swimmer, region) for s in doubtful]
+        about["refused"] = [_values_of(s, region) | {"reason": why} for s, why in refused]
+        made = _correction(swimmer, region, solved, doubtful + unresolved, fitted, about)
+    about["options"] = {k: getattr(v, "name", v) for k, v in options.items()}
+    return replace(swimmer, region=made)
+
+
+def _doubt(gait: Gait | str) -> str:
+    """Why a reference gait is not used: it was refused, or its R is not symmetric; else empty."""
+    if isinstance(gait, str):
+        return gait
+    asymmetry = float(gait.info.get("asymmetry") or 0.0)
+    resolved = asymmetry < ASYMMETRY
+    return "" if resolved else f"not resolved: R is asymmetric by {100.0 * asymmetry:.2g} %"
+
+
+def _check(swimmer: Swimmer, region: Region, solves: int) -> None:
+    if swimmer.tail.kind not in ("helix", "plane_wave") or swimmer.body.shape == "none":
+        raise SpecError("region: a body and a helix or a plane wave are needed")
+    if swimmer.tail.kind == "helix" and not swimmer.body.is_axisymmetric:
+        raise SpecError("body.shape", "ellipsoid", "a body of revolution for a helix's region")
+    if swimmer.motion.line_element != "arc":
+        raise SpecError("motion.line_element", "apparent", '"arc" for a region')
+    if solves < max(6, len(region) + 2):
+        raise SpecError("solves", solves, f"at least {max(6, len(region) + 2)}")
+    for name, bounds in region.items():
+        low, high = bounds if len(bounds) == 2 else (np.nan, np.nan)
+        if not (np.isfinite([low, high]).all() and 0 < low < high):
+            raise SpecError(f"region {name}", bounds, "two positive numbers, the lower one first")
+        if not name.startswith(("tail.", "body.")) or name == "tail.frequency":
+            raise SpecError("region", name, "a number of tail or body that decides the flow")
+        swimmer.with_({name: low})
+
+
+def _phases(swimmer: Swimmer, reference: str, options: dict[str, Any]) -> dict[str, Any]:
+    """Boundary elements sample a plane wave at as few phases as the corrections need."""
+    if reference != "bem" or swimmer.tail.kind == "helix":
+        return options
+    from microswim.models.bem.levels import get_level
+
+    level = options.get("level", "standard")
+    chosen = get_level(level) if isinstance(level, str) else level
+    return options | {"level": replace(chosen, phases=SAMPLES)}
+
+
+def _shifted(progress: Any, before: int, all_: int) -> Any:
+    return None if progress is None else lambda done, _: progress(min(before + done, all_), all_)
+
+
+def _pool(swimmer: Swimmer, region: Region, seed: int) -> list[Swimmer]:
+    """Scrambled Sobol points of the region that make sense, in their order."""
+    low, high = np.array(list(region.values()), dtype=float).T
+    out = []
+    for x in low + (high - low) * qmc.Sobol(len(region), seed=seed).random(POOL):
+        try:
+            out.append(swimmer.with_(dict(zip(region, map(float, x)))))
+        except SpecError:
+            continue
+    if len(out) < 6:
+        raise SpecError("region", region, "a region with designs that make sense")
+    return out
+
+
+def _least_sure(
+    pool: list[Swimmer], fitted: tuple[Kriging, ...], known: list[Swimmer], tried: set, count: int
+) -> list[int]:
+    """Designs that lower the doubt over the whole region most, one after the other as if solved.
+
+    With C the covariance given what is known, a design c takes ``|C_xc|^2 / C_cc`` off the
+    variance at x; the mean over the region counts, for thrust, invariant parts and lateral vectors
+    alike. Designs that the reference refused count as known, so that it is not asked next to them.
+    """
+    columns = columns_of(np.array([features(s) for s in known], dtype=float))
+    open_ = [i for i in range(len(pool)) if i not in tried][:CANDIDATES]
+    Z, N = scaled([pool[i] for i in open_], columns)
+    At, Nt = scaled(known, columns)
+    posteriors = []
+    for g in fitted[:3]:
+        kernel = (g.lengths, g.phasors, g.real)
+        K = kriging.covariance(At, Nt, At, Nt, *kernel) + g.noise * np.eye(len(At))
+        half = np.linalg.solve(np.linalg.cholesky(K), kriging.covariance(At, Nt, Z, N, *kernel))
+        C = kriging.covariance(Z, N, Z, N, *kernel) - half.conj().T @ half
+        posteriors.append(C / np.diag(C).real.mean())
+    chosen: list[int] = []
+    for _ in range(min(count, len(open_))):
+        gain = np.zeros(len(open_))
+        for C in posteriors:
+            gain += np.mean(np.abs(C) ** 2, axis=0) / (np.diag(C).real + FLOOR)
+        gain[chosen] = -1.0
+        c = int(np.argmax(gain))
+        chosen.append(c)
+        posteriors = [C - np.outer(C[:, c], C[c]) / (C[c, c].real + FLOOR) for C in posteriors]
+    return [open_[c] for c in chosen]
+
+
+def _values_of(swimmer: Swimmer, region: Region) -> dict[str, float]:
+    return {name: float(swimmer.numbers[name]) for name in region}
+
+
+def _correction(
+    swimmer: Swimmer,
+    region: Region,
+    solved: list[Solved],
+    doubtful: list[Solved],
+    former: Any,
+    about: dict[str, Any],
+) -> Correction:
+    groups = fit_groups(solved, former)
+    columns = columns_of(np.array([features(s.swimmer) for s in solved], dtype=float))
+    order = sorted(range(len(groups)), key=lambda i: groups_of(len(groups) == 3)[i][0].start)
+    made = Correction(
+        low={name: float(b[0]) for name, b in region.items()},
+        high={name: float(b[1]) for name, b in region.items()},
+        fixed=fixed_numbers(swimmer, region),
+        choices=words(swimmer),
+        surfaces=Surfaces(tuple(groups[i] for i in order)),
+        columns=columns,
+        errors={},
+        spots=np.empty((0, 0)),
+        ratios=np.empty((0, 0)),
+        about=about,
+    )
+    return left_out_errors(made, solved, doubtful)

@@ -1,0 +1,222 @@
+"""Reach: a motor-driven swimmer brings its centre to a target; thousands of them, compiled.
+
+Two controls: the motor's rate, and the rate at which a guiding field turns in the plane z = 0. The
+robot's magnet lies along its axis, so the field turns the robot as it turns a magnetotactic cell,
+with a lag; nothing else holds it in the plane. Millimetres in observations, SI inside.
+"""
+
+from __future__ import annotations
+
+from collections import namedtuple
+from importlib.resources import as_file, files
+from typing import Any
+
+import numpy as np
+from numba import prange
+
+from microswim.control.cores import awake
+from microswim.control.environments.camera import (
+    FRAME,
+    MM,
+    attitude,
+    conditions,
+    expose,
+    fill,
+    seen,
+)
+from microswim.control.environments.random_streams import direction, uniform
+from microswim.control.motion import INPUT, WORK, substep
+from microswim.control.stepper import Stepper
+from microswim.errors import SpecError
+from microswim.numerics.compiled import FAST, njit
+from microswim.swimmer.swimmer import Swimmer
+
+MOMENT = 1e-4  # A m^2, along the body: the robot follows the field at 11 per second
+OBSERVED, ACTIONS = 9, 2
+#: Per environment: state (8), angle of the field, motor (-1 to 1), target (2), flow (3), distance.
+ANGLE, MOTOR, TARGET, FLOW, DISTANCE, MEMORY = 8, 9, 10, 12, 15, 16
+STEP, DONE, COUNTS = 0, 1, 2
+LIMIT = 20.0
+TURN = 1.01  # rad of the tail per internal step
+
+Settings = namedtuple(
+    "Settings", "dt field top swing gust noise angle_noise interval latency steps near"
+)
+
+
+def settings(*, max_steps: int = 1000, **options: Any) -> Settings:
+    """Settings of the task; `options` as `camera.conditions` takes them."""
+    return Settings(
+        dt=0.02, field=4e-3, top=16.0 * np.pi, swing=2.0, near=0.2 * MM,
+        **conditions(max_steps=max_steps, **options),
+    )  # fmt: skip
+
+
+def robot() -> Swimmer:
+    """The swimmer of the environment."""
+    with as_file(files(__package__) / "robots" / "reach.toml") as path:
+        return Swimmer.from_toml(path)
+
+
+compiled = njit(cache=True, fastmath=FAST, error_model="numpy")
+
+
+@compiled
+def far(mem: Any) -> float:
+    """Distance of the body's centre from the target."""
+    x, y, z = mem[TARGET] - mem[0], mem[TARGET + 1] - mem[1], mem[2]
+    return np.sqrt(x * x + y * y + z * z)
+
+
+@compiled
+def start(mem: Any, count: Any, ring: Any, keys: Any, i: int, s: Any) -> None:
+    """A new episode: heading, target 2 to 6 mm away, flow."""
+    mem[:] = 0.0
+    count[:] = 0
+    heading = 2.0 * np.pi * uniform(keys, i)
+    h = np.array([np.cos(heading), np.sin(heading), 0.0])
+    attitude(mem, h, 2.0 * np.pi * uniform(keys, i))
+    mem[7] = 2.0 * np.pi * uniform(keys, i)
+    mem[ANGLE] = heading
+    away, bearing = (2.0 + 4.0 * uniform(keys, i)) * MM, 2.0 * np.pi * uniform(keys, i)
+    mem[TARGET], mem[TARGET + 1] = away * np.cos(bearing), away * np.sin(bearing)
+    f0, f1, f2 = direction(keys, i)
+    mem[FLOW], mem[FLOW + 1], mem[FLOW + 2] = s.gust * f0, s.gust * f1, 0.1 * s.gust * f2
+    mem[DISTANCE] = far(mem)
+    fill(ring, mem, s.noise, s.angle_noise, keys, i)
+
+
+@compiled
+def drive(mem: Any, action: Any, u: Any, work: Any, model: Any, s: Any) -> None:
+    """One step of the physics; the field turns by ``swing dt`` at most."""
+    mem[MOTOR] = min(max(action[0], -1.0), 1.0)
+    turn = s.swing * min(max(action[1], -1.0), 1.0)
+    u[0], u[12] = s.top * mem[MOTOR], turn
+    u[7], u[8] = s.field * np.cos(mem[ANGLE]), s.field * np.sin(mem[ANGLE])
+    for k in range(3):
+        u[13 + k] = mem[FLOW + k]
+    n = max(1, int(np.ceil(abs(u[0]) * s.dt / TURN)))
+    h = s.dt / n
+    for k in range(n):
+        substep(model[0], model[1], model[2], mem, u, k * h, h, False, work)
+    mem[7] = np.mod(mem[7], 2.0 * np.pi)
+    mem[ANGLE] = np.mod(mem[ANGLE] + turn * s.dt, 2.0 * np.pi)
+
+
+@compiled
+def watch(mem: Any, count: Any, ring: Any, s: Any, out: Any) -> None:
+    """Write the observation, in the frame of the guiding field."""
+    frame = ring[seen(ring, count[STEP], s.interval, s.latency)]
+    c, d = np.cos(mem[ANGLE]), np.sin(mem[ANGLE])
+    x, y = (mem[TARGET] - frame[0]) / MM, (mem[TARGET + 1] - frame[1]) / MM
+    out[0], out[1], out[2] = c * x + d * y, c * y - d * x, -frame[2] / MM
+    out[3], out[4] = c * frame[3] + d * frame[4], c * frame[4] - d * frame[3]
+    away = np.sqrt(x * x + y * y) + 1e-9
+    out[5], out[6], out[7] = away, out[0] / away, out[1] / away
+    out[8] = mem[MOTOR]
+    for k in range(OBSERVED):
+        out[k] = min(max(out[k], -LIMIT), LIMIT)
+
+
+@compiled
+def one(
+    mem: Any, count: Any, ring: Any, keys: Any, i: int, action: Any, u: Any, work: Any, model: Any,
+    s: Any, obs: Any, ends: Any,
+) -> float:  # fmt: skip
+    """One step of one environment; an episode that has ended begins anew instead.
+
+    Reward: millimetres nearer to the target, less 0.002 for full use of each control; 5 for the
+    target, -5 for 12 mm away from it.
+    """
+    if count[DONE]:
+        start(mem, count, ring, keys, i, s)
+        watch(mem, count, ring, s, obs)
+        ends[0], ends[1] = False, False
+        return 0.0
+    drive(mem, action, u, work, model, s)
+    count[STEP] += 1
+    if count[STEP] % s.interval == 0:
+        row = (count[STEP] // s.interval) % ring.shape[0]
+        expose(ring[row], mem, s.noise, s.angle_noise, keys, i)
+    watch(mem, count, ring, s, obs)
+    away = far(mem)
+    effort = min(action[0] ** 2, 1.0) + min(action[1] ** 2, 1.0)
+    reward = (mem[DISTANCE] - away) / MM - 0.001 * effort
+    mem[DISTANCE] = away
+    there, lost = away < s.near, away > 12.0 * MM
+    ends[0] = there or lost
+    ends[1] = not ends[0] and count[STEP] >= s.steps
+    count[DONE] = ends[0] or ends[1]
+    return reward + (5.0 if there else 0.0) - (5.0 if lost else 0.0)
+
+
+@njit(cache=True, parallel=True, fastmath=FAST, error_model="numpy")
+def step_all(
+    mem: Any, count: Any, ring: Any, keys: Any, actions: Any, scratch: Any, model: Any, s: Any,
+    obs: Any, ends: Any, rewards: Any,
+) -> None:  # fmt: skip
+    """One step of all environments on all cores."""
+    blocks, n = scratch.shape[0], mem.shape[0]
+    for b in prange(blocks):
+        u, work = scratch[b, :INPUT], scratch[b, INPUT:]
+        for i in range(b * n // blocks, (b + 1) * n // blocks):
+            rewards[i] = one(
+                mem[i], count[i], ring[i], keys, i, actions[i], u, work, model, s, obs[i], ends[i]
+            )
+
+
+@compiled
+def begin_all(mem: Any, count: Any, ring: Any, keys: Any, s: Any, obs: Any) -> None:
+    """Begin an episode in all environments."""
+    for i in range(mem.shape[0]):
+        start(mem[i], count[i], ring[i], keys, i, s)
+        watch(mem[i], count[i], ring[i], s, obs[i])
+
+
+class ReachWorld:
+    """So many robots and their targets.
+
+    Parameters
+    ----------
+    n
+        Number of environments.
+    options
+        As `settings` takes them.
+    """
+
+    observed, actions = OBSERVED, ACTIONS
+
+    def __init__(self, n: int, **options: Any) -> None:
+        self.settings = s = settings(**options)
+        stepper = Stepper(robot().gait(), moment=(-MOMENT, 0.0, 0.0))
+        self.model = (stepper.response.twist, stepper.response.strain, stepper.magnet)
+        self.memory, self.count = np.zeros((n, MEMORY)), np.zeros((n, COUNTS), dtype=np.int64)
+        self.ring = np.zeros((n, s.latency // s.interval + 2, FRAME))
+        self.keys = np.zeros(n, dtype=np.uint64)
+        self.scratch = np.zeros((4, INPUT + WORK))
+
+    def reset(self, keys: np.ndarray, path: Any = None) -> np.ndarray:
+        """Begin in all environments with these keys."""
+        if path is not None:
+            raise SpecError("path", path, "left out", "microswim/Reach-v0 has a target, no path")
+        self.keys = keys.astype(np.uint64)
+        obs = np.empty((len(self.memory), OBSERVED), dtype=np.float32)
+        begin_all(self.memory, self.count, self.ring, self.keys, self.settings, obs)
+        return obs
+
+    def step(self, actions: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+        """Observations, rewards, and (n, 2): terminated, truncated."""
+        n = len(self.memory)
+        obs, rewards = np.empty((n, OBSERVED), dtype=np.float32), np.empty(n)
+        ends = np.empty((n, 2), dtype=np.bool_)
+        with awake(n):
+            step_all(
+                self.memory, self.count, self.ring, self.keys, actions, self.scratch, self.model,
+                self.settings, obs, ends, rewards,
+            )  # fmt: skip
+        return obs, rewards, ends
+
+    @property
+    def about(self) -> dict[str, np.ndarray]:
+        """What the camera does not tell: true distance from the target (mm)."""
+        return {"distance": self.memory[:, DISTANCE] / MM}

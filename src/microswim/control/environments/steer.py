@@ -1,0 +1,289 @@
+"""Steer: a magnetised helical robot follows a path in 3-D; thousands of them, compiled.
+
+Each step of 20 ms: the coils turn the field about the wanted direction at the wanted frequency, the
+robot follows as `motion` has it (beyond step-out it does not), a flow that nobody measures carries
+it, and a camera sees it seldom, late and with noise. Millimetres in observations and paths, SI
+inside.
+"""
+
+from __future__ import annotations
+
+from collections import namedtuple
+from importlib.resources import as_file, files
+from typing import Any
+
+import numpy as np
+from numba import prange
+
+from microswim.control.cores import awake
+from microswim.control.environments.camera import (
+    FRAME,
+    MM,
+    attitude,
+    conditions,
+    expose,
+    fill,
+    seen,
+)
+from microswim.control.environments.paths import POINTS, locate, point, resampled, wander
+from microswim.control.environments.random_streams import direction, normals, uniform
+from microswim.control.motion import INPUT, WORK, field_at, substep
+from microswim.control.stepper import Stepper
+from microswim.numerics.compiled import FAST, njit
+from microswim.numerics.rigid_motion import to_lab
+from microswim.swimmer.swimmer import Swimmer
+
+MOMENT = 2e-5  # A m^2, across the helix: a head of NdFeB of half a millimetre holds five times that
+OBSERVED, ACTIONS = 17, 4
+#: Per environment: state (8), field direction (3), direction driven (3), frequency, flow (3), mean
+#: flow (3), progress.
+Y, B, D, F, FLOW, MEAN, PROGRESS, MEMORY = 0, 8, 11, 14, 15, 18, 21, 22
+STEP, SEGMENT, SEEN, DONE, COUNTS = 0, 1, 2, 3, 4
+LIMIT = 20.0  # of observations
+TURN = 0.64  # rad of the field per internal step
+
+Settings = namedtuple(
+    "Settings",
+    "dt field top gust calm noise angle_noise interval latency steps length bend lost ahead",
+)
+
+
+def settings(*, max_steps: int = 1500, **options: Any) -> Settings:
+    """Settings of the task; `options` as `camera.conditions` takes them."""
+    return Settings(
+        dt=0.02, field=4e-3, top=10.0, calm=2.0, length=10.0 * MM, bend=0.8 / MM, lost=3.0 * MM,
+        ahead=1.0 * MM, **conditions(max_steps=max_steps, **options),
+    )  # fmt: skip
+
+
+def robot() -> Swimmer:
+    """The swimmer of the environment."""
+    with as_file(files(__package__) / "robots" / "steer.toml") as path:
+        return Swimmer.from_toml(path)
+
+
+compiled = njit(cache=True, fastmath=FAST, error_model="numpy")
+
+
+@compiled
+def start(
+    mem: Any, count: Any, ring: Any, path: Any, keys: Any, i: int, s: Any, draw: bool
+) -> None:
+    """A new episode: a path (unless given), a pose near its beginning, a mean flow."""
+    if draw:
+        wander(path, s.length, s.bend, keys, i)
+    h0, h1, h2 = path[1, 0] - path[0, 0], path[1, 1] - path[0, 1], path[1, 2] - path[0, 2]
+    h = np.empty(3)
+    e0, e1, e2 = direction(keys, i)
+    size = np.sqrt(h0 * h0 + h1 * h1 + h2 * h2)
+    h[0], h[1], h[2] = h0 / size + 0.3 * e0, h1 / size + 0.3 * e1, h2 / size + 0.3 * e2
+    h /= np.sqrt(h[0] * h[0] + h[1] * h[1] + h[2] * h[2])
+    mem[:] = 0.0
+    e0, e1, e2 = direction(keys, i)
+    mem[0] = path[0, 0] + 0.2 * MM * e0
+    mem[1] = path[0, 1] + 0.2 * MM * e1
+    mem[2] = path[0, 2] + 0.2 * MM * e2
+    attitude(mem, h, 2.0 * np.pi * uniform(keys, i))
+    q = (mem[3], mem[4], mem[5], mem[6])
+    mem[B], mem[B + 1], mem[B + 2] = to_lab(q, 0.0, 1.0, 0.0, 1.0)
+    mem[D], mem[D + 1], mem[D + 2] = h[0], h[1], h[2]
+    f0, f1, f2 = direction(keys, i)
+    mem[MEAN], mem[MEAN + 1], mem[MEAN + 2] = s.gust * f0, s.gust * f1, s.gust * f2
+    count[:] = 0
+    fill(ring, mem, s.noise, s.angle_noise, keys, i)
+    segment, f = locate(path, 0, mem[0], mem[1], mem[2])
+    count[SEGMENT], mem[PROGRESS] = segment, segment + f
+
+
+@compiled
+def command(mem: Any, action: Any, s: Any) -> None:
+    """Direction and frequency wanted; the field keeps as near to what it was as it can."""
+    a0, a1, a2 = action[0], action[1], action[2]
+    size = np.sqrt(a0 * a0 + a1 * a1 + a2 * a2)
+    if size > 1e-3:
+        mem[D], mem[D + 1], mem[D + 2] = a0 / size, a1 / size, a2 / size
+    mem[F] = s.top * min(max(action[3], -1.0), 1.0)
+    d0, d1, d2 = mem[D], mem[D + 1], mem[D + 2]
+    along = mem[B] * d0 + mem[B + 1] * d1 + mem[B + 2] * d2
+    b0, b1, b2 = mem[B] - along * d0, mem[B + 1] - along * d1, mem[B + 2] - along * d2
+    size = np.sqrt(b0 * b0 + b1 * b1 + b2 * b2)
+    if size < 1e-6:  # the field was along the new direction: any across it
+        x, y = (1.0, 0.0) if abs(d0) < 0.5 else (0.0, 1.0)
+        b0, b1, b2 = -d2 * y, d2 * x, d0 * y - d1 * x
+        size = np.sqrt(b0 * b0 + b1 * b1 + b2 * b2)
+    mem[B], mem[B + 1], mem[B + 2] = b0 / size, b1 / size, b2 / size
+
+
+@compiled
+def drive(mem: Any, u: Any, work: Any, model: Any, s: Any, keys: Any, i: int) -> None:
+    """One step of the physics: flow, field, robot."""
+    fade = np.exp(-s.dt / s.calm)
+    push = s.gust * np.sqrt(1.0 - fade * fade)
+    n0, n1 = normals(keys, i)
+    n2, _ = normals(keys, i)
+    mem[FLOW] = fade * mem[FLOW] + push * n0
+    mem[FLOW + 1] = fade * mem[FLOW + 1] + push * n1
+    mem[FLOW + 2] = fade * mem[FLOW + 2] + push * n2
+    w = -2.0 * np.pi * mem[F]  # a left-handed helix advances against the sense of its rotation
+    for k in range(3):
+        u[7 + k] = s.field * mem[B + k]
+        u[10 + k] = w * mem[D + k]
+        u[13 + k] = mem[FLOW + k] + mem[MEAN + k]
+    n = max(1, int(np.ceil(abs(w) * s.dt / TURN)))
+    h = s.dt / n
+    for k in range(n):
+        substep(model[0], model[1], model[2], mem, u, k * h, h, False, work)
+    b0, b1, b2 = field_at(u, s.dt)
+    mem[B], mem[B + 1], mem[B + 2] = b0 / s.field, b1 / s.field, b2 / s.field
+
+
+@compiled
+def watch(mem: Any, count: Any, ring: Any, path: Any, s: Any, out: Any) -> None:
+    """Write the observation: what the camera told, and the command."""
+    frame = ring[seen(ring, count[STEP], s.interval, s.latency)]
+    x0, x1, x2 = frame[0], frame[1], frame[2]
+    segment, f = locate(path, count[SEEN], x0, x1, x2)
+    count[SEEN] = segment
+    step = s.length / (path.shape[0] - 1)
+    p0, p1, p2 = point(path, segment + f)
+    g0, g1, g2 = point(path, segment + f + s.ahead / step)
+    a, b = path[segment], path[segment + 1]
+    t0, t1, t2 = b[0] - a[0], b[1] - a[1], b[2] - a[2]
+    size = np.sqrt(t0 * t0 + t1 * t1 + t2 * t2)
+    out[0], out[1], out[2] = (p0 - x0) / MM, (p1 - x1) / MM, (p2 - x2) / MM
+    out[3], out[4], out[5] = t0 / size, t1 / size, t2 / size
+    out[6], out[7], out[8] = (g0 - x0) / MM, (g1 - x1) / MM, (g2 - x2) / MM
+    for k in range(3):
+        out[9 + k], out[12 + k] = frame[3 + k], mem[D + k]
+    out[15] = mem[F] / s.top
+    out[16] = 1.0 - (segment + f) / (path.shape[0] - 1)
+    for k in range(OBSERVED):
+        out[k] = min(max(out[k], -LIMIT), LIMIT)
+
+
+@compiled
+def judge(mem: Any, count: Any, path: Any, s: Any) -> tuple[float, bool, float]:
+    """Reward, whether the task is over, distance from the path.
+
+    Reward: millimetres of progress along the path, less 0.01 a step for each millimetre off it; 5
+    for the end of the path, -5 for getting lost.
+    """
+    segment, f = locate(path, count[SEGMENT], mem[0], mem[1], mem[2])
+    p0, p1, p2 = point(path, segment + f)
+    off = np.sqrt((mem[0] - p0) ** 2 + (mem[1] - p1) ** 2 + (mem[2] - p2) ** 2)
+    scale = s.length / (path.shape[0] - 1) / MM
+    reward = (segment + f - mem[PROGRESS]) * scale - 0.01 * off / MM
+    count[SEGMENT], mem[PROGRESS] = segment, segment + f
+    if segment + f >= path.shape[0] - 1.0 - 0.1 / scale:
+        return reward + 5.0, True, off
+    if off > s.lost:
+        return reward - 5.0, True, off
+    return reward, False, off
+
+
+@compiled
+def one(
+    mem: Any, count: Any, ring: Any, path: Any, keys: Any, i: int, action: Any, u: Any, work: Any,
+    model: Any, s: Any, obs: Any, ends: Any, draw: bool,
+) -> float:  # fmt: skip
+    """One step of one environment; an episode that has ended begins anew instead."""
+    if count[DONE]:
+        start(mem, count, ring, path, keys, i, s, draw)
+        watch(mem, count, ring, path, s, obs)
+        ends[0], ends[1] = False, False
+        return 0.0
+    command(mem, action, s)
+    drive(mem, u, work, model, s, keys, i)
+    count[STEP] += 1
+    if count[STEP] % s.interval == 0:
+        row = (count[STEP] // s.interval) % ring.shape[0]
+        expose(ring[row], mem, s.noise, s.angle_noise, keys, i)
+    watch(mem, count, ring, path, s, obs)
+    reward, over, _ = judge(mem, count, path, s)
+    ends[0], ends[1] = over, not over and count[STEP] >= s.steps
+    count[DONE] = ends[0] or ends[1]
+    return reward
+
+
+@njit(cache=True, parallel=True, fastmath=FAST, error_model="numpy")
+def step_all(
+    mem: Any, count: Any, ring: Any, path: Any, keys: Any, actions: Any, scratch: Any, model: Any,
+    s: Any, obs: Any, ends: Any, rewards: Any, draw: bool,
+) -> None:  # fmt: skip
+    """One step of all environments on all cores."""
+    blocks, n = scratch.shape[0], mem.shape[0]
+    for b in prange(blocks):
+        u, work = scratch[b, :INPUT], scratch[b, INPUT:]
+        for i in range(b * n // blocks, (b + 1) * n // blocks):
+            rewards[i] = one(
+                mem[i], count[i], ring[i], path[i], keys, i, actions[i], u, work,
+                model, s, obs[i], ends[i], draw,
+            )  # fmt: skip
+
+
+@compiled
+def begin_all(
+    mem: Any, count: Any, ring: Any, path: Any, keys: Any, s: Any, obs: Any, draw: bool
+) -> None:
+    """Begin an episode in all environments."""
+    for i in range(mem.shape[0]):
+        start(mem[i], count[i], ring[i], path[i], keys, i, s, draw)
+        watch(mem[i], count[i], ring[i], path[i], s, obs[i])
+
+
+class SteerWorld:
+    """So many robots and their paths.
+
+    Parameters
+    ----------
+    n
+        Number of environments.
+    options
+        As `settings` takes them.
+    """
+
+    observed, actions = OBSERVED, ACTIONS
+
+    def __init__(self, n: int, **options: Any) -> None:
+        self.settings = s = settings(**options)
+        stepper = Stepper(robot().gait(), moment=(0.0, MOMENT, 0.0), locked=True)
+        self.model = (stepper.response.twist, stepper.response.strain, stepper.magnet)
+        self.memory, self.count = np.zeros((n, MEMORY)), np.zeros((n, COUNTS), dtype=np.int64)
+        self.ring = np.zeros((n, s.latency // s.interval + 2, FRAME))
+        self.path = np.zeros((n, POINTS, 3))
+        self.keys = np.zeros(n, dtype=np.uint64)
+        self.scratch = np.zeros((4, INPUT + WORK))
+        self.draw = True
+
+    def reset(self, keys: np.ndarray, path: Any = None) -> np.ndarray:
+        """Begin in all environments with these keys; `path` in mm, else one is drawn."""
+        self.draw, self.keys = path is None, keys.astype(np.uint64)
+        if path is not None:
+            self.path[:] = resampled(path) * MM
+            length = np.linalg.norm(np.diff(self.path[0], axis=0), axis=1).sum()
+            self.settings = self.settings._replace(length=float(length))
+        obs = np.empty((len(self.memory), OBSERVED), dtype=np.float32)
+        begin_all(
+            self.memory, self.count, self.ring, self.path, self.keys, self.settings, obs, self.draw
+        )
+        return obs
+
+    def step(self, actions: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+        """Observations, rewards, and (n, 2): terminated, truncated."""
+        n = len(self.memory)
+        obs, rewards = np.empty((n, OBSERVED), dtype=np.float32), np.empty(n)
+        ends = np.empty((n, 2), dtype=np.bool_)
+        with awake(n):
+            step_all(
+                self.memory, self.count, self.ring, self.path, self.keys, actions, self.scratch,
+                self.model, self.settings, obs, ends, rewards, self.draw,
+            )  # fmt: skip
+        return obs, rewards, ends
+
+    @property
+    def about(self) -> dict[str, np.ndarray]:
+        """What the camera does not tell: distance from the path (mm) and progress (0 to 1)."""
+        x, where = self.memory[:, :3], self.memory[:, PROGRESS]
+        near = np.array([point(p, w) for p, w in zip(self.path, where)])
+        off = np.linalg.norm(x - near, axis=1) / MM
+        return {"off_path": off, "progress": where / (POINTS - 1)}

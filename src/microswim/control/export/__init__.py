@@ -1,0 +1,1 @@
+"""The model for another program: C for firmware, FMU for simulators."""

@@ -1,0 +1,173 @@
+"""The model as self-contained C99: one header, one source, the coefficients inside.
+
+The C in ``c/`` mirrors motion line by line; here its placeholders are filled.
+"""
+
+from __future__ import annotations
+
+import re
+from dataclasses import dataclass
+from hashlib import sha256
+from importlib.resources import files
+
+import numpy as np
+
+from microswim import __version__
+from microswim.control.stepper import Stepper
+from microswim.errors import SpecError
+
+UNITS = {
+    "SI": {
+        "length": "m", "time": "s", "force": "N", "torque": "N m", "field": "T",
+        "moment": "A m^2", "viscosity": "Pa s",
+    },
+    "dimensionless": {
+        "length": "length", "time": "time", "force": "force", "torque": "force length",
+        "field": "field", "moment": "torque/field", "viscosity": "force time/length^2",
+    },
+}  # fmt: skip
+BANNER = """\
+/* {name}: a swimmer at low Reynolds number, written by microswim {version}.
+
+   Model {model}, units {units}, spec digest sha256:{digest}
+{strain}
+   CONVENTIONS
+   Quaternion qw, qx, qy, qz: unit, turns body components into lab components (body to lab).
+   Body frame s, q, r: right-handed, s along the tail away from the body; the swimmer leads with its
+   body, so it swims forward with us < 0. Position is that of the body's centre in the lab frame.
+   Six-vectors are [linear; angular], body frame, about the body's centre: us, uq, ur, os, oq, or.
+   Force and torque act ON the swimmer; R V + F_p rate = W_external, the fluid's is the negative.
+   Phase in radians, of the tail relative to the body; a positive motor rate sends the wave away
+   from the body{hand}.
+   Torque of a magnetic field: m x B, m fixed in the body. Stokes flow: no inertia.
+   A step needs no memory, calls nothing but libm, allocates nothing, keeps no static state. */"""
+
+
+@dataclass(frozen=True)
+class CModel:
+    """Header and source.
+
+    Parameters
+    ----------
+    name
+        Prefix of every symbol and stem of the files.
+    header, source
+        Text of the two files.
+    banner
+        The comment at their head: conventions, units, provenance.
+
+    Examples
+    --------
+    >>> import microswim as ms
+    >>> model = ms.c_model(ms.Stepper(ms.Swimmer.preset("tabak/helix").gait()), "robot")
+    >>> "robot_step" in model.header
+    True
+    """
+
+    name: str
+    header: str
+    source: str
+    banner: str
+
+
+def c_model(stepper: Stepper, name: str = "swimmer", spec: str = "") -> CModel:
+    """C99 of a stepper: `name`.h and `name`.c.
+
+    Parameters
+    ----------
+    stepper
+        The stepper; its moment and the motor's rate become defaults, its resolution stays.
+    name
+        A C identifier.
+    spec
+        Text of the specification, for the digest in the files.
+
+    Raises
+    ------
+    SpecError
+        If the name is no C identifier, or the stepper has a fixed number of steps.
+
+    Examples
+    --------
+    >>> import microswim as ms
+    >>> stepper = ms.Stepper.of(ms.Swimmer.preset("tabak/helix"))
+    >>> "int robot_step(" in ms.c_model(stepper, "robot").header
+    True
+    """
+    if not re.fullmatch(r"[A-Za-z][A-Za-z0-9_]{0,40}", name):
+        raise SpecError("name", name, "letters, digits and underscores, a letter first")
+    if stepper.steps is not None:
+        raise SpecError("steps", stepper.steps, "left out for an export", "use resolution")
+    if not np.isrealobj(stepper.response.twist) or not np.isfinite(stepper.response.twist).all():
+        raise SpecError("the gait holds numbers that are not finite and real; check the swimmer")
+    values = _values(stepper, name, spec)
+    texts = [
+        (files(__package__) / "c" / f).read_text("utf-8") for f in ("model.h.in", "model.c.in")
+    ]
+    return CModel(name, *(filled(t, values) for t in texts), values["banner"])
+
+
+def filled(template: str, values: dict[str, str]) -> str:
+    """The template with every ``@key@`` replaced."""
+    return re.sub(r"@(\w+)@", lambda m: values[m[1]], template)
+
+
+def _values(stepper: Stepper, name: str, spec: str) -> dict[str, str]:
+    gait, units = stepper.gait, UNITS[stepper.gait.units]
+    digest = sha256(spec.encode() or repr(stepper.response.twist.tolist()).encode()).hexdigest()[
+        :16
+    ]
+    values = {
+        "name": name,
+        "NAME": name.upper(),
+        "version": __version__,
+        "digest": digest,
+        **units,
+        "limits": numbers(stepper.limits[:4]),
+        "locked": "1.0" if stepper.locked else "0.0",
+        "viscosity_value": repr(viscosity(stepper)),
+        "moment_values": numbers(stepper.magnet),
+        "rate_value": repr(0.0 if stepper.locked else float(gait.rate)),
+        "tables": "".join(
+            table(n, t) for n, t in zip(("TWIST", "STRAIN", "MOTOR"), stepper.response.tables)
+        ),
+    }
+    values["banner"] = BANNER.format(
+        name=name,
+        version=__version__,
+        model=gait.model,
+        digest=digest,
+        units=gait.units + " (" + ", ".join(f"{k} {v}" for k, v in units.items()) + ")",
+        strain=_about_strain(stepper),
+        hand=_about_hand(stepper),
+    )
+    return values
+
+
+def _about_strain(stepper: Stepper) -> str:
+    if stepper.swimmer is None:
+        return "   Of a background flow only velocity and rotation at the body's centre are felt.\n"
+    return "   The strain of a background flow is felt at the level of resistive force theory.\n"
+
+
+def _about_hand(stepper: Stepper) -> str:
+    hand = getattr(getattr(stepper.swimmer, "tail", None), "handedness", None)
+    sense = {"left": "about +s", "right": "about -s"}
+    return f", a {hand}-handed helix turns {sense[hand]}" if hand else ""
+
+
+def viscosity(stepper: Stepper) -> float:
+    """Viscosity at which the coefficients were made; 1 stands for it if nobody told."""
+    return 1.0 if stepper.swimmer is None else float(stepper.swimmer.fluid.viscosity)
+
+
+def numbers(values: np.ndarray) -> str:
+    """Numbers as C has them, exact."""
+    return ", ".join(repr(float(v)) for v in values)
+
+
+def table(name: str, values: np.ndarray) -> str:
+    """A table of doubles, with the number of its rows."""
+    rows = ",\n".join(f"    {numbers(r)}" for r in values)
+    head = f"#define {name}_ROWS {len(values)}\n"
+    return head + f"static const double {name}[{values.size}] = {{\n{rows}}};\n"

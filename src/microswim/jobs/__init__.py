@@ -1,0 +1,1 @@
+"""Many solves, wherever they run: pools of processes, stores of solves, clusters."""

@@ -1,0 +1,178 @@
+"""Gait of a swimmer: how many phases must be solved, and what symmetry gives for free.
+
+A helix on a body of revolution turns as a whole: one phase gives all. A plane wave mirrors
+after half a period, P(phase + pi) = mirror_q P(phase); a helix on an ellipsoid turns by pi into
+itself. Near a wall, and for other tails, the full period is sampled.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from microswim.gait.gait import Gait
+from microswim.models.bem.levels import Level, coarser, get_level
+from microswim.models.bem.solution import Solution, solve
+
+Array = NDArray[np.float64]
+
+# Signs of [U; Omega] under the half-period symmetry; Omega is a pseudovector.
+MIRROR_Q = np.array([1.0, -1.0, 1.0, -1.0, 1.0, -1.0])
+TURN_S = np.array([1.0, -1.0, -1.0, 1.0, -1.0, -1.0])
+
+
+def turns_as_a_whole(swimmer: Any) -> bool:
+    """Whether one phase holds the whole gait: helix, body of revolution, no wall.
+
+    Phase turns the surface of a helix about s, whatever its sections, and the surface's velocity
+    with it, whatever its motion.
+    """
+    helix = swimmer.tail.kind == "helix" and bool(swimmer.body.is_axisymmetric)
+    return helix and swimmer.wall is None
+
+
+def half_period_signs(swimmer: Any) -> Array | None:
+    """Signs that carry phase to phase + pi, or None if nothing does."""
+    if swimmer.wall is not None:
+        return None
+    return {"plane_wave": MIRROR_Q, "helix": TURN_S}.get(swimmer.tail.kind)
+
+
+def _arrays(solution: Solution) -> dict[str, Any]:
+    return {
+        "R": solution.resistance,
+        "F": solution.propulsion,
+        "G": solution.activity,
+        "body_R": solution.body_resistance,
+        "body_F": solution.body_propulsion,
+    }
+
+
+def _carried(sample: dict[str, Any], signs: Array) -> dict[str, Any]:
+    both = np.outer(signs, signs)
+    return {
+        "R": sample["R"] * both,
+        "F": sample["F"] * signs,
+        "G": sample["G"],
+        "body_R": sample["body_R"] * both,
+        "body_F": sample["body_F"] * signs,
+    }
+
+
+def _info(solutions: list[Solution], level: str) -> dict[str, Any]:
+    seconds = {k: sum(s.seconds[k] for s in solutions) for k in ("geometry", "assembly", "solve")}
+    first = solutions[0]
+    return {
+        "level": level,
+        "order": first.surface.order,
+        "unknowns": first.unknowns,
+        "patches": first.surface.patches,
+        "phases_solved": len(solutions),
+        "seconds": seconds,
+        "asymmetry": max(s.asymmetry for s in solutions),
+        "reciprocity": max(s.reciprocity for s in solutions),
+        "wall": first.swimmer.wall,
+        "remarks": list(first.remarks),
+        "joint": "torque and lateral force on the body alone drift with the logarithm of the mesh "
+        "size; R, F_p and velocities converge",
+    }
+
+
+def gait(
+    swimmer: Any,
+    *,
+    level: str | Level = "standard",
+    order: int | None = None,
+    estimate_error: bool = False,
+    progress: Callable[[int, int], None] | None = None,
+) -> Gait:
+    """Gait of a swimmer by boundary elements.
+
+    Parameters
+    ----------
+    swimmer : Swimmer
+        With its `wall`, if it has one: the gait holds at that pose.
+    level : str or Level
+        "coarse", "standard" (default) or "fine", or a `Level` of one's own.
+    order : int, optional
+        Order p of the density on the level's patches.
+    estimate_error : bool
+        Solve the next coarser level too and put the differences into ``info["error"]``.
+    progress : callable, optional
+        Called with (phases done, phases in all).
+
+    Returns
+    -------
+    Gait
+        With ``info``: unknowns, seconds of geometry, assembly and solve, asymmetry of R, error.
+    """
+    chosen = get_level(level, order) if isinstance(level, str) else level
+    count = 1 if turns_as_a_whole(swimmer) else chosen.phases
+    signs = half_period_signs(swimmer)
+    wanted = count // 2 if count > 1 and signs is not None else count
+    solutions = []
+    for n in range(wanted):
+        phase = 2 * np.pi * n / count
+        solutions.append(solve(swimmer, phase, level=chosen))
+        if progress is not None:
+            progress(n + 1, wanted)
+    info = _info(solutions, chosen.name)
+    result = _assembled(swimmer, solutions, count, signs, info)
+    if not estimate_error:
+        return result
+    below = coarser(chosen.name)
+    info["error"] = (
+        None
+        if below is None
+        else _difference(result, gait(swimmer, level=below, order=order), below)
+    )
+    return _assembled(swimmer, solutions, count, signs, info)
+
+
+def _assembled(
+    swimmer: Any, solutions: list[Solution], count: int, signs: Array | None, info: dict[str, Any]
+) -> Gait:
+    common = {"rate": solutions[0].rate, "free": solutions[0].free, "model": "bem", "info": info}
+    samples = [_arrays(s) for s in solutions]
+    if count == 1:
+        only = samples[0]
+        made = Gait.from_rotation(
+            only["R"], only["F"], only["G"], sign=swimmer.tail.sign,
+            body_R=only["body_R"], body_F=only["body_F"], **common,
+        )  # fmt: skip
+        return _framed(swimmer, made)
+    if signs is not None:
+        samples += [_carried(s, signs) for s in samples]
+    stack = {k: np.array([s[k] for s in samples]) for k in samples[0]}
+    made = Gait.from_samples(
+        stack["R"], stack["F"], stack["G"],
+        body_R=stack["body_R"], body_F=stack["body_F"], **common,
+    )  # fmt: skip
+    return _framed(swimmer, made)
+
+
+def _framed(swimmer: Any, made: Gait) -> Gait:
+    """Read the tail's rate in the lab frame where the swimmer asks for it."""
+    if swimmer.motion.frequency_frame == "lab":
+        return made.in_lab_frame(swimmer.tail.rate, swimmer.tail.sign)
+    return made
+
+
+def _difference(fine: Gait, rough: Gait, below: str) -> dict[str, Any]:
+    """Differences from the coarser level: of mean velocity and of R and F_p, the latter
+    relative.
+    """
+    change = np.abs(fine.mean_velocity - rough.mean_velocity)
+    scale = np.abs(fine.mean_velocity)
+    R, S = fine.resistance_series[0], rough.resistance_series[0]
+    F, H = fine.propulsion_series[0], rough.propulsion_series[0]
+    return {
+        "against": below,
+        "mean_velocity": change,
+        "relative_forward": float(change[0] / scale[0]) if scale[0] > 0 else float("nan"),
+        "resistance": float(np.abs(R - S).max() / np.abs(R).max()),
+        "propulsion": float(np.abs(F - H).max() / max(np.abs(F).max(), 1e-300)),
+    }

@@ -1,0 +1,262 @@
+"""Patches of a swimmer: body with a hole, tube that grows out of it, hemispherical tip.
+
+The body is the image of the unit sphere under its semi-axes. Around the piercing point of the tail
+the sphere carries rings that grow geometrically from the joint curve to the equator; the far
+hemisphere is half a cubed sphere. The tube's panels follow arc length and curvature, its first
+edges bend into the joint curve.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from microswim.models import swimmer_surface as geometry
+from microswim.models.bem.surface import Surface, cube_face, grid_boxes, sample_adapted
+from microswim.models.joint import Joint, check_clear, trace_joint
+
+Array = NDArray[np.float64]
+
+
+# A joint that reaches this many filament radii along the tail counts as steep: shorter first rows.
+STEEP = 0.6
+
+# A tube flatter than this (radius over half thickness) gets one panel more around.
+FLAT = 2.0
+
+
+@dataclass(frozen=True)
+class Resolution:
+    """Sizes of patches.
+
+    Parameters
+    ----------
+    order : int
+        p, density nodes a side of a patch.
+    panel : float
+        Shortest usual length of a tube panel, in filament radii.
+    stretch : float
+        Longest, where the tail is straight, in filament radii.
+    bend : float
+        Panel length times curvature, between those two.
+    wave : float
+        Longest panel by the phase of the wave along it (rad).
+    around : int
+        Panels around the tube.
+    root : float
+        Length of the first panel and of the first ring at the joint, in filament radii.
+    growth : float
+        Ratio of successive lengths away from the joint.
+    body : int
+        Patches along a quarter of the body's circumference; one more on elongated bodies.
+    """
+
+    order: int = 2
+    panel: float = 2.5
+    stretch: float = 5.0
+    bend: float = 0.4
+    wave: float = 1.2
+    around: int = 4
+    root: float = 0.7
+    growth: float = 2.0
+    body: int = 2
+
+
+def _wanted_length(tail: Any, phase: float, s: Array, r: Resolution) -> tuple[Array, Array]:
+    """Arc length and wanted panel length on the grid s, the joint and the tip left aside."""
+    curve = geometry.smooth_centreline(tail, s, phase)
+    speed = np.linalg.norm(curve.P_s, axis=-1)
+    arc = np.concatenate([[0.0], np.cumsum(0.5 * (speed[1:] + speed[:-1]) * np.diff(s))])
+    bend = np.maximum(curve.curvature, 1e-12)
+    h = np.clip(r.bend / bend, r.panel * tail.radius, r.stretch * tail.radius)
+    # wavenumber of the wave, also of tails that name none: rms P'' over rms P' about its mean
+    swing = np.sum((curve.P_s - curve.P_s.mean(axis=0)) ** 2)
+    wavenumber = np.sqrt(np.sum(curve.P_ss**2) / max(swing, 1e-20))
+    h = np.minimum(h, r.wave * speed / max(wavenumber, 1e-12))
+    return arc, np.minimum(h, 2 * r.bend / bend)
+
+
+def tube_edges(tail: Any, phase: float, start: float, r: Resolution, root: float | None) -> Array:
+    """Edges of the tube's panels in s: equal shares of int ds/h with h the wanted panel length.
+
+    root : length of the first panel in filament radii, None for a tail without a body.
+    """
+    # not a round number: no grid point on a kink, where rounding would choose the curvature
+    s = np.linspace(start, tail.apparent_length, 2999)
+    arc, h = _wanted_length(tail, phase, s, r)
+    tip = 1.6 * tail.radius + 0.6 * (arc[-1] - arc)
+    if root is None:
+        first = 1.6 * tail.radius + 0.6 * arc
+    else:
+        first = root * tail.radius + (1 - 1 / r.growth) * arc
+    h = np.minimum(h, np.minimum(tip, first))
+    share = np.concatenate([[0.0], np.cumsum(0.5 * (1 / h[1:] + 1 / h[:-1]) * np.diff(arc))])
+    breaks = np.interp([k for k in geometry.kinks(tail) if k > start], s, share)
+    pieces = [0.0, *breaks, share[-1]]
+    edges = [np.zeros(1)]
+    for low, high in zip(pieces[:-1], pieces[1:], strict=True):
+        count = max(1, int(np.ceil(high - low - 0.25)))
+        edges.append(np.linspace(low, high, count + 1)[1:])
+    return np.interp(np.concatenate(edges), share, s)
+
+
+def _rows_bent(edges: Array, joint: Joint) -> int:
+    """Number of panel rows over which the joint's displacement fades: 2.5 times its size."""
+    rows = int(np.searchsorted(edges - edges[0], 2.5 * joint.depth))
+    return min(max(1, rows), edges.size - 1)
+
+
+def _bent(edges: Array, joint: Joint, v: Array, psi: Array) -> tuple[Array, Array]:
+    """(s, Theta) at panel coordinate v, bent at the root so that v = 0 is the joint curve."""
+    s_joint, theta_joint = joint.section(psi)
+    last = _rows_bent(edges, joint)
+    fade = np.clip(1 - (edges - edges[0]) / (edges[last] - edges[0]), 0.0, 1.0)
+    panels = np.arange(float(edges.size))
+    left = np.interp(v, panels, fade)
+    return np.interp(v, panels, edges) + (s_joint - edges[0]) * left, psi + (
+        theta_joint - psi
+    ) * left
+
+
+def _tube(tail: Any, phase: float, edges: Array, around: int, joint: Any) -> tuple[Array, Array]:
+    """Positions and s of the tube's patches; u runs around, v along."""
+    panels = np.arange(float(edges.size))
+    rows = 0 if joint is None else _rows_bent(edges, joint)
+    start = edges[0] if joint is None else edges[0] - 1.05 * joint.depth
+    grid = np.linspace(start, edges[-1], 4001)
+    twist = geometry.section_twist(tail, grid, phase)
+    twist = twist - np.interp(edges[0], grid, twist)
+
+    def chart(u: Array, v: Array) -> Array:
+        s, theta = np.interp(v, panels, edges), u
+        if joint is not None:
+            bent = v <= rows
+            psi = u.copy()
+            psi[bent] = joint.azimuth(u[bent])
+            s, theta = _bent(edges, joint, v, psi)
+        X = geometry.tube_point(tail, s, theta - np.interp(s, grid, twist), phase)
+        return np.concatenate([X, s[..., None]], axis=-1)
+
+    values = sample_adapted(chart, grid_boxes(np.linspace(0, 2 * np.pi, around + 1), panels))
+    return values[..., :3], values[..., 3]
+
+
+def _half_sphere(axis: Array, first: Array, second: Array, side: int) -> Array:
+    """Unit directions of the hemisphere about `axis`: cube top and four half sides."""
+    full = np.linspace(-np.pi / 4, np.pi / 4, side + 1)
+    half = np.linspace(0, np.pi / 4, max(1, (side + 1) // 2) + 1)
+    parts = [cube_face(axis, first, second, grid_boxes(full, full))]
+    for n in (first, second, -first, -second):
+        across = np.cross(axis, n)
+        parts.append(cube_face(n, across, axis, grid_boxes(full, half)))
+    return np.concatenate(parts)
+
+
+def _cap(tail: Any, phase: float, end: float, outward: float) -> tuple[Array, Array]:
+    """Hemisphere centred on P(end), positions and s.
+
+    Sheared sections: the straight tube's hemisphere, each of its sections displaced to P(s) too.
+    """
+    if tail.sections == "sheared":
+        axes = np.eye(3) if outward > 0 else np.array([[-1.0, 0, 0], [0, 0, 1.0], [0, 1.0, 0]])
+        offset = tail.radius * _half_sphere(*axes, 1)
+        s = end + offset[..., 0]
+        offset[..., 0] = 0.0
+        return geometry.smooth_centreline(tail, s, phase).P + offset, s
+    curve = geometry.smooth_centreline(tail, np.array(end), phase)
+    axis, (first, second) = curve.tangent, geometry.section_axes(tail, curve)
+    if outward < 0:
+        axis, first, second = -axis, second, first
+    directions = _half_sphere(axis, first, second, 1)
+    return curve.P + tail.radius * directions, np.full(directions.shape[:3], end)
+
+
+def _ring_radii(hole: float, step: float, growth: float, quarter: float) -> Array:
+    """Fractions 0..1 of the way from the hole to the equator: steps that grow geometrically."""
+    steps, gap = [step], np.pi / 2 - hole
+    while sum(steps) < gap:
+        steps.append(min(steps[-1] * growth, quarter))
+    edges = np.concatenate([[0.0], np.cumsum(steps)])
+    return edges / edges[-1]
+
+
+def _body(body: Any, joint: Joint, r: Resolution) -> Array:
+    """Positions of the body's patches."""
+    axes, centre = np.asarray(body.semi_axes3, float), body.centre
+
+    def chart(t: Array, psi: Array) -> Array:
+        angle = joint.angle(psi) * (1 - t) + 0.5 * np.pi * t
+        return centre + axes * joint.sphere_point(angle, psi)
+
+    mean = float(joint.series[0, 0].real)
+    side = r.body + int(axes.max() > 1.5 * axes.min())
+    quarter = 0.5 * np.pi / side
+    t = _ring_radii(mean, r.root * mean, r.growth, quarter)
+    parts = []
+    for low, high in zip(t[:-1], t[1:], strict=True):
+        width = (high - low) * (np.pi / 2 - mean)
+        outer = mean + high * (np.pi / 2 - mean)
+        sectors = 4 * int(np.clip(np.ceil(outer / (2.2 * width)), 1, max(side, r.around // 4)))
+        turn = np.linspace(-np.pi / 4, 2 * np.pi - np.pi / 4, sectors + 1)
+        parts.append(sample_adapted(chart, grid_boxes(np.array([low, high]), turn)))
+    parts.append(centre + axes * _half_sphere(-joint.pole, joint.second, joint.first, side))
+    return np.concatenate(parts)
+
+
+def _joined(parts: list[tuple[Array, Array]]) -> tuple[Array, Array]:
+    X, s = zip(*parts, strict=True)
+    return np.concatenate(X), np.concatenate(s)
+
+
+def _flatness(tail: Any, phase: float, s: Array) -> Array:
+    """Radius over half thickness of the tube: |P'| with sheared sections, else one."""
+    if tail.sections != "sheared":
+        return np.ones_like(s)
+    return np.linalg.norm(geometry.smooth_centreline(tail, s, phase).P_s, axis=-1)
+
+
+def inner_pressures(tail: Any, phase: float, s: Array) -> Array:
+    """Hats along the tail, (m, *s.shape), zero at the joint: pressures of the fluid inside.
+
+    A pressure that varies over a length l drives a flow of order h^3/(r_t l^2) of it along a tube
+    of half thickness h; sheared sections flatten the tube to h = r_t/|P'|. The hats' spacing
+    35 r_t (h/r_t)^(3/2) is where that is 1e-3.
+    """
+    grid = np.linspace(0.0, tail.apparent_length, 1001)
+    speed = np.linalg.norm(geometry.smooth_centreline(tail, grid, phase).P_s, axis=-1)
+    rate = speed * _flatness(tail, phase, grid) ** 1.5 / (35 * tail.radius)
+    steps = 0.5 * (rate[1:] + rate[:-1]) * np.diff(grid)
+    count = np.concatenate([[0.0], np.cumsum(steps)])
+    number = round(float(count[-1]))
+    at = np.interp(s, grid, count) * (number / count[-1])
+    return np.array([np.clip(1.0 - np.abs(at - k), 0.0, 1.0) for k in range(1, number + 1)])
+
+
+def swimmer_surface(body: Any, tail: Any, phase: float, r: Resolution) -> Surface:
+    """Closed surface of a swimmer at one phase, with the tail's velocity per unit phase rate."""
+    alone = not np.any(np.asarray(body.semi_axes3, float) > 0)
+    length = tail.apparent_length
+    joint = None if alone else trace_joint(body, tail, phase)
+    start = 0.0 if joint is None else joint.s
+    root = None
+    if joint is not None:
+        check_clear(body, tail, joint, phase)
+        root = r.root * min(1.0, STEEP * tail.radius / max(joint.depth, 1e-3 * tail.radius))
+    edges = tube_edges(tail, phase, start, r, root)
+    around = r.around + int(_flatness(tail, phase, edges).max() > FLAT)
+    parts = [_tube(tail, phase, edges, around, joint), _cap(tail, phase, length, 1.0)]
+    if alone:
+        parts.append(_cap(tail, phase, 0.0, -1.0))
+    X, s = _joined(parts)
+    motion = geometry.surface_velocity(tail, X, s, phase)
+    on_tail = np.ones(len(X), bool)
+    if joint is not None:
+        shell = _body(body, joint, r)
+        X, s = np.concatenate([shell, X]), np.concatenate([np.zeros(shell.shape[:3]), s])
+        motion = np.concatenate([np.zeros_like(shell), motion])
+        on_tail = np.concatenate([np.zeros(len(shell), bool), on_tail])
+    inner = inner_pressures(tail, phase, s)
+    return Surface(np.ascontiguousarray(X), np.ascontiguousarray(motion), on_tail, r.order, inner)

@@ -1,0 +1,147 @@
+"""The flow in files and pictures: VTK of surface and field, a plane cut through the fluid."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from microswim.models.bem.element import chebyshev_nodes, lagrange
+from microswim.models.bem.surface import Surface
+
+if TYPE_CHECKING:
+    from microswim.models.bem.solution import Solution
+
+Array = NDArray[np.float64]
+
+AXES = {"s": 0, "q": 1, "r": 2}
+
+
+def sampled(surface: Surface, values: Array, side: int) -> Array:
+    """Density-like values (e, p*p, 3) at side x side points of every patch, (e, side, side, 3)."""
+    nodes = np.polynomial.legendre.leggauss(surface.order)[0]
+    L = lagrange(nodes, np.linspace(-1, 1, side))[0]
+    p = surface.order
+    return np.einsum("mi,nj,eijc->emnc", L, L, values.reshape(-1, p, p, 3), optimize=True)
+
+
+def positions(surface: Surface, side: int) -> Array:
+    """Points of the surface at side x side places of every patch, (e, side, side, 3)."""
+    L = lagrange(chebyshev_nodes(), np.linspace(-1, 1, side))[0]
+    return np.einsum("mi,nj,eijc->emnc", L, L, surface.controls, optimize=True)
+
+
+def _quads(patches: int, side: int) -> NDArray[np.int64]:
+    corner = np.arange(side * side).reshape(side, side)
+    parts = (corner[:-1, :-1], corner[1:, :-1], corner[1:, 1:], corner[:-1, 1:])
+    one = np.stack(parts, axis=-1).reshape(-1, 4)
+    return (one[None] + side * side * np.arange(patches)[:, None, None]).reshape(-1, 4)
+
+
+def _lines(values: Array) -> str:
+    return "\n".join(" ".join(f"{x:.9g}" for x in row) for row in np.atleast_2d(values)) + "\n"
+
+
+def write_surface(solution: Solution, path: str | Path, side: int = 6) -> Path:
+    """Write the surface with traction, velocity and part (0 body, 1 tail) as legacy VTK
+    polydata.
+    """
+    s = solution.surface
+    points = positions(s, side).reshape(-1, 3)
+    traction = sampled(s, solution.traction(), side).reshape(-1, 3)
+    velocity = sampled(s, solution.surface_velocity(), side).reshape(-1, 3)
+    quads = _quads(s.patches, side)
+    part = np.repeat(s.on_tail.astype(float), side * side)[:, None]
+    text = [
+        "# vtk DataFile Version 3.0\nmicroswim boundary elements\nASCII\nDATASET POLYDATA\n",
+        f"POINTS {len(points)} double\n",
+        _lines(points),
+        f"POLYGONS {len(quads)} {5 * len(quads)}\n",
+        "\n".join("4 " + " ".join(map(str, q)) for q in quads.tolist()) + "\n",
+        f"POINT_DATA {len(points)}\nVECTORS traction double\n",
+        _lines(traction),
+        "VECTORS velocity double\n",
+        _lines(velocity),
+        "SCALARS tail double 1\nLOOKUP_TABLE default\n",
+        _lines(part),
+    ]
+    path = Path(path)
+    path.write_text("".join(text), encoding="ascii")
+    return path
+
+
+def write_field(
+    solution: Solution, path: str | Path, low: Array, high: Array, counts: tuple[int, int, int]
+) -> Path:
+    """Write the velocity of the fluid on a box of points as legacy VTK structured points."""
+    axes = [np.linspace(a, b, n) for a, b, n in zip(low, high, counts, strict=True)]
+    grid = np.stack(np.meshgrid(*axes, indexing="ij"), axis=-1)
+    u = solution.velocity(grid).transpose(2, 1, 0, 3).reshape(-1, 3)
+    step = [float(a[1] - a[0]) if a.size > 1 else 1.0 for a in axes]
+    text = [
+        "# vtk DataFile Version 3.0\nmicroswim flow\nASCII\nDATASET STRUCTURED_POINTS\n",
+        "DIMENSIONS {} {} {}\n".format(*counts),
+        "ORIGIN {} {} {}\n".format(*(float(a[0]) for a in axes)),
+        "SPACING {} {} {}\n".format(*step),
+        f"POINT_DATA {len(u)}\nVECTORS velocity double\n",
+        _lines(u),
+    ]
+    path = Path(path)
+    path.write_text("".join(text), encoding="ascii")
+    return path
+
+
+def picture(
+    solution: Solution,
+    plane: str = "sq",
+    extent: tuple[float, float, float, float] | None = None,
+    resolution: int = 60,
+    ax: Any = None,
+) -> Any:
+    """Draw speed and streamlines in a plane through the joint, the swimmer's shadow over them.
+
+    Parameters
+    ----------
+    plane : str
+        Two of "s", "q", "r": the axes drawn across and up.
+    extent : tuple
+        (left, right, bottom, top) of the picture; by default around the swimmer.
+    resolution : int
+        Points across.
+    ax : matplotlib Axes, optional
+        Where to draw; a new figure by default.
+
+    Returns
+    -------
+    matplotlib Figure
+    """
+    import matplotlib.pyplot as plt
+    from matplotlib.collections import PolyCollection
+
+    i, j = (AXES[c] for c in plane)
+    hull = solution.surface.controls.reshape(-1, 3)
+    if extent is None:
+        low, high = hull.min(axis=0), hull.max(axis=0)
+        margin = 0.35 * (high - low).max()
+        extent = (low[i] - margin, high[i] + margin, low[j] - margin, high[j] + margin)
+    x = np.linspace(extent[0], extent[1], resolution)
+    rows = max(8, int(resolution * (extent[3] - extent[2]) / (extent[1] - extent[0])))
+    y = np.linspace(extent[2], extent[3], rows)
+    points = np.zeros((y.size, x.size, 3))
+    points[..., i], points[..., j] = x[None, :], y[:, None]
+    flat = points.reshape(-1, 3)
+    u = solution.velocity(flat)
+    u = u.reshape(points.shape)
+    figure, ax = plt.subplots(figsize=(8, 4.5)) if ax is None else (ax.figure, ax)
+    speed = ax.pcolormesh(x, y, np.linalg.norm(u, axis=-1), shading="gouraud", cmap="viridis")
+    ax.streamplot(x, y, u[..., i], u[..., j], color="w", linewidth=0.6, density=1.1, arrowsize=0.7)
+    figure.colorbar(speed, ax=ax, label="speed")
+    outline = positions(solution.surface, 9)[..., [i, j]].reshape(-1, 2)
+    shadow = outline[_quads(solution.surface.patches, 9)]
+    ax.add_collection(
+        PolyCollection(shadow, facecolor="0.75", edgecolor="0.75", linewidth=0.3, zorder=3)
+    )
+    ax.set(xlabel=plane[0], ylabel=plane[1], xlim=extent[:2], ylim=extent[2:], aspect="equal")
+    return figure

@@ -1,0 +1,244 @@
+"""The joint: the closed curve in which the tail's tube meets the body."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from microswim.errors import SpecError
+from microswim.models.swimmer_surface import (
+    level_set,
+    section_axes,
+    section_twist,
+    smooth_centreline,
+    tube_point,
+)
+
+Array = NDArray[np.float64]
+
+
+def _last_crossing(values: Array) -> int:
+    """Index of the last sample that lies inside (value < 0), -1 if none."""
+    inside = np.nonzero(values < 0)[0]
+    return int(inside[-1]) if inside.size else -1
+
+
+def piercing(body: Any, tail: Any, phase: float = 0.0) -> float:
+    """s at which the centreline leaves the body for the last time.
+
+    Raises
+    ------
+    SpecError
+        If the tail never touches the body or ends inside it.
+    """
+    reach = max(body.semi_axes3) + tail.apparent_length
+    s = np.linspace(-2 * body.semi_axes3[0], min(reach, tail.apparent_length), 4001)
+    value = level_set(body, smooth_centreline(tail, s, phase).P)
+    last = _last_crossing(value)
+    if last < 0:
+        raise SpecError(
+            "tail.amplitude",
+            getattr(tail, "amplitude", None),
+            "less than the body's half width where no ramp leads the tail to the body",
+            "use a smaller amplitude or a ramp",
+        )
+    if last == s.size - 1:
+        raise SpecError(
+            "tail.length", tail.apparent_length, "long enough to leave the body", "make it longer"
+        )
+    low, high = s[last], s[last + 1]
+    for _ in range(6):
+        grid = np.linspace(low, high, 129)
+        inside = _last_crossing(level_set(body, smooth_centreline(tail, grid, phase).P))
+        low, high = grid[max(inside, 0)], grid[min(max(inside, 0) + 1, 128)]
+    return float(0.5 * (low + high))
+
+
+def _section_coordinates(tail: Any, X: Array, s: Array, phase: float) -> tuple[Array, Array]:
+    """Distance from the centreline, in the section through X, and that section's s.
+
+    Perpendicular: the closest point, (X - P) . P' = 0, by Newton's method from `s`.
+    Sheared: the section of X is the one with P_s(s) = X_s.
+    """
+    if tail.sections == "sheared":
+        for _ in range(1 if tail.kind != "custom" else 4):
+            c = smooth_centreline(tail, s, phase)
+            s = s + (X[..., 0] - c.P[..., 0]) / c.P_s[..., 0]
+    else:
+        for _ in range(3):
+            c = smooth_centreline(tail, s, phase)
+            d = X - c.P
+            slope = np.sum(d * c.P_ss, axis=-1) - np.sum(c.P_s**2, axis=-1)
+            step = np.sum(d * c.P_s, axis=-1) / np.minimum(slope, -0.05)
+            s = s - np.clip(step, -tail.radius, tail.radius)
+    return np.linalg.norm(X - smooth_centreline(tail, s, phase).P, axis=-1), s
+
+
+@dataclass(frozen=True)
+class Joint:
+    """Closed curve in which the tube meets the body, by the azimuth psi about the piercing point.
+
+    The body is the image of the unit sphere under its semi-axes; `pole`, `first`, `second` are an
+    orthonormal frame of that sphere with the piercing point as its pole.
+
+    Parameters
+    ----------
+    s : float
+        Where the centreline leaves the body.
+    pole, first, second : (3,)
+        Frame on the unit sphere.
+    series : (3, n)
+        Fourier coefficients (rfft, divided by n) of the polar angle, of s - s(pole) and of Theta -
+        psi, Theta = theta + beta(s) - beta(s(pole)) the angle of the generator that does not wind.
+    """
+
+    s: float
+    pole: Array
+    first: Array
+    second: Array
+    series: NDArray[np.complex128]
+
+    @property
+    def depth(self) -> float:
+        """Largest |s - s(pole)| of the curve."""
+        turn = np.linspace(0.0, 2 * np.pi, 64)
+        return float(np.abs(self._evaluate(1, turn)).max())
+
+    def _evaluate(self, row: int, psi: Array) -> Array:
+        c = self.series[row]
+        result = np.full(np.shape(psi), c[0].real)
+        turn = np.exp(1j * np.asarray(psi))
+        power = np.ones_like(turn)
+        for coefficient in c[1:]:
+            power = power * turn
+            result = result + 2 * (coefficient * power).real
+        return result
+
+    def angle(self, psi: Array) -> Array:
+        """Polar angle of the curve on the unit sphere."""
+        return self._evaluate(0, psi)
+
+    def section(self, psi: Array) -> tuple[Array, Array]:
+        """(s, Theta) of the tube's section and generator through the curve."""
+        return self.s + self._evaluate(1, psi), psi + self._evaluate(2, psi)
+
+    def azimuth(self, turn: Array) -> Array:
+        """psi at equal steps of the turn (psi + Theta)/2: smooth where either of the two rushes.
+
+        Where a generator grazes the body, Theta runs through a radian while psi hardly moves.
+        """
+        grid = np.linspace(0.0, 2 * np.pi, 2001)
+        ahead = self._evaluate(2, grid)
+        psi = np.interp(turn, grid + 0.5 * (ahead - ahead[0]), grid)
+        for _ in range(2):
+            slope = np.interp(psi, grid, 1.0 + 0.5 * np.gradient(ahead, grid))
+            miss = psi + 0.5 * (self._evaluate(2, psi) - ahead[0]) - turn
+            psi = psi - miss / np.maximum(slope, 0.2)
+        return psi
+
+    def sphere_point(self, angle: Array, psi: Array) -> Array:
+        """Unit-sphere point at polar angle and azimuth about the pole."""
+        radial = np.cos(psi)[..., None] * self.first + np.sin(psi)[..., None] * self.second
+        return np.cos(angle)[..., None] * self.pole + np.sin(angle)[..., None] * radial
+
+
+def _lies_on_body(tail: Any) -> SpecError:
+    return SpecError(
+        "tail.radius",
+        tail.radius,
+        "thin enough for the tube to leave the body in one smooth closed curve",
+        "the tube lies along the body: use a thinner filament, a smaller amplitude or a longer "
+        "ramp",
+    )
+
+
+def _crossing(tail: Any, excess: Any, step: float, psi: Array) -> Array:
+    """Polar angle at which `excess` (negative at the pole) first turns positive; Illinois
+    method.
+    """
+    low, high = np.zeros_like(psi), np.full_like(psi, np.nan)
+    f_low, f_high = excess(low), np.ones_like(psi)
+    for angle in np.arange(step, 0.45 * np.pi, step):
+        f = excess(np.full_like(psi, angle))
+        open_ = np.isnan(high)
+        low, f_low = np.where(open_ & (f <= 0), angle, low), np.where(open_ & (f <= 0), f, f_low)
+        high, f_high = np.where(open_ & (f > 0), angle, high), np.where(open_ & (f > 0), f, f_high)
+        if not np.isnan(high).any():
+            break
+    else:
+        raise _lies_on_body(tail)
+    for _ in range(14):
+        middle = np.clip(low + (high - low) * f_low / (f_low - f_high), low, high)
+        f = excess(middle)
+        out = f > 0
+        f_low, f_high = np.where(out, 0.5 * f_low, f), np.where(out, f, 0.5 * f_high)
+        low, high = np.where(out, low, middle), np.where(out, middle, high)
+        if np.abs(f).max() < 1e-10 * tail.radius:
+            break
+    return middle
+
+
+def trace_joint(body: Any, tail: Any, phase: float = 0.0, points: int = 96) -> Joint:
+    """Intersection of the tube with the body: where the distance to the centreline is r_t.
+
+    Seen from the piercing point the curve is smooth even where the tube leans on the body, which
+    its generators are not.
+    """
+    axes, centre = np.asarray(body.semi_axes3, float), np.asarray(body.centre, float)
+    start = piercing(body, tail, phase)
+    curve = smooth_centreline(tail, np.array(start), phase)
+    pole = (curve.P - centre) / axes
+    pole = pole / np.linalg.norm(pole)
+    first = section_axes(tail, curve)[0]
+    first = first - first @ pole * pole
+    first = first / np.linalg.norm(first)
+    psi = 2 * np.pi * np.arange(points) / points
+    bare = Joint(start, pole, first, np.cross(pole, first), np.zeros((3, 1), complex))
+    s = np.full(points, start)
+
+    def excess(angle: Array) -> Array:
+        nonlocal s
+        X = centre + axes * bare.sphere_point(angle, psi)
+        found, s = _section_coordinates(tail, X, s, phase)
+        return found - tail.radius
+
+    angle = _crossing(tail, excess, 0.3 * tail.radius / axes.max(), psi)
+    at = smooth_centreline(tail, s, phase)
+    n1, n2 = section_axes(tail, at)
+    arm = centre + axes * bare.sphere_point(angle, psi) - at.P
+    theta = np.arctan2(np.sum(arm * n2, axis=-1), np.sum(arm * n1, axis=-1))
+    grid = np.linspace(s.min() - 1e-6 * tail.radius, s.max() + 1e-6 * tail.radius, 201)
+    twist = section_twist(tail, grid, phase)
+    theta = theta + np.interp(s, grid, twist) - np.interp(start, grid, twist)
+    ahead = np.angle(np.exp(1j * (theta - psi)))
+    series = np.fft.rfft(np.stack([angle, s - start, ahead]), axis=-1)[:, : points // 2] / points
+    left = np.abs(series[:2, -6:]).max(axis=-1) @ [axes.max(), 1.0] / tail.radius
+    if left > 1e-5 and points < 192:
+        return trace_joint(body, tail, phase, 2 * points)
+    if left > 0.01:
+        raise _lies_on_body(tail)
+    return Joint(start, pole, first, bare.second, series)
+
+
+def check_clear(body: Any, tail: Any, joint: Joint, phase: float = 0.0) -> None:
+    """Refuse a tail that comes back to the body beyond the joint.
+
+    Raises
+    ------
+    SpecError
+        If the tube touches the body anywhere but at its root.
+    """
+    s = np.linspace(joint.s + 1.05 * joint.depth, tail.apparent_length, 400)
+    turn = np.linspace(0.0, 2 * np.pi, 8, endpoint=False)
+    touching = level_set(body, tube_point(tail, s[:, None], turn, phase)).min(axis=1) < 0
+    if touching.any():
+        place = float(s[touching.argmax()])
+        raise SpecError(
+            "tail.amplitude",
+            getattr(tail, "amplitude", None),
+            f"small enough for the tail to stay clear of the body at s = {place:.3g}",
+            "the tail pierces the body: use a smaller amplitude, a longer ramp or a smaller body",
+        )

@@ -1,0 +1,177 @@
+"""Resistive force theory [Tabak Eqs. 4-6, 13-15, 21, 22]: quadrature along the tail gives a gait.
+
+With the local resistance ``C = c_n I + (c_t - c_n) t t'`` per unit length (Eqs. 5, 6; the paper's
+``R C R'``), X the position relative to the body's centre and u_hat = dP/dphase,
+
+    B_t = int [ C        -C X^        ]  dl   + spin:  c_r t t' in the angular block
+              [ X^ C     -X^ C X^     ]
+    F_p = int [ C u_hat;  X x C u_hat ]  dl   + spin:  c_r t (t . w_hat)
+
+where ``X^ v = X x v`` and w_hat is the section's own rate of rotation; a tip with drag adds the
+same at ``s = L`` with ``C = 3 pi mu r_t I``. In Eq. (14) the paper prints
+``R C R u_hat`` where ``R C R' u_hat`` is meant. The line element is arc length,
+``dl = |dP/ds| ds`` (the paper's ``ds`` is the option ``line_element = "apparent"``).
+
+Everything stays analytic, so that the complex-step derivative runs through the same kernels.
+"""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+
+from microswim.gait.gait import Gait
+from microswim.models.rft.helix import FEWEST_WAVES, helix_tail, ramp_nodes
+from microswim.models.rft.plane_wave import wave_phases
+from microswim.models.rft.segment import HELIX, PLANE_WAVE, centreline_tail, node_numbers, wave_tail
+from microswim.numerics.fourier import MIRROR_Q, add, rotate, series_of, trimmed
+from microswim.numerics.quadrature import gauss
+from microswim.swimmer.swimmer import SURROUNDINGS, Swimmer
+
+AXIS = np.array([1.0, 0.0, 0.0])
+
+
+def parameters(swimmer: Swimmer) -> np.ndarray:
+    """Kernel parameters of a swimmer with a wave tail, shape (..., 11), as in `PARAMETERS`."""
+    tail, x = swimmer.tail, swimmer.interaction.tail
+    local = swimmer.coefficients.local(tail, swimmer.fluid.viscosity)
+    values = (
+        *(tail.apparent_length, tail.amplitude, tail.wavenumber, tail.ramp, tail.sign),
+        *(factor * c for factor, c in zip(x, local)),
+        *(swimmer.body.semi_axes3[0], tail.spin),
+        swimmer.coefficients.end(tail, swimmer.fluid.viscosity),
+    )
+    if any(isinstance(v, np.ndarray) for v in values):
+        return np.stack(np.broadcast_arrays(*values), axis=-1)
+    return np.array(values) + 0.0
+
+
+def body_resistance(swimmer: Swimmer) -> np.ndarray:
+    """Body resistance with its interaction coefficients [Tabak Eqs. 3, 21, 22]."""
+    return swimmer.interaction.body_resistance(swimmer.body.diagonal(swimmer.fluid.viscosity))
+
+
+def rules(swimmer: Swimmer, nodes: int | None = None) -> tuple[Any, Any]:
+    """Quadrature rules for ramp and rest; `nodes` overrides the number on the rest."""
+    tail = swimmer.tail
+    numbers = (tail.number_of_waves, tail.amplitude * tail.wavenumber, tail.ramp)
+    numbers = [np.max(x.real) if isinstance(x, np.ndarray) else x.real for x in numbers]
+    on_ramp, rest = node_numbers(HELIX if tail.kind == "helix" else PLANE_WAVE, *numbers)
+    return gauss(on_ramp), gauss(rest if nodes is None else nodes)
+
+
+def gait(swimmer: Swimmer, *, nodes: int | None = None, phases: int | None = None) -> Gait:
+    """Gait by resistive force theory.
+
+    Parameters
+    ----------
+    swimmer
+        Any swimmer; its numbers may be complex (`Swimmer.lifted`).
+    nodes
+        Gauss-Legendre nodes along the tail behind the ramp; by default enough for rounding, or
+        the closed integrals of a helix.
+    phases
+        Phases over half a period of a tail that is not a rigid helix; enough by default.
+
+    Returns
+    -------
+    Gait
+        With ``model = "rft"``.
+    """
+    body = body_resistance(swimmer)
+    tail = swimmer.tail
+    if tail.kind == "helix":
+        p = parameters(swimmer)
+        arc = swimmer.motion.line_element == "arc"
+        R, F, G = _helix(arc, p, nodes, swimmer)
+        series = rotate(R, tail.sign), rotate(F, tail.sign), np.array([G])
+    else:
+        series = _deforming(swimmer, nodes, phases)
+    made = Gait(
+        add(series[0], body[None]),
+        *series[1:],
+        rate=tail.rate,
+        free=swimmer.motion.mask,
+        body_resistance_series=body[None],
+        units=swimmer.units,
+        info=_about(swimmer),
+    )
+    if swimmer.motion.frequency_frame == "lab":
+        return made.in_lab_frame(tail.rate, tail.sign)
+    return made
+
+
+def _helix(arc: bool, p: np.ndarray, nodes: int | None, swimmer: Swimmer) -> tuple[Any, ...]:
+    waves, bk, ramp = (x.real for x in (p[0] * p[2] / (2.0 * np.pi), p[1] * p[2], p[3]))
+    if nodes is not None or waves < FEWEST_WAVES:
+        return wave_tail(HELIX, arc, p, 0.0, *rules(swimmer, nodes))
+    return helix_tail(arc, p, 0.0, gauss(ramp_nodes(waves * ramp, bk, 12.0)))
+
+
+def _about(swimmer: Swimmer) -> dict[str, Any]:
+    around = [name for name in swimmer.parts if name in SURROUNDINGS]
+    heard = "its coefficients may, when they were calibrated there"
+    return {"remarks": [f"the surrogate itself knows no {name}; {heard}" for name in around]}
+
+
+def _deforming(swimmer: Swimmer, nodes: int | None, phases: int | None) -> tuple[np.ndarray, ...]:
+    """Series of ``B_t``, ``F_p``, G of a tail that deforms; doubled until they are resolved."""
+    n = phases or 12
+    while True:
+        R, F, G = _samples(swimmer, nodes, n)
+        series = tuple(series_of(x) for x in (R, F, G))
+        settled = all(
+            np.abs(x[-4:]).max() <= 1e-11 * max(np.abs(x).max(), 1e-300) for x in series[:2]
+        )
+        if phases or settled or n >= 192:
+            return tuple(trimmed(x) for x in series)
+        n *= 2
+
+
+def _samples(swimmer: Swimmer, nodes: int | None, n: int) -> tuple[np.ndarray, ...]:
+    """Samples of ``B_t``, ``F_p``, G at 2 n phases.
+
+    A plane wave half a period on is its mirror image in q, which saves half of them.
+    """
+    arc = swimmer.motion.line_element == "arc"
+    phase = np.pi * np.arange(2 * n) / n
+    if swimmer.tail.kind == "custom":
+        return _custom_samples(swimmer, nodes, phase)
+    p = parameters(swimmer)
+    R, F, G = wave_phases(arc, p, phase[:n], *rules(swimmer, nodes))
+    mirrored = R * MIRROR_Q[:, None] * MIRROR_Q, F * MIRROR_Q, G
+    return tuple(np.concatenate(pair) for pair in zip((R, F, G), mirrored))
+
+
+def _custom_samples(
+    swimmer: Swimmer, nodes: int | None, phases: np.ndarray
+) -> tuple[np.ndarray, ...]:
+    tail, offset = swimmer.tail, swimmer.body.semi_axes3[0]
+    local = swimmer.coefficients.local(tail, swimmer.fluid.viscosity)
+    c = tuple(f * x for f, x in zip(swimmer.interaction.tail, local))
+    edges, waves = tail.edges, tail.number_of_waves
+    panels = []
+    for a, b in zip(edges, edges[1:]):
+        x, w = gauss(nodes or int(24 + 24 * waves * (b - a)))
+        panels.append((a + (b - a) * x, (b - a) * w))
+    x, w = (np.concatenate(part) for part in zip(*panels))
+    P, P_s, U = tail.centreline(tail.length * x[None, :], phases[:, None])
+    kind = np.result_type(P, offset, np.float64, *c)
+    c = tuple(np.asarray(v, dtype=kind)[()] for v in c)
+    ds = (tail.length * w).astype(kind)
+    end = swimmer.coefficients.end(tail, swimmer.fluid.viscosity)
+    drag = tuple(np.asarray(v, dtype=kind)[()] for v in (end, end, 0.0))
+    tip = tail.centreline(np.full((1, 1), tail.length), phases[:, None])
+    arc = swimmer.motion.line_element == "arc"
+    along = _quadrature((P + offset * AXIS, P_s, U), ds, arc, c, tail.spin)
+    point = np.ones(1, dtype=kind)
+    ending = _quadrature((tip[0] + offset * AXIS, *tip[1:]), point, False, drag, 0.0)
+    return tuple(a + b for a, b in zip(along, ending))
+
+
+def _quadrature(at: Any, ds: np.ndarray, arc: bool, c: Any, spin: float) -> tuple[np.ndarray, ...]:
+    """``B_t``, ``F_p``, G at each phase from position, slope and velocity at nodes, (m, n, 3)."""
+    at = [np.ascontiguousarray(v, dtype=ds.dtype) for v in at]
+    each = [centreline_tail(*(v[j] for v in at), ds, arc, c, spin) for j in range(len(at[0]))]
+    return tuple(np.array(part) for part in zip(*each))

@@ -1,0 +1,198 @@
+"""The rigid helix, fast: closed integrals where its amplitude is constant, few nodes on its ramp.
+
+With ``theta = k s - phase``, ``c = cos theta``, ``d = sin theta``, the sign g of the hand and x
+measured from the body's centre, position, tangent and velocity per unit phase rate are
+
+    X = (x, a c, -g a d),   v t = (1, a' c - a k d, -g (a' d + a k c)),   u = (0, a d, g a c)
+
+Behind the ramp a = b is constant, ``v^2 = 1 + b^2 k^2`` too, and the sums of `kernels.add_segment`
+are combinations of ``int x^m {1, c, d} dx`` (m = 0, 1) and ``int x^m {1, c^2, d^2, c d} dx``
+(m = 0, 1, 2). On the ramp the integrand is smooth: Gauss-Legendre. Both equal the plain quadrature
+of kernels to rounding; a test holds them to it.
+"""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+
+from microswim.models.rft.segment import HELIX, add_sums, add_tip
+from microswim.numerics.compiled import FAST, compiled
+
+#: Below this number of waves the closed integrals lose digits to cancellation.
+FEWEST_WAVES = 0.05
+#: On its ramp; a design that needs more takes the plain quadrature.
+MOST_NODES = 96
+
+
+@compiled()
+def ramp_nodes(turns: Any, bk: Any, digits: float) -> Any:
+    """Nodes on the ramp for a number of digits, in fours; `turns` are the waves on it.
+
+    The sines take nodes in proportion to the turns; the arc length, analytic to a distance
+    ``1/bk`` of the ramp's root, takes some more. Found by trial for 8 and 12 digits, and linear
+    between; tests/test_rft.py holds it to what it promises.
+    """
+    x = (digits - 8.0) / 4.0
+    more = (2.6 + 1.6 * x) * np.sqrt(turns * np.minimum(bk, 14.0))
+    needed = 5.0 + x + (3.5 + 0.5 * x) * turns + more
+    return (turns > 0) * 4.0 * np.maximum(1.0, np.ceil(needed / 4.0))
+
+
+@compiled(fastmath=FAST, error_model="numpy")
+def add_constant_part(R: Any, F: Any, p: Any, phase: Any, arc: bool) -> Any:
+    """Add the part behind the ramp to the lower triangle of ``B_t`` and to ``F_p``; returns G.
+
+    `p` as in `segment.PARAMETERS`. With ``B = b k`` the resistances per length along x
+    are ``N = c_n v``, ``D = (c_t - c_n)/v``, ``S = c_r/v`` (`arc`; without it, over v more).
+    """
+    L, b, k, ramp, g = p[0], p[1], p[2], p[3], p[4]
+    B = b * k
+    v2 = 1.0 + B * B
+    v = np.sqrt(v2) if arc else 1.0 + 0 * B
+    N, D, S, spin = p[6] * v, (p[5] - p[6]) * v / v2, p[7] * v / v2, p[9]
+    s = ramp * L
+    x0, x1 = s + p[8], L + p[8]
+    c0, d0 = np.cos(k * s - phase), np.sin(k * s - phase)
+    c1, d1 = np.cos(k * L - phase), np.sin(k * L - phase)
+    # int x^m, and int x^m {cos, sin} by parts
+    l, x, xx = x1 - x0, (x1 * x1 - x0 * x0) / 2.0, (x1 * x1 * x1 - x0 * x0 * x0) / 3.0
+    h = 1.0 / k
+    c, d = h * (d1 - d0), h * (c0 - c1)
+    xc, xd = h * (x1 * d1 - x0 * d0 - d), h * (x0 * c0 - x1 * c1 + c)
+    # the same of the double angle, and from them c^2, d^2, c d
+    h = h / 2.0
+    c0, d0, c1, d1 = c0 * c0 - d0 * d0, 2.0 * c0 * d0, c1 * c1 - d1 * d1, 2.0 * c1 * d1
+    e, f = h * (d1 - d0), h * (c0 - c1)
+    xe, xf = h * (x1 * d1 - x0 * d0 - f), h * (x0 * c0 - x1 * c1 + e)
+    xxe = h * (x1 * x1 * d1 - x0 * x0 * d0 - 2.0 * xf)
+    xxf = h * (x0 * x0 * c0 - x1 * x1 * c1 + 2.0 * xe)
+    cc, dd, cd = (l + e) / 2.0, (l - e) / 2.0, f / 2.0
+    xcc, xdd, xcd = (x + xe) / 2.0, (x - xe) / 2.0, xf / 2.0
+    xxcc, xxdd, xxcd = (xx + xxe) / 2.0, (xx - xxe) / 2.0, xxf / 2.0
+
+    M = N + D * B * B
+    R[0, 0] += (D + N) * l
+    R[1, 0] -= D * B * d
+    R[1, 1] += D * B * B * dd + N * l
+    R[2, 0] -= D * g * B * c
+    R[2, 1] += D * g * B * B * cd
+    R[2, 2] += D * B * B * cc + N * l
+    R[3, 0] -= D * g * b * B * l
+    R[3, 1] += M * g * b * d
+    R[3, 2] += M * b * c
+    R[3, 3] += (M * b * b + S) * l
+    R[4, 0] += D * g * (B * xc - b * d) - N * g * b * d
+    R[4, 1] -= D * g * B * (B * xcd - b * dd)
+    R[4, 2] -= D * B * (B * xcc - b * cd) + N * x
+    R[4, 3] -= D * b * B * (B * xc - b * d) + N * b * xc + S * B * d
+    R[4, 4] += D * (B * B * xxcc - 2.0 * b * B * xcd + b * b * dd) + N * xx
+    R[4, 4] += (N * b * b + S * B * B) * dd
+    R[5, 0] -= D * (B * xd + b * c) + N * b * c
+    R[5, 1] += D * B * (B * xdd + b * cd) + N * x
+    R[5, 2] += D * g * B * (B * xcd + b * cc)
+    R[5, 3] += g * (D * b * B * (B * xd + b * c) + N * b * xd - S * B * c)
+    R[5, 4] += g * ((N * b * b + S * B * B) * cd)
+    R[5, 4] -= g * D * (B * B * xxcd + b * B * (xcc - xdd) - b * b * cd)
+    R[5, 5] += D * (B * B * xxdd + 2.0 * b * B * xcd + b * b * cc) + N * xx
+    R[5, 5] += (N * b * b + S * B * B) * cc
+    F[0] -= D * b * B * l
+    F[1] += M * b * d
+    F[2] += M * g * b * c
+    F[3] += g * M * b * b * l + S * spin * l
+    F[4] += g * D * b * b * B * d - M * g * b * xc - S * spin * B * d
+    F[5] += D * b * b * B * c + M * b * xd - S * spin * g * B * c
+    return (M * b * b + S * spin * spin) * l
+
+
+@compiled(fastmath=FAST)
+def fill_trig(trig: Any, xi: Any, turn: Any, phase: Any) -> None:
+    """Cosine and sine of ``turn xi - phase`` on nodes that lie in pairs about the middle."""
+    m = xi.size
+    c, d = np.cos(turn / 2.0 - phase), np.sin(turn / 2.0 - phase)
+    for i in range((m + 1) // 2):
+        e, f = np.cos(turn * (xi[i] - 0.5)), np.sin(turn * (xi[i] - 0.5))
+        trig[0, i], trig[1, i] = c * e - d * f, d * e + c * f
+        trig[0, m - 1 - i], trig[1, m - 1 - i] = c * e + d * f, d * e - c * f
+
+
+@compiled(fastmath=FAST, error_model="numpy")
+def add_ramp(R: Any, F: Any, p: Any, phase: Any, arc: bool, rule: Any, trig: Any) -> Any:
+    """Add the ramp, ``a = b s/(ramp L)``, likewise; `trig` is scratch, (2, nodes).
+
+    The sums are those of `segment.add_segment`, each in a scalar of its own: without
+    stores in the loop the compiler takes several nodes at once.
+    """
+    xi, weight = rule
+    s, b, k, g, offset, spin = p[3] * p[0], p[1], p[2], p[4], p[8], p[9]
+    if xi.size == 0:
+        return 0 * b
+    fill_trig(trig, xi, k * s, phase)
+    slope, c_n, d_c, c_r = b / s, p[6] * s, (p[5] - p[6]) * s, p[7] * s
+    z = p.dtype.type(0)  # a number: where the sums are arrays, each becomes one of its own
+    r00, r10, r11, r20, r21, r22 = z, z, z, z, z, z
+    r30, r31, r32, r33, r40, r41, r42, r43, r44 = z, z, z, z, z, z, z, z, z
+    r50, r51, r52, r53, r54, r55 = z, z, z, z, z, z
+    f0, f1, f2, f3, f4, f5, G = z, z, z, z, z, z, z
+    for i in range(xi.size):
+        c, d, a, x = trig[0, i], trig[1, i], b * xi[i], s * xi[i] + offset
+        y, u = a * c, a * d
+        q, v = -g * u, g * y
+        t, w = slope * c - k * u, -g * (slope * d + k * y)
+        v2 = 1.0 + t * t + w * w
+        dl = weight[i] * (np.sqrt(v2) if arc else 1.0)
+        n, D, S = c_n * dl, d_c * dl / v2, c_r * dl / v2
+        m3, m4, m5 = y * w - q * t, q - x * w, x * t - y
+        D3, D4, D5, St, Sw = D * m3, D * m4, D * m5, S * t, S * w
+        nx, ny, nq = n * x, n * y, n * q
+        r00 += D + n
+        r10 += D * t
+        r11 += D * t * t + n
+        r20 += D * w
+        r21 += D * t * w
+        r22 += D * w * w + n
+        r30 += D3
+        r31 += D3 * t - nq
+        r32 += D3 * w + ny
+        r33 += D3 * m3 + ny * y + nq * q + S
+        r40 += D4 + nq
+        r41 += D4 * t
+        r42 += D4 * w - nx
+        r43 += D4 * m3 - nx * y + St
+        r44 += D4 * m4 + nx * x + nq * q + St * t
+        r50 += D5 - ny
+        r51 += D5 * t + nx
+        r52 += D5 * w
+        r53 += D5 * m3 - nx * q + Sw
+        r54 += D5 * m4 - ny * q + Sw * t
+        r55 += D5 * m5 + nx * x + ny * y + Sw * w
+        along = D * (t * u + w * v)
+        e1, e2 = n * u + along * t, n * v + along * w
+        f0 += along
+        f1 += e1
+        f2 += e2
+        f3 += y * e2 - q * e1 + S * spin
+        f4 += q * along - x * e2 + St * spin
+        f5 += x * e1 - y * along + Sw * spin
+        G += e1 * u + e2 * v + S * spin * spin
+    sums = (
+        *(r00, r10, r11, r20, r21, r22, r30, r31, r32, r33),
+        *(r40, r41, r42, r43, r44, r50, r51, r52, r53, r54, r55),
+    )
+    add_sums(R, F, sums, (f0, f1, f2, f3, f4, f5))
+    return G
+
+
+@compiled()
+def helix_tail(arc: bool, p: Any, phase: Any, ramp_rule: Any) -> Any:
+    """``(B_t, F_p, G)`` of a rigid helix at one phase; p as in `segment.PARAMETERS`."""
+    R = np.zeros((6, 6, *p.shape[1:]), dtype=p.dtype)
+    F = np.zeros((6, *p.shape[1:]), dtype=p.dtype)
+    trig = np.empty((2, ramp_rule[0].size, *p.shape[1:]), dtype=p.dtype)
+    G = add_ramp(R, F, p, phase, arc, ramp_rule, trig) + add_constant_part(R, F, p, phase, arc)
+    G += add_tip(HELIX, R, F, p, phase)
+    for i in range(6):
+        for j in range(i):
+            R[j, i] = R[i, j]
+    return R, F, G

@@ -1,0 +1,107 @@
+"""Many designs at once, compiled for all cores: helices in closed form, waves from their table.
+
+The sums are those of rigidhelix and planarwave; here are the loops over designs. They always run
+compiled. Array expressions are spelled out as loops on purpose: each would be a parallel region of
+its own, and take seconds to compile.
+"""
+
+from __future__ import annotations
+
+from functools import cache
+from typing import Any
+
+import numpy as np
+from numba import prange
+
+from microswim.models.rft.helix import MOST_NODES, add_constant_part, add_ramp
+from microswim.models.rft.plane_wave import add_wave, fill_nodes
+from microswim.models.rft.segment import HELIX, PLANE_WAVE, add_tip
+from microswim.numerics.compiled import njit
+from microswim.numerics.quadrature import gauss
+from microswim.numerics.solve6 import solve, solve_lanes
+
+LANES = 16  #: designs whose 6x6 systems are solved side by side
+BLOCK = 8  #: designs that share scratch arrays
+
+
+@cache
+def _ramp_rules() -> tuple[np.ndarray, np.ndarray]:
+    """Gauss-Legendre nodes and weights on [0, 1]; row n holds the rule of n nodes."""
+    xi, weight = np.zeros((2, MOST_NODES + 1, MOST_NODES))
+    for n in range(MOST_NODES + 1):
+        xi[n, :n], weight[n, :n] = gauss(n)
+    return xi, weight
+
+
+def solve_helices(
+    arc: bool, p: np.ndarray, body: np.ndarray, free: np.ndarray, counts: np.ndarray
+) -> tuple[np.ndarray, np.ndarray]:
+    """Twists at phase 0 and tail powers ``F_p . V + G`` per unit rate of many helices, in parallel.
+
+    `p` (n, 11), `body` (n, 6, 6), `counts` (n,) the nodes on each ramp; where the count is negative
+    the result is NaN. Returns (n, 6) and (n,).
+    """
+    return _helices(arc, p, body, free, counts, *_ramp_rules())
+
+
+@njit(cache=True, parallel=True, error_model="numpy")
+def _helices(arc: bool, p: Any, body: Any, free: Any, counts: Any, xi: Any, weight: Any) -> Any:
+    n = p.shape[0]
+    V = np.empty((n, 6))
+    power = np.empty(n)
+    for block in prange((n + LANES - 1) // LANES):
+        R, F, trig = np.empty((6, 6)), np.empty((LANES, 6)), np.empty((2, MOST_NODES))
+        A, U, work = np.empty((6, 6, LANES)), np.empty((6, LANES)), np.empty((2, LANES))
+        for l in range(LANES):
+            d = min(block * LANES + l, n - 1)  # the last block repeats its last design
+            m = max(counts[d], 0)
+            for i in range(6):
+                F[l, i] = 0.0
+                for j in range(i + 1):
+                    R[i, j] = body[d, i, j]
+            G = add_ramp(R, F[l], p[d], 0.0, arc, (xi[m, :m], weight[m, :m]), trig)
+            G += add_constant_part(R, F[l], p[d], 0.0, arc)
+            power[d] = G + (add_tip(HELIX, R, F[l], p[d], 0.0) if p[d, 10] != 0 else 0.0)
+            for i in range(6):
+                U[i, l] = -F[l, i]
+                for j in range(i + 1):
+                    A[i, j, l] = R[i, j]
+        solve_lanes(A, U, free, work)
+        for l in range(min(LANES, n - block * LANES)):
+            d = block * LANES + l
+            for i in range(6):
+                V[d, i] = U[i, l] if counts[d] >= 0 else np.nan
+                power[d] += F[l, i] * V[d, i]
+    return V, power
+
+
+@njit(cache=True, parallel=True)
+def solve_waves(
+    arc: bool, p: Any, body: Any, phases: Any, free: Any, ramp_rule: Any, rule: Any
+) -> Any:
+    """Twists and tail powers ``F_p . V + G`` per unit rate of many plane waves, in parallel.
+
+    `p` (n, 11), `body` (n, 6, 6). Returns V (n, m, 6) and the powers (n, m) over the m phases.
+    """
+    n, m = p.shape[0], phases.size
+    V = np.empty((n, m, 6))
+    power = np.empty((n, m))
+    for block in prange((n + BLOCK - 1) // BLOCK):
+        R, F = np.empty((6, 6)), np.empty(6)
+        nodes = np.empty((6, ramp_rule[0].size + rule[0].size))
+        for d in range(block * BLOCK, min(n, (block + 1) * BLOCK)):
+            fill_nodes(nodes, p[d], ramp_rule, rule)
+            for j in range(m):
+                for i in range(6):
+                    F[i] = 0.0
+                    for l in range(i + 1):
+                        R[i, l] = body[d, i, l]
+                G = add_wave(R, F, p[d], nodes, phases[j], arc)
+                G += add_tip(PLANE_WAVE, R, F, p[d], phases[j])
+                for i in range(6):
+                    V[d, j, i] = -F[i]
+                solve(R, V[d, j], free)
+                for i in range(6):
+                    G += F[i] * V[d, j, i]
+                power[d, j] = G
+    return V, power

@@ -1,0 +1,53 @@
+"""Some designs before anything is compiled: the kernels run as Python, all designs side by side.
+
+The same sums with the same quadrature as manydesigns, which is faster once its compiled loops are
+loaded.
+"""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+
+from microswim.models.rft.helix import helix_tail
+from microswim.models.rft.plane_wave import side_by_side
+from microswim.numerics.quadrature import gauss
+from microswim.numerics.solve6 import solve
+
+
+def solve_helices(
+    arc: bool, p: np.ndarray, body: np.ndarray, free: np.ndarray, counts: np.ndarray
+) -> tuple[np.ndarray, np.ndarray]:
+    """As `microswim.manydesigns.solve_helices`."""
+    V, power = np.full((len(p), 6), np.nan), np.full(len(p), np.nan)
+    for count in np.unique(counts[counts >= 0]):
+        group = counts == count
+        R, F, G = helix_tail.written(arc, p[group].T, 0.0, gauss(count))
+        V[group], power[group] = _solved(R, F, G, body[group], free)
+    return V, power
+
+
+def solve_waves(
+    arc: bool,
+    p: np.ndarray,
+    body: np.ndarray,
+    phases: np.ndarray,
+    free: np.ndarray,
+    ramp_rule: Any,
+    rule: Any,
+) -> tuple[np.ndarray, np.ndarray]:
+    """As `microswim.manydesigns.solve_waves`."""
+    sums = side_by_side(arc, p.T, phases, ramp_rule, rule)
+    solved = [_solved(*at_phase, body, free) for at_phase in zip(*sums)]
+    V, power = (np.stack(part, axis=1) for part in zip(*solved))
+    return V, power
+
+
+def _solved(
+    R: np.ndarray, F: np.ndarray, G: np.ndarray, body: np.ndarray, free: np.ndarray
+) -> tuple[np.ndarray, np.ndarray]:
+    """Twists (n, 6) and tail powers (n,) from R (6, 6, n), F (6, n), G (n,) of the tails."""
+    V = -F
+    solve.written(R + np.moveaxis(body, 0, -1), V, free)
+    return V.T, G + np.sum(F * V, axis=0)

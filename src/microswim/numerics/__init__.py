@@ -1,0 +1,1 @@
+"""What every model computes with: quadrature, series, rigid motion, solvers, compiled kernels."""

@@ -1,0 +1,121 @@
+"""Real Fourier series in the phase, and how six-vectors and 6x6 matrices turn with it.
+
+A *series* has the shape ``(1 + 2 H, ...)``: ``[mean, cos 1, sin 1, cos 2, sin 2, ...]``. All
+functions accept complex numbers, so that complex-step derivatives run through them.
+"""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+
+#: Signs that a mirror image in q gives the entries of a six-vector.
+MIRROR_Q = np.array([1.0, -1.0, 1.0, -1.0, 1.0, -1.0])
+
+
+def basis(phase: Any, terms: int) -> np.ndarray:
+    """``[1, cos, sin, cos 2, sin 2, ...]``, shape phase.shape + (terms,)."""
+    phase = np.asarray(phase)
+    h = (np.arange(terms) + 1) // 2
+    arg = phase[..., None] * h
+    out = np.cos(arg)
+    out[..., 2::2] = np.sin(arg[..., 2::2])
+    return out
+
+
+def evaluate(series: np.ndarray, phase: Any) -> np.ndarray:
+    """Value of a series at the phases, shape phase.shape + series.shape[1:]."""
+    return np.tensordot(basis(phase, len(series)), series, axes=1)
+
+
+def series_of(samples: np.ndarray, harmonics: int | None = None) -> np.ndarray:
+    """Series through n uniform samples over the period (the Nyquist term is left out)."""
+    n = len(samples)
+    H = (n - 1) // 2 if harmonics is None else harmonics
+    if np.iscomplexobj(samples):  # apart, or rounding of the real part drowns a complex step
+        return series_of(samples.real, H) + 1j * series_of(samples.imag, H)
+    hat = np.fft.rfft(samples, axis=0)[: H + 1] * (2.0 / n)
+    out = np.empty((1 + 2 * H, *samples.shape[1:]))
+    out[0], out[1::2], out[2::2] = hat[0].real / 2.0, hat[1:].real, -hat[1:].imag
+    return out
+
+
+def trimmed(series: np.ndarray, floor: float = 1e-13) -> np.ndarray:
+    """Series without its last harmonics where they are below `floor` of the largest term."""
+    size = np.abs(series).max(axis=tuple(range(1, series.ndim)))
+    felt = np.flatnonzero(size > floor * size.max(initial=0.0)).max(initial=0)
+    return series[: 1 + 2 * ((felt + 1) // 2)]
+
+
+def derivative(series: np.ndarray) -> np.ndarray:
+    """Series of the derivative with respect to the phase."""
+    out = np.zeros_like(series)
+    h = np.arange(1, len(series) // 2 + 1).reshape(-1, *[1] * (series.ndim - 1))
+    out[1::2], out[2::2] = h * series[2::2], -h * series[1::2]
+    return out
+
+
+def _rotation_terms() -> tuple[np.ndarray, np.ndarray]:
+    """Linear maps from ``R(0)`` and ``F(0)`` to the series of ``Q R Q'`` and ``Q F``.
+
+    ``Q(phi) = A + B cos phi + C sin phi`` turns both halves of a six-vector about s.
+    """
+    A, B, C = np.zeros((3, 6, 6))
+    for o in (0, 3):
+        A[o, o] = 1.0
+        B[o + 1, o + 1] = B[o + 2, o + 2] = 1.0
+        C[o + 2, o + 1], C[o + 1, o + 2] = 1.0, -1.0
+    pairs = [
+        [(A, A, 1.0), (B, B, 0.5), (C, C, 0.5)],
+        [(A, B, 1.0), (B, A, 1.0)],
+        [(A, C, 1.0), (C, A, 1.0)],
+        [(B, B, 0.5), (C, C, -0.5)],
+        [(B, C, 0.5), (C, B, 0.5)],
+    ]
+    R_map = np.array([sum(w * np.kron(X, Y) for X, Y, w in terms) for terms in pairs])
+    return R_map.reshape(5 * 36, 36), np.array([A, B, C]).reshape(18, 6)
+
+
+_R_MAP, _F_MAP = _rotation_terms()
+
+
+def rotate(value: np.ndarray, sign: float) -> np.ndarray:
+    """Series of a 6x6 matrix or 6-vector that turns rigidly about s with ``sign * phase``."""
+    if value.ndim == 2:
+        series = (_R_MAP @ value.reshape(36)).reshape(5, 6, 6)
+    else:
+        series = (_F_MAP @ value).reshape(3, 6)
+    if sign < 0:
+        series[2::2] = -series[2::2]
+    return series
+
+
+def add(*series: np.ndarray) -> np.ndarray:
+    """Sum of series of different lengths."""
+    longest = max(series, key=len)
+    out = longest + (0j if any(s.dtype.kind == "c" for s in series) else 0.0)
+    for s in series:
+        if s is not longest:
+            out[: len(s)] += s
+    return out
+
+
+def extremes(series: np.ndarray) -> tuple[Any, Any]:
+    """Least and greatest value of a scalar series: dense samples polished by Newton's method."""
+    n = 8 * len(series)
+    phase = 2.0 * np.pi * np.arange(n) / n
+    values = evaluate(series, phase)
+    first, second = derivative(series), derivative(derivative(series))
+    out = []
+    for i in (np.argmin(values.real), np.argmax(values.real)):
+        x, best = phase[i], values[i]
+        for _ in range(4):
+            curvature = evaluate(second, x)
+            if abs(curvature) <= 1e-12 * np.abs(series).max():
+                break
+            x = x - evaluate(first, x) / curvature
+        top = evaluate(series, x)
+        better = top.real <= best.real if not out else top.real >= best.real
+        out.append(top if better else best)
+    return out[0], out[1]

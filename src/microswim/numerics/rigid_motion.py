@@ -1,0 +1,155 @@
+"""Rigid motion: quaternions, poses and the screw motion of one period.
+
+Quaternions are ``wxyz``, body to lab: ``v_lab = q v_body q*``. Everything stays analytic (no abs,
+no conjugates of complex numbers), so that the complex-step derivative runs through it.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from microswim.numerics.compiled import compiled
+
+
+@compiled()
+def turn(q: Any, u: Any, out: Any) -> None:
+    """Write the quaternion of a body turned further by the rotation vector u (body frame, rad).
+
+    ``out = q exp(u/2)``, with ``exp(u/2) = [cos(|u|/2), sin(|u|/2) u/|u|]``.
+    """
+    half = np.sqrt((u[0] * u[0] + u[1] * u[1] + u[2] * u[2]) / 4.0 + 1e-40)  # never 0/0
+    ratio, w = np.sin(half) / half, np.cos(half)
+    x, y, z = ratio * u[0] / 2.0, ratio * u[1] / 2.0, ratio * u[2] / 2.0
+    a, b, c, d = q[0], q[1], q[2], q[3]
+    out[0] = a * w - b * x - c * y - d * z
+    out[1] = a * x + b * w + c * z - d * y
+    out[2] = a * y - b * z + c * w + d * x
+    out[3] = a * z + b * y - c * x + d * w
+
+
+@compiled()
+def to_lab(q: Any, a: Any, b: Any, c: Any, sense: float) -> Any:
+    """Turn a vector from the body into the lab frame, ``R_L v`` [Tabak Eq. 16]; back: sense -1."""
+    w, x, y, z = sense * q[0], q[1], q[2], q[3]
+    d, e, f = 2.0 * (y * c - z * b), 2.0 * (z * a - x * c), 2.0 * (x * b - y * a)
+    return a + w * d + y * f - z * e, b + w * e + z * d - x * f, c + w * f + x * e - y * d
+
+
+def rotation_matrix(q: Any) -> np.ndarray:
+    """Matrix ``R_L`` of quaternions ``wxyz``, shape q.shape[:-1] + (3, 3), body to lab."""
+    w, x, y, z = np.moveaxis(np.asarray(q), -1, 0)
+    rows = [
+        [1 - 2 * (y * y + z * z), 2 * (x * y - w * z), 2 * (x * z + w * y)],
+        [2 * (x * y + w * z), 1 - 2 * (x * x + z * z), 2 * (y * z - w * x)],
+        [2 * (x * z - w * y), 2 * (y * z + w * x), 1 - 2 * (x * x + y * y)],
+    ]
+    return np.moveaxis(np.array(rows), (0, 1), (-2, -1))
+
+
+def multiply(a: np.ndarray, b: np.ndarray) -> np.ndarray:
+    """Product of arrays of quaternions that broadcast."""
+    aw, av = a[..., :1], a[..., 1:]
+    bw, bv = b[..., :1], b[..., 1:]
+    scalar = aw * bw - np.sum(av * bv, axis=-1, keepdims=True)
+    return np.concatenate([scalar, aw * bv + bw * av + np.cross(av, bv)], axis=-1)
+
+
+@dataclass(frozen=True, eq=False)
+class ScrewMotion:
+    """The rigid motion of a swimmer over one period: a turn about an axis and an advance along it.
+
+    Parameters
+    ----------
+    displacement
+        Displacement of the body's centre over the period, frame of the body at its start (3,).
+    quaternion
+        Rotation over the period, ``wxyz``.
+    period
+        Time it takes.
+
+    Examples
+    --------
+    >>> import microswim as ms
+    >>> screw = ms.screw(ms.Swimmer.preset("tabak/helix").gait())
+    >>> bool(screw.speed > 0.05)
+    True
+    """
+
+    displacement: np.ndarray
+    quaternion: np.ndarray
+    period: Any
+
+    @property
+    def _sine(self) -> Any:
+        return np.sqrt(np.sum(self.quaternion[1:] ** 2))
+
+    @property
+    def turns(self) -> bool:
+        """Whether the swimmer turns at all over the period (by more than 1e-9 rad)."""
+        return abs(self._sine) > 5e-10
+
+    @property
+    def angle(self) -> Any:
+        """Rotation over the period (rad), 0 to 2 pi."""
+        half = np.arctan2(np.real(self._sine), np.real(self.quaternion[0]))
+        return 2.0 * half
+
+    @property
+    def axis(self) -> np.ndarray:
+        """Unit vector of the axis; the direction of the displacement if there is no rotation."""
+        if self.turns:
+            return self.quaternion[1:] / self._sine
+        length = np.sqrt(np.sum(self.displacement**2))
+        return self.displacement / length if length != 0 else np.array([1.0, 0.0, 0.0])
+
+    @property
+    def advance(self) -> Any:
+        """Displacement along the axis over the period, signed."""
+        return np.sum(self.displacement * self.axis)
+
+    @property
+    def speed(self) -> Any:
+        """Swimming speed: net displacement along the axis per unit time, zero or more."""
+        return np.sqrt(self.advance**2) / np.sqrt(self.period**2)
+
+    @property
+    def pitch(self) -> Any:
+        """Advance per full turn about the axis; infinite without rotation."""
+        return 2.0 * np.pi * np.sqrt(self.advance**2) / self.angle if self.turns else np.inf
+
+    @property
+    def arm(self) -> np.ndarray:
+        """Vector from the axis to the body's centre at the start of the period (3,)."""
+        if not self.turns:
+            return np.zeros(3)
+        across = self.displacement - self.advance * self.axis
+        cotangent = self.quaternion[0] / self._sine
+        return -0.5 * (across + cotangent * np.cross(self.axis, across))
+
+    @property
+    def radius(self) -> Any:
+        """Distance of the body's centre from the axis at the start of the period."""
+        return np.sqrt(np.sum(self.arm**2))
+
+    def power(self, n: Any) -> tuple[np.ndarray, np.ndarray]:
+        """Displacement (..., 3) and quaternion (..., 4) after n whole periods (n integer, array).
+
+        ``R^n`` turns by n times the angle; the displacements add up as a geometric series,
+        ``sum_j R^j d = sin(n x)/sin(x) R^((n-1)/2) d`` across the axis, x half the angle.
+        """
+        n = np.asarray(n, dtype=float)[..., None]
+        along = self.advance * self.axis
+        if not self.turns:
+            still = np.zeros((*n.shape[:-1], 4))
+            still[..., 0] = 1.0
+            return n * self.displacement, still
+        half = self.angle / 2.0
+        across = self.displacement - along
+        series = np.sin(n * half) / np.sin(half)
+        turn = (n - 1.0) * half
+        spun = across * np.cos(turn) + np.cross(self.axis, across) * np.sin(turn)
+        q = np.concatenate([np.cos(n * half), np.sin(n * half) * self.axis], axis=-1)
+        return n * along + series * spun, q

@@ -1,0 +1,297 @@
+"""A run as a Dataset, in and out of files: netCDF, Zarr, CSV of the path; with its birthplace.
+
+Every number carries its unit, and every file the version, date, model and spec it came from.
+"""
+
+from __future__ import annotations
+
+from datetime import UTC, datetime
+from os import PathLike
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from microswim import __version__
+from microswim.errors import SpecError
+from microswim.gait.gait import DEGREES_OF_FREEDOM, Gait
+from microswim.gait.quantities import summary
+from microswim.path.trajectory import trajectory
+from microswim.swimmer.swimmer import Swimmer
+
+if TYPE_CHECKING:
+    import xarray as xr
+
+SAMPLES = 48  # per period of the trajectory
+_UNITS = {  # (SI, dimensionless)
+    "speed": ("m/s", "length/time"),
+    "length": ("m", "length"),
+    "frequency": ("Hz", "1/time"),
+    "power": ("W", "power"),
+    "torque": ("N m", "torque"),
+    "twist": ("m/s, rad/s", "length/time, rad/time"),
+    "time": ("s", "time"),
+    "rate": ("rad/s", "rad/time"),
+}
+_SCALARS = {
+    "swimming_speed": ("speed", "net displacement along the screw axis per time"),
+    "body_lengths_per_time": ("frequency", "swimming speed over body length"),
+    "body_length": ("length", "length of the body along s (without a body: of the tail)"),
+    "frequency": ("frequency", "cycles of the motor per time"),
+    "body_rotation_frequency": ("frequency", "mean rotation of the body about s"),
+    "lateral_amplitude": ("speed", "half of peak to peak of the velocity along q"),
+    "path_radius": ("length", "distance of the body's centre from the screw axis at phase 0"),
+    "path_pitch": ("length", "advance per full turn of the screw motion of a period"),
+    "mean_power": ("power", "power of the motor, mean over the period"),
+    "mean_torque": ("torque", "torque of the motor, mean over the period"),
+    "efficiency": ("1", "drag power of the body over the power of the motor"),
+}
+
+
+def numbers(swimmer: Swimmer, gait: Gait) -> dict[str, Any]:
+    """The numbers of a run: what ``microswim run --json`` prints.
+
+    Parameters
+    ----------
+    swimmer
+        The swimmer.
+    gait
+        A gait of this swimmer, by any model.
+
+    Returns
+    -------
+    dict
+        ``model``, ``units``, ``mean_velocity``, ``velocity_amplitude``, ``swimming_speed``,
+        ``efficiency`` and more; angular velocities in radians per time, frequencies in cycles.
+
+    Examples
+    --------
+    >>> import microswim as ms
+    >>> swimmer = ms.Swimmer.preset("goto/C")
+    >>> round(1e6 * float(ms.io.numbers(swimmer, swimmer.gait())["swimming_speed"]), 2)
+    10.21
+    """
+    found = {k: _plain(v) for k, v in summary(gait).items()}
+    length = 2.0 * float(swimmer.body.semi_axes3[0]) or float(swimmer.tail.apparent_length)
+    frequency = float(np.real(gait.rate)) / (2.0 * np.pi)
+    turn = found["mean_velocity"][3] / (2.0 * np.pi)
+    return {
+        "model": gait.model,
+        "units": gait.units,
+        "degrees_of_freedom": list(DEGREES_OF_FREEDOM),
+        **found,
+        "frequency": frequency,
+        "body_rotation_frequency": turn,
+        "body_turns_per_period": turn / abs(frequency) if frequency else 0.0,
+        "lateral_amplitude": found["velocity_amplitude"][1],
+        "body_length": length,
+        "body_lengths_per_time": found["swimming_speed"] / length,
+    }
+
+
+def _plain(value: Any) -> Any:
+    return np.real(value).tolist() if isinstance(value, np.ndarray) else float(np.real(value))
+
+
+def enough_periods(swimmer: Swimmer, gait: Gait) -> int:
+    """Periods in which a swimmer goes one and a half times its own length (4 to 400).
+
+    Examples
+    --------
+    >>> import microswim as ms
+    >>> swimmer = ms.Swimmer.preset("tabak/helix-constant")
+    >>> ms.io.enough_periods(swimmer, swimmer.gait())
+    122
+    """
+    length = 2.0 * swimmer.body.semi_axes3[0] + swimmer.tail.apparent_length
+    step = float(summary(gait)["swimming_speed"]) * _period(gait)
+    return int(np.clip(np.ceil(1.5 * length / step), 4, 400)) if step > 0 else 4
+
+
+def _period(gait: Gait) -> float:
+    return float(gait.period) if gait.rate != 0 else 1.0
+
+
+def dataset(
+    swimmer: Swimmer, gait: Gait, *, periods: float | None = None, spec: str = "", **loads: Any
+) -> xr.Dataset:
+    """Everything about a run: velocities over the period, path, numbers, provenance.
+
+    Parameters
+    ----------
+    swimmer
+        The swimmer.
+    gait
+        A gait of this swimmer, by any model.
+    periods
+        Length of the path in periods of the motor; by default until the swimmer has gone one
+        and a half times its own length.
+    spec
+        Text of the spec file, kept as an attribute.
+    loads
+        What `trajectory` takes: external force, field, flow, ...
+
+    Returns
+    -------
+    xarray.Dataset
+        ``velocity`` (phase, dof) and ``power`` (phase) over one period; ``position`` (time,
+        axis), ``quaternion`` (time, wxyz), ``motor_phase`` (time); the numbers of `numbers`; the
+        gait's series; attributes ``microswim_version``, ``created``, ``model``, ``units``,
+        ``spec``.
+
+    Raises
+    ------
+    SpecError
+        If `periods` is not positive.
+
+    Examples
+    --------
+    >>> import microswim as ms
+    >>> swimmer = ms.Swimmer.preset("tabak/helix")
+    >>> run = ms.io.dataset(swimmer, swimmer.gait(), periods=3)
+    >>> run.position.dims, run.swimming_speed.units
+    (('time', 'axis'), 'length/time')
+    """
+    periods = enough_periods(swimmer, gait) if periods is None else periods
+    if not 0 < periods <= 1e5:
+        raise SpecError("periods", periods, "above 0 and at most 100000")
+    times = np.linspace(0.0, periods * _period(gait), max(2, round(periods * SAMPLES) + 1))
+    run = trajectory(gait, times, **loads).rename(phase="motor_phase")
+    return (
+        run.merge(_over_the_period(gait))
+        .merge(_scalars(swimmer, gait))
+        .assign_attrs(
+            title="Swimming of a micro-swimmer",
+            source=f"microswim {__version__}, model {gait.model}",
+            microswim_version=__version__,
+            created=datetime.now(UTC).isoformat(timespec="seconds"),
+            model=gait.model,
+            units=gait.units,
+            periods=float(periods),
+            spec=spec,
+        )
+    )
+
+
+def unit(gait_units: str, kind: str) -> str:
+    """Unit of a kind of quantity (``"speed"``, ``"length"``, ...) in SI or dimensionless.
+
+    Examples
+    --------
+    >>> import microswim as ms
+    >>> ms.io.unit("SI", "speed")
+    'm/s'
+    """
+    return _UNITS[kind][gait_units != "SI"] if kind in _UNITS else kind
+
+
+def _over_the_period(gait: Gait) -> xr.Dataset:
+    import xarray as xr
+
+    phase = np.linspace(0.0, 2.0 * np.pi, 145)
+    text = {k: unit(gait.units, k) for k in _UNITS}
+    variables: dict[str, Any] = {
+        "velocity": (
+            ("phase", "dof"),
+            gait.velocity(phase),
+            {"units": text["twist"], "long_name": "velocity, body frame, about the body's centre"},
+        ),
+        "power": ("phase", gait.power(phase), {"units": text["power"], "long_name": "motor power"}),
+        "resistance_series": (("term_r", "dof", "dof_column"), gait.resistance_series),
+        "propulsion_series": (("term_p", "dof"), gait.propulsion_series),
+        "activity_series": ("term_a", gait.activity_series),
+    }
+    for name in ("resistance_series", "propulsion_series", "activity_series"):
+        variables[name] += ({"long_name": f"{name[:-7]}: [mean, cos 1, sin 1, cos 2, ...]"},)
+    names = list(DEGREES_OF_FREEDOM)
+    phases = ("phase", phase, {"units": "rad", "long_name": "phase of the tail"})
+    return xr.Dataset(variables, coords={"phase": phases, "dof": names, "dof_column": names})
+
+
+def _scalars(swimmer: Swimmer, gait: Gait) -> xr.Dataset:
+    import xarray as xr
+
+    values = numbers(swimmer, gait)
+    twist = unit(gait.units, "twist")
+    variables: dict[str, Any] = {
+        name: ((), values[name], {"units": unit(gait.units, kind), "long_name": meaning})
+        for name, (kind, meaning) in _SCALARS.items()
+    }
+    for name, meaning in (
+        ("mean_velocity", "velocity averaged over the period, body frame"),
+        ("velocity_amplitude", "half of peak to peak of the velocity over the period"),
+    ):
+        variables[name] = ("dof", values[name], {"units": twist, "long_name": meaning})
+    return xr.Dataset(variables)
+
+
+def save(run: xr.Dataset, path: str | PathLike[str]) -> Path:
+    """Write a Dataset: ``.nc`` netCDF, ``.zarr`` Zarr, ``.csv`` the trajectory alone.
+
+    Raises
+    ------
+    SpecError
+        If the ending is another.
+
+    Examples
+    --------
+    >>> import tempfile, microswim as ms
+    >>> swimmer = ms.Swimmer.preset("tabak/helix")
+    >>> run = ms.io.dataset(swimmer, swimmer.gait(), periods=1)
+    >>> ms.io.save(run, tempfile.mkdtemp() + "/run.nc").name
+    'run.nc'
+    """
+    path = Path(path)
+    match path.suffix:
+        case ".nc":
+            run.to_netcdf(path, engine="h5netcdf")
+        case ".zarr":
+            run.to_zarr(path, mode="w", zarr_format=2, consolidated=True)
+        case ".csv":
+            _save_csv(run, path)
+        case ending:
+            raise SpecError("file ending", ending, ".nc, .zarr or .csv")
+    return path
+
+
+def load(path: str | PathLike[str]) -> xr.Dataset:
+    """Read a Dataset written by `save` (``.nc`` or ``.zarr``), into memory.
+
+    Raises
+    ------
+    SpecError
+        If there is no such file or it cannot be read.
+
+    Examples
+    --------
+    >>> import tempfile, microswim as ms
+    >>> swimmer = ms.Swimmer.preset("tabak/helix")
+    >>> run = ms.io.dataset(swimmer, swimmer.gait(), periods=1)
+    >>> back = ms.io.load(ms.io.save(run, tempfile.mkdtemp() + "/run.nc"))
+    >>> back.equals(run)
+    True
+    """
+    import xarray as xr
+
+    path = Path(path)
+    try:
+        with xr.open_dataset(path, engine="zarr" if path.suffix == ".zarr" else "h5netcdf") as run:
+            return run.load()
+    except (OSError, ValueError, KeyError) as error:
+        raise SpecError(f"{path}: no readable run: {' '.join(str(error).split())}") from None
+
+
+def _save_csv(run: xr.Dataset, path: Path) -> None:
+    """Time, position and quaternion; where it comes from in comment lines."""
+    length, time = run.position.attrs["units"], run.time.attrs["units"]
+    header = [
+        f"{run.attrs['source']}, {run.attrs['created']}",
+        f"body centre in the lab frame; quaternion body to lab; units: {time}, {length}, rad",
+        "time,x,y,z,qw,qx,qy,qz,motor_phase",
+    ]
+    columns = (run.time, run.position, run.quaternion, run.motor_phase)
+    table = np.column_stack([c.values for c in columns])
+    comments = "".join(f"# {line}\n" for line in header[:2])
+    with path.open("w", encoding="utf-8", newline="\n") as file:
+        file.write(f"{comments}{header[2]}\n")
+        np.savetxt(file, table, fmt="%.12g", delimiter=",")

@@ -1,0 +1,138 @@
+"""The swimmer's surface as a mesh of quadrilaterals, for pictures and files.
+
+Body, tube and its round tip at one phase, in the frame ``sqr`` moved to the body's centre. A
+drawing, not a computational mesh: the reference solvers build their own.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from microswim.swimmer.geometry.bodies import Body
+from microswim.swimmer.geometry.tails import Tail
+from microswim.swimmer.swimmer import Swimmer
+
+BODY, TAIL = 0, 1
+
+
+@dataclass(frozen=True, eq=False)
+class Surface:
+    """Quadrilaterals of a swimmer.
+
+    Parameters
+    ----------
+    points
+        Corners, shape (n, 3), outward side counter-clockwise.
+    quads
+        Indices of the four corners of each face, shape (m, 4).
+    part
+        Per face: 0 the body, 1 the tail.
+    """
+
+    points: np.ndarray
+    quads: np.ndarray
+    part: np.ndarray
+
+    def moved(self, position: Any, rotation: Any) -> Surface:
+        """The surface at a pose: rotation matrix (3, 3) body to lab, then position (3,)."""
+        return Surface(self.points @ np.transpose(rotation) + position, self.quads, self.part)
+
+
+def surface(swimmer: Swimmer, phase: float = 0.0, *, fineness: float = 1.0) -> Surface:
+    """Surface of a swimmer at a phase, about its body's centre.
+
+    Parameters
+    ----------
+    swimmer
+        Any swimmer.
+    phase
+        Phase of the tail (rad).
+    fineness
+        Factor on the number of faces along each direction.
+
+    Returns
+    -------
+    Surface
+        In the axes of the body frame, origin at the body's centre.
+
+    Examples
+    --------
+    >>> import microswim as ms
+    >>> from microswim.output.io.surface import surface
+    >>> bool(surface(ms.Swimmer.preset("tabak/helix")).points[:, 0].max() > 2.5)
+    True
+    """
+    has_body = swimmer.body.shape != "none"
+    grids = [(_tube(swimmer.tail, phase, fineness, not has_body) - swimmer.body.centre, TAIL)]
+    if has_body:
+        grids.insert(0, (_ellipsoid(swimmer.body, fineness), BODY))
+    points, quads, part, count = [], [], [], 0
+    for grid, label in grids:
+        faces = _faces(*grid.shape[:2]) + count
+        points.append(grid.reshape(-1, 3))
+        quads.append(faces)
+        part.append(np.full(len(faces), label))
+        count += points[-1].shape[0]
+    return Surface(np.concatenate(points), np.concatenate(quads), np.concatenate(part))
+
+
+def _ellipsoid(body: Body, fineness: float) -> np.ndarray:
+    """Grid of an ellipsoid about its centre, from the pole at -s to the pole at +s."""
+    rings, around = int(24 * fineness) + 1, int(36 * fineness)
+    polar = np.linspace(0.0, np.pi, rings)[:, None]
+    angle = np.linspace(0.0, 2.0 * np.pi, around, endpoint=False)[None, :]
+    unit = np.stack(
+        np.broadcast_arrays(
+            -np.cos(polar), np.sin(polar) * np.cos(angle), np.sin(polar) * np.sin(angle)
+        ),
+        axis=-1,
+    )
+    return unit * np.array(body.semi_axes3)
+
+
+def _tube(tail: Tail, phase: float, fineness: float, closed: bool) -> np.ndarray:
+    """Grid of a tube about the centreline, from the joint to its round tip."""
+    waves = max(1.0, float(tail.number_of_waves))
+    rings, around = int(32 * fineness * min(waves, 40.0)) + 1, max(6, int(12 * fineness))
+    P, P_s, _ = tail.centreline(np.linspace(0.0, tail.apparent_length, rings), phase)
+    tangent = P_s / np.linalg.norm(P_s, axis=1, keepdims=True)
+    if tail.sections == "sheared":
+        normal, axis = np.tile([0.0, 1.0, 0.0], (rings, 1)), np.tile([1.0, 0.0, 0.0], (rings, 1))
+    else:
+        normal, axis = transported(P, tangent), tangent
+    binormal = np.cross(axis, normal)
+    angle = np.linspace(0.0, 2.0 * np.pi, around, endpoint=False)
+    ring = np.cos(angle)[:, None] * normal[:, None] + np.sin(angle)[:, None] * binormal[:, None]
+    tip = np.linspace(0.0, np.pi / 2.0, 6)[1:, None, None]
+    bend = tail.radius * (np.cos(tip) * ring[-1] + np.sin(tip) * axis[-1])
+    pieces = [P[:, None] + tail.radius * ring, P[-1] + bend]
+    if closed:
+        flat = tail.radius * (np.cos(tip) * ring[0] - np.sin(tip) * axis[0])
+        pieces.insert(0, (P[0] + flat)[::-1])
+    return np.concatenate(pieces)
+
+
+def transported(P: np.ndarray, tangent: np.ndarray) -> np.ndarray:
+    """Normals that do not twist along a curve: double reflection (Wang et al. 2008)."""
+    normal = np.empty_like(P)
+    across = np.eye(3)[np.argmin(np.abs(tangent[0]))]
+    normal[0] = across - (across @ tangent[0]) * tangent[0]
+    normal[0] /= np.linalg.norm(normal[0])
+    for i in range(len(P) - 1):
+        v = P[i + 1] - P[i]
+        n = normal[i] - 2.0 / (v @ v) * (v @ normal[i]) * v
+        t = tangent[i] - 2.0 / (v @ v) * (v @ tangent[i]) * v
+        w = tangent[i + 1] - t
+        normal[i + 1] = n - 2.0 / (w @ w) * (w @ n) * w if w @ w > 0 else n
+    return normal
+
+
+def _faces(rows: int, columns: int) -> np.ndarray:
+    """Quadrilaterals of a grid that closes along its columns."""
+    i, j = np.meshgrid(np.arange(rows - 1), np.arange(columns), indexing="ij")
+    k = (j + 1) % columns
+    corners = [i * columns + j, i * columns + k, (i + 1) * columns + k, (i + 1) * columns + j]
+    return np.stack(corners, axis=-1).reshape(-1, 4)

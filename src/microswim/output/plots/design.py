@@ -1,0 +1,250 @@
+"""Pictures of designs: map with optimum and neighbourhood, front, sensitivity, spread, swimmers."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+import xarray as xr
+
+from microswim.output.io.surface import surface
+from microswim.output.plots.drawing import STYLE, Camera, draw_surface, scale_bar
+from microswim.swimmer.swimmer import Swimmer
+from microswim.swimmer.variants import designs
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+    from matplotlib.figure import Figure
+
+    from microswim.studies.optimisation.design import Optimum
+
+WIDTH = 7.2
+BLUE, ORANGE, GREY = "#0072B2", "#D55E00", "#777777"
+
+
+def _figure(*size: float) -> Figure:
+    from matplotlib.figure import Figure
+
+    return Figure(figsize=size, layout="constrained")
+
+
+def swimmers(axes: Axes, robots: Sequence[Swimmer], names: Sequence[str] = ()) -> None:
+    """Draw swimmers to one scale, one above the other, the body to the left.
+
+    Parameters
+    ----------
+    axes
+        Where to draw.
+    robots
+        The swimmers, from top to bottom.
+    names
+        A word beside each.
+    """
+    camera, top, ends = Camera(np.eye(3)), 0.0, []
+    for i, robot in enumerate(robots):
+        mesh = surface(robot, 0.0)
+        low, high = mesh.points[:, 1].min(), mesh.points[:, 1].max()
+        shift = np.array([-mesh.points[:, 0].min(), top - high, 0.0])
+        draw_surface(axes, mesh.moved(shift, np.eye(3)), camera)
+        if i < len(names):
+            end = float(np.ptp(mesh.points[:, 0]))
+            ends.append((end, top - high, names[i]))
+        top -= (high - low) + 0.25 * robots[0].body.semi_axes3[1] + 0.02 * abs(top)
+    axes.set_aspect("equal")
+    axes.autoscale_view()
+    for end, height, name in ends:
+        axes.annotate(
+            name, (end, height), (4, 0), textcoords="offset points", va="center", fontsize=7
+        )
+    axes.axis("off")
+    length = float(f"{robots[0].tail.apparent_length / 2:.0e}")
+    scale_bar(axes, length, "m" if robots[0].units == "SI" else "")
+
+
+def design_map(
+    result: xr.Dataset,
+    merit: str = "swimming_speed",
+    *,
+    optimum: Optimum | None = None,
+    region: Mapping[str, tuple[float, float]] | None = None,
+    label: str | None = None,
+) -> Figure:
+    """Contours of a result of a sweep over two numbers, with the optimum and the neighbourhood.
+
+    Parameters
+    ----------
+    result
+        Of `sweep`, over two dotted names; failed designs stay white.
+    merit
+        Its variable; ``mean_velocity.us`` takes a component.
+    optimum
+        Marked, and drawn to scale beside the map.
+    region
+        Dotted name to ``(low, high)``: the calibrated neighbourhood, drawn as a frame. Where the
+        result holds expected errors, their 5 % and 10 % lines are drawn as well.
+    label
+        Name of the colours.
+    """
+    import matplotlib as mpl
+
+    name, _, component = merit.partition(".")
+    values = result[name].sel(component=component) if component else result[name]
+    y, x = values.dims
+    with mpl.rc_context(STYLE):
+        figure = _figure(WIDTH, 3.4)
+        if optimum is None:
+            axes = figure.subplots()
+        else:
+            axes, side = figure.subplots(1, 2, width_ratios=[2.2, 1.0])
+            swimmers(side, [optimum.swimmer])
+            side.set_title(f"optimum: {optimum.objective} = {optimum.value:.3g}")
+        filled = axes.contourf(result[x], result[y], values, levels=16, cmap="viridis")
+        figure.colorbar(filled, ax=axes, label=label or merit.replace("_", " "))
+        lines = axes.contour(
+            result[x], result[y], values, levels=filled.levels[::3], colors="white", linewidths=0.4
+        )
+        axes.clabel(lines, fontsize=6, fmt="%.3g")
+        _expected(axes, result, x, y)
+        if region and x in region and y in region:
+            (a, b), (c, d) = region[str(x)], region[str(y)]
+            axes.plot([a, b, b, a, a], [c, c, d, d, c], "w--", lw=1.2, label="calibrated")
+        if optimum is not None and {x, y} <= set(optimum.values):
+            axes.plot(
+                *(optimum.values[str(n)] for n in (x, y)),
+                *("*",),
+                color=ORANGE,
+                mec="white",
+                ms=12,
+                clip_on=False,
+                label="optimum",
+                ls="none",
+            )
+        if axes.get_legend_handles_labels()[0]:
+            axes.legend(loc="best", labelcolor="white")
+        axes.set(xlabel=str(x), ylabel=str(y))
+    return figure
+
+
+def _expected(axes: Axes, result: xr.Dataset, x: Any, y: Any) -> None:
+    """Lines of 5 % and 10 % expected error, where the surrogate knows its error."""
+    error = result.get("expected_error")
+    if error is None or not np.isfinite(error.values).any() or np.nanmax(error) < 0.05:
+        return
+    lines = axes.contour(
+        result[x], result[y], error, levels=[0.05, 0.1], colors="k", linestyles=["-", "--"]
+    )
+    axes.clabel(lines, fontsize=6, fmt=lambda v: f"{100 * v:.0f} % error")
+
+
+def front(result: xr.Dataset, swimmer: Swimmer, drawn: int = 4) -> Figure:
+    """A Pareto front of two or three objectives, with designs along it to scale.
+
+    Parameters
+    ----------
+    result
+        Of `pareto`.
+    swimmer
+        The swimmer it varied.
+    drawn
+        How many designs to draw.
+    """
+    import matplotlib as mpl
+
+    texts = [text.split(" ", 1)[1] for text in result.attrs["objectives"]]
+    wanted = [
+        text.replace("maximize", "more is better").replace("minimize", "less is better")
+        for text in result.attrs["objectives"]
+    ]
+    x, y = texts[1], texts[0]
+    n = result.sizes["design"]
+    reach = np.linspace(float(result[y].min()), float(result[y].max()), drawn)
+    picked = list(dict.fromkeys(int(np.abs(result[y].values - r).argmin()) for r in reach))[::-1]
+    with mpl.rc_context(STYLE):
+        figure = _figure(WIDTH, 3.4)
+        axes, side = figure.subplots(1, 2, width_ratios=[1.6, 1.0])
+        third = result[texts[2]] if len(texts) > 2 else None
+        dots = axes.scatter(result[x], result[y], c=BLUE if third is None else third, s=9)
+        if third is not None:
+            figure.colorbar(dots, ax=axes, label=texts[2])
+        chosen = result.isel(design=picked)
+        axes.scatter(
+            chosen[x], chosen[y], s=40, facecolors="none", edgecolors=ORANGE, linewidths=1.3
+        )
+        letters = "ABCDEFGH"[: len(picked)]
+        for letter, i in zip(letters, picked):
+            at = (float(result[x][i]), float(result[y][i]))
+            axes.annotate(letter, at, (5, -9), textcoords="offset points", color=ORANGE)
+        axes.set(xlabel=f"{x} ({wanted[1].split()[0]} is better)", title=f"{n} designs")
+        axes.set_ylabel(f"{y} ({wanted[0].split()[0]} is better)")
+        swimmers(side, designs(swimmer, chosen), letters)
+    return figure
+
+
+def sensitivity(optimum: Optimum, most: int = 10) -> Figure:
+    """Bars: what one per cent of each number does to the optimum, and how far each may move.
+
+    Parameters
+    ----------
+    optimum
+        Of `design`.
+    most
+        How many numbers to show.
+    """
+    import matplotlib as mpl
+
+    items = list(optimum.sensitivity.items())
+    varied = [(k, s) for k, s in items if s.varied]
+    shown = [item for item in items if abs(item[1].elasticity) > 1e-6][:most][::-1]
+    with mpl.rc_context(STYLE):
+        figure = _figure(WIDTH, 3.2)
+        left, right = figure.subplots(1, 2, width_ratios=[1.5, 1.0])
+        colours = [ORANGE if s.varied else BLUE for _, s in shown]
+        left.barh([k for k, _ in shown], [s.elasticity for _, s in shown], color=colours)
+        left.axvline(0.0, color="k", lw=0.7)
+        left.set(xlabel=f"% of {optimum.objective} per % of the number", title="held numbers")
+        left.set_title("what the optimum depends on (orange: varied, at a limit)")
+        room = [100 * (s.room or 0.0) / abs(s.value) for _, s in varied]
+        right.barh([k for k, _ in varied], room, color=ORANGE)
+        right.set(xlabel="± % that cost 1 % of the objective", title="room of what varied")
+    return figure
+
+
+def indices(result: xr.Dataset) -> Figure:
+    """Bars of Sobol indices with their 95 % intervals; result of `sobol_indices`."""
+    import matplotlib as mpl
+
+    order = np.argsort(result.total.values)
+    found = result.isel(name=order)
+    at = np.arange(found.sizes["name"])
+    with mpl.rc_context(STYLE):
+        figure = _figure(WIDTH * 0.62, 0.9 + 0.38 * len(at))
+        axes = figure.subplots()
+        for shift, key, colour in [(0.19, "first", BLUE), (-0.19, "total", ORANGE)]:
+            axes.barh(
+                at + shift, found[key], 0.36, xerr=found[f"{key}_error"], color=colour, label=key
+            )
+        axes.set_yticks(at, found.name.values)
+        axes.set(xlabel=f"share of the variance of {result.attrs['merit']}")
+        axes.legend(loc="lower right")
+    return figure
+
+
+def robustness(made: xr.Dataset, merit: str = "speed", nominal: float | None = None) -> Figure:
+    """Histogram of a merit over made robots, good and bad; result of `robustness`."""
+    import matplotlib as mpl
+
+    values, good = made[merit].values, made.good.values
+    inside = np.isfinite(values)
+    edges = np.histogram_bin_edges(values[inside], 48)
+    with mpl.rc_context(STYLE):
+        figure = _figure(WIDTH * 0.62, 2.6)
+        axes = figure.subplots()
+        both = [values[good & inside], values[~good & inside]]
+        axes.hist(both, edges, stacked=True, color=[BLUE, ORANGE], label=["good", "not good"])
+        if nominal is not None:
+            axes.axvline(nominal, color="k", lw=1, ls="--", label="as designed")
+        part = made.attrs["yield"]
+        axes.set(xlabel=merit.replace("_", " "), ylabel="robots", title=f"yield {100 * part:.1f} %")
+        axes.legend()
+    return figure

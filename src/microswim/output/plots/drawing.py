@@ -1,0 +1,121 @@
+"""Drawing a swimmer to scale: a camera, shaded faces sorted by depth, a scale bar, the axes.
+
+Parallel projection, so that lengths can be compared.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from microswim.output.io.surface import BODY, Surface
+from microswim.output.report.readable import prefixed
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+
+STYLE = {
+    "font.family": "sans-serif",
+    "font.size": 8,
+    "axes.titlesize": 9,
+    "axes.labelsize": 8,
+    "axes.linewidth": 0.7,
+    "axes.spines.top": False,
+    "axes.spines.right": False,
+    "xtick.labelsize": 7,
+    "ytick.labelsize": 7,
+    "xtick.major.width": 0.7,
+    "ytick.major.width": 0.7,
+    "legend.fontsize": 7.5,
+    "legend.frameon": False,
+    "lines.linewidth": 1.4,
+    "savefig.dpi": 300,
+    "svg.fonttype": "none",
+    "pdf.fonttype": 42,
+    "mathtext.fontset": "dejavusans",
+}
+COLOURS = {True: "#3f8fc9", False: "#e08a3c"}  # body, tail
+LIGHT = np.array([-0.35, 0.75, 0.65]) / np.linalg.norm([-0.35, 0.75, 0.65])
+
+
+@dataclass(frozen=True, eq=False)
+class Camera:
+    """Parallel projection; rows of `axes`: to the right, up, and towards the viewer."""
+
+    axes: np.ndarray
+
+    @classmethod
+    def behind(cls, basis: np.ndarray, azimuth: float, elevation: float) -> Camera:
+        """Camera beside a swimmer that swims along ``basis[0]``, with ``basis[2]`` up."""
+        a, e = np.radians([azimuth, elevation])
+        right = np.cos(a) * basis[0] + np.sin(a) * basis[1]
+        level = np.cross(right, basis[2])
+        towards = np.cos(e) * level + np.sin(e) * basis[2]
+        return cls(np.array([right, np.cross(towards, right), towards]))
+
+    def project(self, points: np.ndarray) -> np.ndarray:
+        """Points (..., 3) to right, up and depth towards the viewer."""
+        return points @ self.axes.T
+
+
+def draw_surface(axes: Axes, mesh: Surface, camera: Camera, strength: float = 1.0) -> None:
+    """Draw a surface, shaded; a `strength` below one fades it towards white."""
+    from matplotlib.collections import PolyCollection
+    from matplotlib.colors import to_rgb
+
+    corners = camera.project(mesh.points)[mesh.quads]
+    normal = np.cross(corners[:, 2] - corners[:, 0], corners[:, 3] - corners[:, 1])
+    size = np.linalg.norm(normal, axis=1, keepdims=True)
+    normal = normal / np.where(size > 0, size, 1.0)
+    seen = normal[:, 2] > 0
+    order = np.flatnonzero(seen)[np.argsort(corners[seen, :, 2].mean(axis=1))]
+    body, tail = (np.array(to_rgb(COLOURS[k])) for k in (True, False))
+    base = np.where((mesh.part == BODY)[:, None], body, tail)
+    glance = np.clip(normal @ LIGHT, 0.0, 1.0)[:, None]
+    half = (LIGHT + [0.0, 0.0, 1.0]) / np.linalg.norm(LIGHT + [0.0, 0.0, 1.0])
+    shine = 0.35 * np.clip(normal @ half, 0.0, 1.0)[:, None] ** 40
+    colour = np.clip(base * (0.52 + 0.6 * glance) + shine, 0.0, 1.0)
+    colour = 1.0 - strength * (1.0 - colour)
+    axes.add_collection(
+        PolyCollection(
+            list(corners[order, :, :2]),
+            facecolors=colour[order],
+            edgecolors=colour[order],
+            linewidths=0.25,
+            zorder=2 if strength < 1 else 4,
+            rasterized=True,
+        )
+    )
+    axes.autoscale_view()
+
+
+def scale_bar(axes: Axes, length: float, unit: str) -> None:
+    """A bar of a round length of about a third of `length`, with its size, below the scene."""
+    step = 10.0 ** np.floor(np.log10(length / 3.0))
+    size = step * max(m for m in (1, 2, 5) if m * step <= length / 3.0 * 1.0001)
+    factor, name = prefixed(size, unit)
+    (left, _), (low, high) = axes.get_xlim(), axes.get_ylim()
+    y = low - 0.04 * (high - low)
+    axes.plot([left, left + size], [y, y], color="#1b1b1b", lw=2.0, solid_capstyle="butt")
+    axes.annotate(
+        f"{size * factor:.3g} {name}" if unit else f"length {size:.3g}",
+        (left + size / 2.0, y),
+        (0, -4),
+        textcoords="offset points",
+        ha="center",
+        va="top",
+        fontsize=7.5,
+    )
+
+
+def triad(axes: Axes, camera: Camera) -> None:
+    """The lab's axes in the upper left corner."""
+    inset = axes.inset_axes((0.0, 0.72, 0.1, 0.26))
+    for end, name in zip(camera.project(np.eye(3))[:, :2], "xyz"):
+        arrow = {"arrowstyle": "-|>", "lw": 0.8, "color": "#555555", "shrinkA": 0, "shrinkB": 0}
+        inset.annotate("", end, (0, 0), arrowprops={**arrow, "mutation_scale": 6})
+        inset.text(*(1.3 * end), name, ha="center", va="center", fontsize=7, color="#555555")
+    inset.set(xlim=(-1.5, 1.5), ylim=(-1.5, 1.5), aspect="equal")
+    inset.set_axis_off()

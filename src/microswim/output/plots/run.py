@@ -1,0 +1,235 @@
+"""Figures of a run, from its Dataset: the path with the swimmer to scale, and the velocities.
+
+Two-column journal width; colours that the colour-blind tell apart, with a line style each; units on
+every axis.
+"""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+import xarray as xr
+
+from microswim.numerics.rigid_motion import rotation_matrix
+from microswim.output.io.surface import surface
+from microswim.output.plots.drawing import STYLE, Camera, draw_surface, scale_bar, triad
+from microswim.output.report.readable import is_dimensionless, label, prefixed
+from microswim.swimmer.swimmer import Swimmer
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+    from matplotlib.figure import Figure
+
+WIDTH = 7.2  # inches, two columns
+LINES = (("#0072B2", "-"), ("#D55E00", (0, (5, 1.5))), ("#222222", (0, (5, 1, 1, 1))))
+
+
+def trajectory(run: xr.Dataset, swimmer: Swimmer | None = None) -> Figure:
+    """The path of a run: the swimmer drawn to scale, the path seen from behind, and in time.
+
+    Parameters
+    ----------
+    run
+        Dataset of `microswim.io.dataset`.
+    swimmer
+        The swimmer; by default that of the run's ``spec`` attribute, and none if it has none.
+
+    Returns
+    -------
+    matplotlib.figure.Figure
+        Call its ``savefig``.
+
+    Examples
+    --------
+    >>> import microswim as ms
+    >>> swimmer = ms.Swimmer.preset("tabak/helix")
+    >>> run = ms.io.dataset(swimmer, swimmer.gait(), periods=2)
+    >>> ms.plots.trajectory(run, swimmer).axes[1].get_xlabel()
+    'sideways'
+    """
+    import matplotlib as mpl
+    from matplotlib.figure import Figure
+
+    swimmer = _swimmer_of(run) if swimmer is None else swimmer
+    with mpl.rc_context(STYLE):
+        figure = Figure(figsize=(WIDTH, 4.4), layout="constrained")
+        top, bottom = np.ravel(figure.subfigures(2, 1, height_ratios=[1.15, 1.0]))
+        basis = _directions(run)
+        _scene(top.subplots(), run, swimmer, basis)
+        behind, time = bottom.subplots(1, 2, width_ratios=[1.0, 1.9])
+        _behind(behind, run, basis)
+        _in_time(time, run, basis)
+        return figure
+
+
+def velocity(run: xr.Dataset) -> Figure:
+    """Velocity, body rate and motor power over one period of the tail.
+
+    Parameters
+    ----------
+    run
+        Dataset of `microswim.io.dataset`.
+
+    Returns
+    -------
+    matplotlib.figure.Figure
+        Call its ``savefig``.
+
+    Examples
+    --------
+    >>> import microswim as ms
+    >>> swimmer = ms.Swimmer.preset("tabak/plane_wave")
+    >>> run = ms.io.dataset(swimmer, swimmer.gait(), periods=2)
+    >>> ms.plots.velocity(run).axes[0].get_xlabel()
+    'phase of the tail (periods)'
+    """
+    import matplotlib as mpl
+    from matplotlib.figure import Figure
+
+    with mpl.rc_context(STYLE):
+        figure = Figure(figsize=(WIDTH, 2.5), layout="constrained")
+        linear, angular, power = figure.subplots(1, 3)
+        si = run.attrs["units"] == "SI"
+        _components(linear, run, slice(0, 3), "velocity", "m/s" if si else "", "u")
+        _components(angular, run, slice(3, 6), "body rate", "rad/s" if si else "", r"\Omega")
+        _power(power, run)
+        for axes, letter in zip((linear, angular, power), "abc"):
+            axes.set(xlabel="phase of the tail (periods)", xlim=(0, 1))
+            _title(axes, letter, "")
+        return figure
+
+
+def _swimmer_of(run: xr.Dataset) -> Swimmer | None:
+    import tomllib
+
+    from microswim.spec.file import from_dict
+
+    text = run.attrs.get("spec", "")
+    return from_dict(tomllib.loads(text)) if text else None
+
+
+def _directions(run: xr.Dataset) -> np.ndarray:
+    """Rows: direction of swimming and two across it, the last as upright as can be.
+
+    From the mean place of the first period to that of the last, which leaves out the wobble.
+    """
+    x, count = run.position.values, _periods(run)
+    first, last = count <= 1.0, count >= count[-1] - 1.0
+    net = x[last].mean(axis=0) - x[first].mean(axis=0) if count[-1] >= 2 else x[-1] - x[0]
+    along = net / np.linalg.norm(net) if np.linalg.norm(net) > 0 else np.array([-1.0, 0.0, 0.0])
+    z = np.eye(3)[2] if abs(along[2]) < 0.8 else np.eye(3)[1]
+    up = z - (z @ along) * along
+    up /= np.linalg.norm(up)
+    return np.array([along, np.cross(up, along), up])
+
+
+def _scene(axes: Axes, run: xr.Dataset, swimmer: Swimmer | None, basis: np.ndarray) -> None:
+    """The path in space, with the swimmer at its end and, if there is room, at its start."""
+    camera = Camera.behind(basis, azimuth=-28.0, elevation=16.0)
+    x, q = run.position.values, run.quaternion.values
+    extent = float(np.ptp(x @ basis[0])) or 1.0
+    if swimmer is not None:
+        extent = 2.0 * float(swimmer.body.semi_axes3[0]) + float(swimmer.tail.apparent_length)
+        room = np.linalg.norm(x[-1] - x[0]) > 0.75 * extent
+        for i, strength in ((0, 0.22), (len(x) - 1, 1.0)) if room else ((len(x) - 1, 1.0),):
+            mesh = surface(swimmer, float(run.motor_phase[i]), fineness=2.2)
+            draw_surface(axes, mesh.moved(x[i], rotation_matrix(q[i])), camera, strength)
+    path = camera.project(x)
+    axes.plot(path[:, 0], path[:, 1], color="#1b1b1b", lw=0.8, zorder=2.5, solid_joinstyle="round")
+    axes.plot(*path[0, :2], "o", ms=3.5, mfc="white", mec="#1b1b1b", mew=0.9, zorder=6)
+    axes.set_aspect("equal")
+    axes.set_axis_off()
+    axes.margins(0.03, 0.06)
+    _title(axes, "a", "swimmer and path, to scale")
+    scale_bar(axes, extent, "m" if run.attrs["units"] == "SI" else "")
+    triad(axes, camera)
+
+
+def _behind(axes: Axes, run: xr.Dataset, basis: np.ndarray) -> None:
+    """The path of the body's centre seen along the direction of swimming, coloured by time."""
+    from matplotlib.collections import LineCollection
+
+    across = (run.position.values - run.position.values[0]) @ basis[1:].T
+    middle = (across.max(axis=0) + across.min(axis=0)) / 2.0
+    reach = 0.55 * max(float(np.ptp(across, axis=0).max()), 1e-3 * float(run.body_length))
+    factor, unit = prefixed(reach, run.position.attrs["units"])
+    across, middle, reach = factor * across, factor * middle, factor * reach
+    segments = np.stack([across[:-1], across[1:]], axis=1)
+    colours = LineCollection(segments, array=_periods(run)[:-1], cmap="cividis", lw=0.8)
+    axes.add_collection(colours)
+    axes.plot(*across[0], "o", ms=3.5, mfc="white", mec="#1b1b1b", mew=0.9)
+    (left, low), (right, high) = middle - reach, middle + reach
+    axes.set(xlim=(left, right), ylim=(low, high))
+    axes.set(xlabel=label("sideways", unit), ylabel=label("upwards", unit), aspect="equal")
+    bar = axes.figure.colorbar(colours, ax=axes, pad=0.03, aspect=18)
+    bar.set_label("time (periods)")
+    bar.outline.set_visible(False)
+    _title(axes, "b", "centre of the body, from behind")
+
+
+def _in_time(axes: Axes, run: xr.Dataset, basis: np.ndarray) -> None:
+    """The first periods: displacement along and across the direction of swimming."""
+    time = _periods(run)
+    keep = time <= min(4.0, float(time[-1])) + 1e-9
+    moved = (run.position.values - run.position.values[0])[keep] @ basis.T
+    factor, unit = prefixed(float(np.abs(moved).max()), run.position.attrs["units"])
+    for values, name, (colour, style) in zip(moved.T, ("forwards", "sideways", "upwards"), LINES):
+        axes.plot(time[keep], factor * values, color=colour, ls=style, label=name)
+    axes.set(xlabel="time (periods)", ylabel=label("displacement", unit))
+    axes.set_xlim(0, float(time[keep][-1]) or 1.0)
+    axes.legend(loc="upper left")
+    _title(axes, "c", "centre of the body, first periods")
+
+
+def _title(axes: Axes, letter: str, text: str) -> None:
+    axes.set_title(rf"$\mathbf{{{letter}}}$   {text}", loc="left", fontsize=8)
+
+
+def _periods(run: xr.Dataset) -> np.ndarray:
+    return np.abs(run.motor_phase.values - run.motor_phase.values[0]) / (2.0 * np.pi)
+
+
+def _components(
+    axes: Axes, run: xr.Dataset, which: slice, name: str, unit: str, symbol: str
+) -> None:
+    """Three components over the period, their means as thin dotted lines."""
+    values = run.velocity.values[:, which]
+    factor, unit = prefixed(float(np.abs(values).max()), unit)
+    turns = run.phase.values / (2.0 * np.pi)
+    means = run.mean_velocity.values[which]
+    for v, mean, axis, (colour, style) in zip(values.T, means, "sqr", LINES):
+        axes.axhline(factor * mean, color=colour, lw=0.6, ls=":", zorder=1)
+        axes.plot(turns, factor * v, color=colour, ls=style, label=f"${symbol}_{axis}$")
+    _roomy(axes, factor * values)
+    axes.set_ylabel(label(name, unit) if unit else f"{name}{_dimensionless_note(run, which)}")
+    axes.legend(ncols=3, loc="upper center", columnspacing=1.0, handlelength=1.9)
+    if which.start == 3 and run.frequency != 0:
+        per_turn = abs(float(2.0 * np.pi * run.frequency)) * factor
+        right = axes.secondary_yaxis(
+            "right", functions=(lambda y: y / per_turn, lambda y: y * per_turn)
+        )
+        right.set_ylabel("(revolutions per period)")
+
+
+def _dimensionless_note(run: xr.Dataset, which: slice) -> str:
+    return " (lengths per time)" if which.start == 0 else " (rad per time)"
+
+
+def _power(axes: Axes, run: xr.Dataset) -> None:
+    values = run.power.values
+    factor, unit = prefixed(float(np.abs(values).max()), run.power.attrs["units"])
+    turns = run.phase.values / (2.0 * np.pi)
+    mean = factor * float(run.mean_power)
+    axes.axhline(mean, color="#7a7a7a", lw=0.6, ls=":")
+    axes.plot(turns, factor * values, color="#CC79A7")
+    _roomy(axes, np.append(factor * values, 0.0))
+    name = "motor power" if is_dimensionless(unit) else f"motor power ({unit})"
+    axes.set_ylabel(name)
+
+
+def _roomy(axes: Axes, values: Any) -> None:
+    """Limits with room for the legend above, and never narrower than the rounding of zeros."""
+    low, high = float(np.min(values)), float(np.max(values))
+    span = max(high - low, 0.05 * max(abs(low), abs(high)), 1e-12)
+    axes.set_ylim(low - 0.08 * span, high + 0.28 * span)

@@ -1,0 +1,288 @@
+"""The report of a run: tables of numbers in readable units, and one self-contained HTML page.
+
+Pictures are embedded, so the page is one file that can be sent around.
+"""
+
+from __future__ import annotations
+
+import base64
+import io
+from collections.abc import Sequence
+from dataclasses import dataclass
+from html import escape
+from importlib.resources import files
+from typing import TYPE_CHECKING, Any
+
+from microswim.gait.gait import DEGREES_OF_FREEDOM
+from microswim.output.report.readable import quantity, significant
+from microswim.swimmer.swimmer import Swimmer
+
+if TYPE_CHECKING:
+    import xarray as xr
+
+
+@dataclass(frozen=True)
+class Table:
+    """A table for the terminal and for the page.
+
+    Parameters
+    ----------
+    title
+        What it shows.
+    header
+        Names of the columns; the first column holds names, the others numbers.
+    rows
+        Texts, one tuple per row.
+    note
+        Where the numbers come from, in a sentence or two.
+
+    Examples
+    --------
+    >>> import microswim as ms
+    >>> ms.report.Table("Speeds", ("", "u_s"), [("helix", "-0.037")]).rows[0]
+    ('helix', '-0.037')
+    """
+
+    title: str
+    header: tuple[str, ...]
+    rows: Sequence[tuple[str, ...]]
+    note: str = ""
+
+
+def numbers_table(numbers: dict[str, Any], name: str) -> Table:
+    """The numbers of a run in readable units.
+
+    Parameters
+    ----------
+    numbers
+        What `microswim.io.numbers` gives.
+    name
+        Name of the swimmer.
+
+    Returns
+    -------
+    Table
+        Quantity, value, and the same in other words.
+
+    Examples
+    --------
+    >>> import microswim as ms
+    >>> swimmer = ms.Swimmer.preset("goto/C")
+    >>> table = ms.report.numbers_table(ms.io.numbers(swimmer, swimmer.gait()), "goto/C")
+    >>> table.rows[0][:2]
+    ('swimming speed', '10.21 µm/s')
+    """
+    si = numbers["units"] == "SI"
+
+    def q(value: float, unit: str) -> str:
+        return quantity(value, unit if si else "")
+
+    mean, amplitude = numbers["mean_velocity"], numbers["velocity_amplitude"]
+    turns = f"{significant(numbers['body_turns_per_period'])} revolutions per period"
+    hertz = f", {quantity(numbers['body_rotation_frequency'], 'Hz')}" if si else ""
+    rate = f"{significant(mean[3])} rad/s" if si else significant(mean[3])
+    lengths = f"{significant(numbers['body_lengths_per_time'])} body lengths per {_time(si)}"
+    rows = [
+        ("swimming speed", q(numbers["swimming_speed"], "m/s"), lengths),
+        ("mean velocity u_s", q(mean[0], "m/s"), "negative: the body leads"),
+        ("lateral amplitude u_q", q(amplitude[1], "m/s"), "half of peak to peak"),
+        ("body rate Omega_s", rate, turns + hertz),
+        (
+            "path radius",
+            q(numbers["path_radius"], "m"),
+            "of the body's centre about the screw axis",
+        ),
+        ("path pitch", q(numbers["path_pitch"], "m"), "advance per turn of the period's screw"),
+        ("motor frequency", q(numbers["frequency"], "Hz"), "of the tail relative to the body"),
+        ("motor power", q(numbers["mean_power"], "W"), "mean over the period"),
+        ("motor torque", q(numbers["mean_torque"], "N m"), "mean over the period"),
+        ("efficiency", f"{significant(100.0 * numbers['efficiency'], 3)} %", "Eq. (24)"),
+    ]
+    what = "SI units" if si else "in the units of the spec"
+    return Table(
+        f"{name}, model {numbers['model']}", ("", "value", ""), rows, f"{what}; body frame"
+    )
+
+
+def _time(si: bool) -> str:
+    return "second" if si else "time"
+
+
+def derived(swimmer: Swimmer) -> dict[str, Any]:
+    """What a swimmer works out to, as numbers: wave, local resistance, Reynolds number.
+
+    Examples
+    --------
+    >>> import microswim as ms
+    >>> round(ms.report.derived(ms.Swimmer.preset("tabak/helix"))["alpha"], 4)
+    0.7277
+    """
+    tail, fluid = swimmer.tail, swimmer.fluid
+    c_t, c_n, c_r = (float(c) for c in swimmer.coefficients.local(tail, fluid.viscosity))
+    semi_axes = tuple(float(r) for r in swimmer.body.semi_axes3)
+    scale = 2.0 * max(semi_axes) or float(tail.apparent_length)
+    k = getattr(tail, "wavenumber", None)
+    return {
+        "units": swimmer.units,
+        "semi_axes": semi_axes,
+        "apparent_length": float(tail.apparent_length),
+        "arc_length": float(tail.arc_length),
+        "alpha": float(tail.alpha),
+        "number_of_waves": float(tail.number_of_waves),
+        "wavenumber": None if k is None else float(k),
+        "c_t": c_t,
+        "c_n": c_n,
+        "c_r": c_r,
+        "tip": float(swimmer.coefficients.end(tail, fluid.viscosity)),
+        "reynolds_number": fluid.density * abs(tail.frequency) * scale**2 / fluid.viscosity,
+        "free": [n for n, free in zip(DEGREES_OF_FREEDOM, swimmer.motion.mask) if free],
+    }
+
+
+def spec_table(swimmer: Swimmer) -> Table:
+    """What a swimmer works out to, in readable units; the numbers are those of `derived`.
+
+    Examples
+    --------
+    >>> import microswim as ms
+    >>> table = ms.report.spec_table(ms.Swimmer.preset("tabak/helix"))
+    >>> [row[1] for row in table.rows if row[0] == "alpha"]
+    ['0.7277']
+    """
+    d, tail, si = derived(swimmer), swimmer.tail, swimmer.units == "SI"
+
+    def q(key: str, unit: str) -> str:
+        return quantity(d[key], unit if si else "")
+
+    axes = " x ".join(quantity(r, "m" if si else "") for r in d["semi_axes"])
+    body = f"semi-axes {axes}" if any(d["semi_axes"]) else "an isolated tail"
+    motion = f"{tail.sections} sections, {tail.surface_motion} surface motion"
+    rows = [
+        ("body", swimmer.body.shape, body),
+        ("tail", tail.kind, f"{motion} (for bem and fem)"),
+        ("apparent length L", q("apparent_length", "m"), "along s"),
+        ("arc length", q("arc_length", "m"), "along the filament, ramp left out"),
+        ("alpha", significant(d["alpha"]), "apparent over arc length"),
+        ("number of waves N", significant(d["number_of_waves"]), "L over wavelength"),
+        ("wavenumber k", q("wavenumber", "1/m"), "2 pi over wavelength"),
+        ("c_t", q("c_t", "Pa s"), f"along the filament, law {swimmer.coefficients.law}"),
+        ("c_n", q("c_n", "Pa s"), "across the filament"),
+        ("c_r", q("c_r", "Pa s m^2"), "spin about itself"),
+        ("tip", q("tip", "Pa s m"), "drag of the free end (tip = true)"),
+        ("Reynolds number", significant(d["reynolds_number"], 3), "from body length and frequency"),
+        (
+            "free motions",
+            " ".join(d["free"]),
+            f"motor rate read in the {swimmer.motion.frequency_frame} frame",
+        ),
+    ]
+    if d["wavenumber"] is None:
+        rows = [row for row in rows if row[0] != "wavenumber k"]
+    return Table("What the spec works out to", ("", "value", ""), rows, swimmer.units)
+
+
+def png(figure: Any) -> bytes:
+    """A figure as PNG.
+
+    Examples
+    --------
+    >>> import microswim as ms
+    >>> from matplotlib.figure import Figure
+    >>> ms.report.png(Figure(figsize=(1, 1)))[1:4]
+    b'PNG'
+    """
+    buffer = io.BytesIO()
+    figure.savefig(buffer, format="png", dpi=220)
+    return buffer.getvalue()
+
+
+def page(
+    run: xr.Dataset,
+    name: str,
+    tables: Sequence[Table],
+    pictures: Sequence[tuple[str, bytes]],
+    lead: str = "",
+) -> str:
+    """The report as one HTML page.
+
+    Parameters
+    ----------
+    run
+        Dataset of `microswim.io.dataset`: its attributes are the provenance.
+    name
+        Name of the swimmer, the title.
+    tables
+        The first stands beside the title, the others follow the pictures.
+    pictures
+        Caption and PNG of each.
+    lead
+        A sentence or two below the title.
+
+    Returns
+    -------
+    str
+        HTML without any reference to another file.
+
+    Examples
+    --------
+    >>> import microswim as ms
+    >>> swimmer = ms.Swimmer.preset("tabak/helix")
+    >>> run = ms.io.dataset(swimmer, swimmer.gait(), periods=1)
+    >>> table = ms.report.numbers_table(ms.io.numbers(swimmer, swimmer.gait()), "helix")
+    >>> ms.report.page(run, "helix", [table], [])[:15]
+    '<!doctype html>'
+    """
+    keys = ("microswim_version", "created", "model", "units", "periods")
+    made = [(key.replace("_", " "), str(run.attrs[key])) for key in keys]
+    first, *others = [_table(t) for t in tables]
+    figures = [_figure(caption, data) for caption, data in pictures]
+    style = files(__package__).joinpath("report.css").read_text(encoding="utf-8")
+    spec = escape(run.attrs.get("spec", "").strip()) or "given in Python, without a spec file"
+    parts = [
+        "<!doctype html>",
+        f'<html lang="en"><head><meta charset="utf-8"><title>{escape(name)} swims</title>',
+        '<meta name="viewport" content="width=device-width, initial-scale=1">',
+        f"<style>{style}</style></head><body><main>",
+        f"<header><p>microswim report</p><h1>{escape(name)}</h1>{_paragraph(lead)}</header>",
+        *(first, *figures, *others),
+        f"<section><h2>Specification</h2><pre>{spec}</pre></section>",
+        _table(Table("Provenance", ("", ""), made)),
+        "</main></body></html>\n",
+    ]
+    return "\n".join(parts)
+
+
+def _paragraph(text: str) -> str:
+    return f'<p class="lead">{escape(text)}</p>' if text else ""
+
+
+def _figure(caption: str, data: bytes) -> str:
+    source = f"data:image/png;base64,{base64.b64encode(data).decode()}"
+    shown = escape(caption)
+    return f'<figure><img src="{source}" alt="{shown}"><figcaption>{shown}</figcaption></figure>'
+
+
+def _table(table: Table) -> str:
+    head = "".join(f'<th scope="col">{_symbols(h)}</th>' for h in table.header)
+    head = f"<thead><tr>{head}</tr></thead>" if any(table.header) else ""
+    rows = []
+    for first, *rest in table.rows:
+        cells = "".join(f"<td>{_symbols(cell)}</td>" for cell in rest)
+        rows.append(f'<tr><th scope="row">{_symbols(first)}</th>{cells}</tr>')
+    note = f'<p class="note">{escape(table.note)}</p>' if table.note else ""
+    body = f"<table>{head}<tbody>{''.join(rows)}</tbody></table>"
+    title = f"<h2>{escape(table.title)}</h2>"
+    return f'<section>{title}<div class="wide">{body}</div>{note}</section>'
+
+
+_SYMBOLS = ("u_s", "u_q", "u_r", "c_t", "c_n", "c_r", "Omega_s", "Omega_q", "Omega_r")
+
+
+def _symbols(text: str) -> str:
+    """Escaped text with the symbols of the field set as such."""
+    out = escape(text)
+    for symbol in _SYMBOLS:
+        letter, index = symbol.split("_")
+        letter = letter.replace("Omega", "&Omega;")
+        out = out.replace(symbol, f"<i>{letter}<sub>{index}</sub></i>")
+    return out.replace("alpha", "&alpha;").replace(" pi ", " &pi; ").replace(" x ", " &times; ")

@@ -1,0 +1,46 @@
+"""Spec files that come with the package: base cases of the paper, measured cells.
+
+A preset is a spec file like any other, and the best way to learn the format.
+"""
+
+from __future__ import annotations
+
+from importlib.resources import files
+
+from microswim.errors import SpecError
+
+__all__ = ["names", "read"]
+
+_HERE = files(__name__)
+
+
+def names() -> list[str]:
+    """Names of all presets, ``"family/member"``, in alphabetical order.
+
+    Examples
+    --------
+    >>> from microswim.spec import presets
+    >>> "tabak/helix" in presets.names()
+    True
+    """
+    families = [f for f in _HERE.iterdir() if f.is_dir()]
+    files_ = [(family.name, f.name) for family in families for f in family.iterdir()]
+    return sorted(f"{family}/{f[:-5]}" for family, f in files_ if f.endswith(".toml"))
+
+
+def read(name: str) -> str:
+    """Text of a preset, comments included.
+
+    Parameters
+    ----------
+    name
+        One of `names()`.
+
+    Raises
+    ------
+    SpecError
+        If there is no preset of that name.
+    """
+    if name not in names():
+        raise SpecError("preset", name, "one of " + ", ".join(names()))
+    return (_HERE / f"{name}.toml").read_text(encoding="utf-8")

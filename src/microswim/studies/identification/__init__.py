@@ -1,0 +1,1 @@
+"""What a filmed track tells about the swimmer that made it."""

@@ -1,0 +1,122 @@
+"""What the identification of a swimmer from its track gives."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from scipy.stats import t as student
+
+from microswim.calibration.identifiability import Direction
+from microswim.swimmer.swimmer import Swimmer
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class Identification:
+    """Outcome of `identify_swimmer`.
+
+    Parameters
+    ----------
+    swimmer
+        The swimmer with the values found.
+    names, values
+        Unknowns and their values.
+    covariance
+        Of the values; infinite along what the track does not determine.
+    residual
+        Root mean square distance of path and track, per coordinate.
+    degrees
+        Degrees of freedom left, for the intervals.
+    directions
+        Combinations of the unknowns, best determined first.
+    warnings
+        What cannot be determined, and what does not fit.
+    path
+        Fitted positions, of the track's shape.
+    alternatives
+        Other designs that fit the track as well (within chi-squared 9), values each.
+
+    Examples
+    --------
+    >>> import numpy as np, microswim as ms
+    >>> swimmer = ms.Swimmer.preset("tabak/helix")
+    >>> t = np.linspace(0, 6, 90)
+    >>> path = ms.trajectory(swimmer.gait(), t).position.values
+    >>> track = ms.Track(time=t, position=path)
+    >>> found = ms.identify_swimmer(swimmer, track, ["tail.amplitude"], start={})
+    >>> found.interval(0.95).shape
+    (1, 2)
+    """
+
+    swimmer: Swimmer
+    names: tuple[str, ...]
+    values: np.ndarray
+    covariance: np.ndarray
+    residual: float
+    degrees: int
+    directions: tuple[Direction, ...]
+    warnings: tuple[str, ...]
+    path: np.ndarray
+    alternatives: tuple[np.ndarray, ...] = ()
+
+    @property
+    def uncertainty(self) -> np.ndarray:
+        """Standard uncertainty of each value; infinite where the track does not tell."""
+        return np.sqrt(np.diag(self.covariance))
+
+    def interval(self, level: float = 0.95) -> np.ndarray:
+        """Confidence interval of each value, shape (n, 2), for independent normal noise."""
+        half = student.ppf(0.5 + level / 2.0, max(self.degrees, 1)) * self.uncertainty
+        return np.stack([self.values - half, self.values + half], axis=-1)
+
+    def as_dict(self) -> dict[str, Any]:
+        """What there is to print or to store as JSON."""
+        u = [float(x) if np.isfinite(x) else None for x in self.uncertainty]
+        bounds = [[float(x) if np.isfinite(x) else None for x in row] for row in self.interval()]
+        return {
+            "values": dict(zip(self.names, map(float, self.values))),
+            "uncertainty": dict(zip(self.names, u)),
+            "interval_95": dict(zip(self.names, bounds)),
+            "residual": self.residual,
+            "directions": [d.as_dict() for d in self.directions],
+            "alternatives": [dict(zip(self.names, map(float, v))) for v in self.alternatives],
+            "warnings": list(self.warnings),
+        }
+
+
+def remarks(
+    names: tuple[str, ...],
+    directions: tuple[Direction, ...],
+    covariance: np.ndarray,
+    others: tuple[np.ndarray, ...],
+    misfit: float | None,
+) -> tuple[str, ...]:
+    """What cannot be determined, and whether the noise that was given explains the misfit."""
+    out = []
+    blind = [n for n, v in zip(names, np.diag(covariance)) if not np.isfinite(v)]
+    if blind:
+        out.append(f"the track does not depend on {', '.join(blind)}: it cannot be determined")
+    vague = [d for d in directions if not d.determined and d.singular_value > 0]
+    out += [f"not determined by this track: {str(d).rpartition(':')[0]}" for d in vague]
+    if others:
+        out.append(f"{len(others)} other design(s) fit as well: see alternatives")
+    if misfit is not None and misfit > 2.0:
+        out.append(
+            f"chi-squared per degree of freedom is {misfit:.3g}: the noise is larger than sigma, "
+            "or the model does not hold"
+        )
+    return tuple(out)
+
+
+def distinct_from(
+    best: np.ndarray, others: list[np.ndarray], covariance: np.ndarray
+) -> tuple[np.ndarray, ...]:
+    """Those of the others that are more than four uncertainties from the best and each other."""
+    variance = np.diag(covariance)
+    near = 4.0 * np.sqrt(np.where(np.isfinite(variance), variance, 1e300)) + 1e-6 * np.abs(best)
+    kept = [best]
+    for x in others:
+        if all(np.any(np.abs(x - y) > near) for y in kept):
+            kept.append(x)
+    return tuple(kept[1:])

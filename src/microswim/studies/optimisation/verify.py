@@ -1,0 +1,105 @@
+"""The multi-fidelity loop: the reference judges the surrogate's optimum until both agree.
+
+Search on the surrogate; solve its optimum with the reference; where they differ by more than the
+tolerance, calibrate the surrogate at that very design and search again. Every round costs one
+reference solve.
+"""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Callable
+from dataclasses import replace
+from typing import Any
+
+import numpy as np
+
+from microswim.calibration.calibrate import calibrate
+from microswim.studies.optimisation.design import Optimum, search
+from microswim.studies.optimisation.merits import of_gait
+from microswim.studies.optimisation.problem import Problem
+from microswim.swimmer.swimmer import Swimmer
+
+ROUNDS = 6
+# What the reference is asked, and what of the surrogate answers for it.
+ASKED = {
+    "helix": ("tail_propulsion.us", "tail_propulsion.os", "mean.us", "mean.os"),
+    "plane_wave": ("tail_propulsion.us", "mean.us", "amplitude.or"),
+}
+UNKNOWN = {
+    "helix": {"tail.t": "", "tail.n": "", "translation.s": "us", "rotation.s": "os"},
+    "plane_wave": {"tail.t": "", "tail.n": "", "rotation.r": "or"},
+}
+
+
+def verified(
+    problem: Problem,
+    model: str,
+    tolerance: float,
+    seed: int,
+    samples: int | None,
+    progress: Callable[[str], None] | None,
+    options: dict[str, Any],
+) -> Optimum:
+    """Optimum on which surrogate and reference agree, or the best the reference has seen.
+
+    Returns
+    -------
+    Optimum
+        ``history`` holds a dict a round: ``values``, ``surrogate`` and ``reference`` (the
+        objective), ``miss`` (relative), ``holds`` (whether the constraints hold for the
+        reference), ``agreed``.
+    """
+    begun = time.perf_counter()
+    say = progress or (lambda text: None)
+    rounds: list[dict[str, Any]] = []
+    tried: list[Optimum] = []
+    for number in range(1, ROUNDS + 1):
+        say(f"round {number}: searching on the surrogate")
+        best = search(problem, seed, samples)
+        say(f"round {number}: solving the optimum with {model}")
+        judged = best.swimmer.gait(model, **options)
+        rounds.append(_verdict(problem, best, judged, tolerance))
+        tried.append(best)
+        say(
+            f"round {number}: {best.objective} = {best.value:.4g} by the surrogate, "
+            f"{rounds[-1]['reference']:.4g} by {model}: {100 * rounds[-1]['miss']:.1f} % off"
+        )
+        if rounds[-1]["agreed"]:
+            break
+        if number < ROUNDS:
+            problem = replace(problem, swimmer=_calibrated(problem.swimmer, best.swimmer, judged))
+    i = len(rounds) - 1 if rounds[-1]["agreed"] else _best_judged(rounds, tried[0].sense)
+    return replace(tried[i], history=tuple(rounds), seconds=time.perf_counter() - begun)
+
+
+def _verdict(problem: Problem, best: Optimum, judged: Any, tolerance: float) -> dict[str, Any]:
+    expression, _ = problem.objectives[0]
+    values = {k: float(np.real(v)) for k, v in of_gait(best.swimmer, judged).items()}
+    reference = float(expression(values))
+    miss = abs(best.value - reference) / max(abs(reference), 1e-300)
+    holds = all(float(c.margin(values)) >= -tolerance for c in problem.limits)
+    return {
+        "values": {k: v.item() if isinstance(v, np.generic) else v for k, v in best.values.items()},
+        "surrogate": best.value,
+        "reference": reference,
+        "miss": miss,
+        "holds": holds,
+        "agreed": bool(miss <= tolerance and holds),
+        "model": judged.model,
+    }
+
+
+def _best_judged(rounds: list[dict[str, Any]], sense: float) -> int:
+    return max(
+        range(len(rounds)), key=lambda i: (rounds[i]["holds"], sense * rounds[i]["reference"])
+    )
+
+
+def _calibrated(base: Swimmer, at: Swimmer, judged: Any) -> Swimmer:
+    """The base swimmer with coefficients that agree with the reference at one design."""
+    free = dict(zip(("us", "uq", "ur", "os", "oq", "or"), at.motion.mask))
+    unknowns = [u for u, needs in UNKNOWN[at.tail.kind].items() if free.get(needs, True)]
+    asked = [q for q in ASKED[at.tail.kind] if free[q.split(".")[1]] or "propulsion" in q]
+    fit = calibrate(at, judged, unknowns, quantities=asked)
+    return replace(base, interaction=fit.swimmer.interaction)

@@ -1,0 +1,1 @@
+"""Many designs, by any model, kept on disk."""

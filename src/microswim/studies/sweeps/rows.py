@@ -1,0 +1,144 @@
+"""Solve the rows of a sweep: the same function in this process, a worker or a Dask cluster.
+
+A design that cannot be solved becomes a row with its reason.
+"""
+
+from __future__ import annotations
+
+import warnings
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from typing import Any
+
+import numpy as np
+
+from microswim.errors import MicroswimError, SpecError
+from microswim.gait.screw import screw
+from microswim.numerics.compiled import settled
+from microswim.studies.sweeps.store import DONE, FAILED, NUMBERS, VECTORS, blank
+from microswim.swimmer.swimmer import Swimmer
+from microswim.swimmer.variants import vary
+
+#: So many rows of the surrogate are done before compiled loops would be loaded.
+FEW = 2000
+
+
+@dataclass(frozen=True)
+class Job:
+    """What every row of a sweep shares: base swimmer, model, its options, and the rows in all."""
+
+    swimmer: Swimmer
+    model: str = "rft"
+    options: dict[str, Any] = field(default_factory=dict)
+    rows: int = 0
+
+    @property
+    def pays(self) -> bool:
+        """Whether to compile for it. The same in every process, and after an interruption."""
+        return self.rows > FEW or self.swimmer.tail.kind == "custom"
+
+
+def solve_rows(job: Job, columns: Mapping[str, np.ndarray]) -> dict[str, np.ndarray]:
+    """Results of designs, one a row: the batched kernel for the surrogate, else one by one.
+
+    Parameters
+    ----------
+    job
+        Base swimmer, model, options.
+    columns
+        Dotted name to values, all of one length.
+
+    Returns
+    -------
+    dict
+        As `sweepstore.blank`, every row solved or failed.
+    """
+    with settled(job.pays):
+        return _solved(job, columns)
+
+
+def _solved(job: Job, columns: Mapping[str, np.ndarray]) -> dict[str, np.ndarray]:
+    out = blank(len(next(iter(columns.values()))))
+    left = range(len(out["status"]))
+    if job.model == "rft" and not job.options:
+        for choices, rows in groups(columns):
+            numbers = {k: v[rows] for k, v in columns.items() if k not in choices}
+            _solve_batched(job.swimmer, choices, numbers, out, rows)
+        left = np.flatnonzero(out["status"] != DONE)
+    for i in left:
+        _solve_one(job, {name: column[i] for name, column in columns.items()}, out, i)
+    return out
+
+
+def _solve_batched(
+    swimmer: Swimmer, choices: dict[str, Any], numbers: Any, out: dict[str, np.ndarray], rows: Any
+) -> None:
+    """Rows of equal choices by the batched kernel; what it cannot solve is left to one by one."""
+    from microswim.models.rft.batch import evaluate, expected_errors
+
+    if not numbers:
+        return
+    try:
+        swimmer = vary(swimmer, choices)
+        results = evaluate(swimmer, numbers)
+    except SpecError:
+        return
+    if swimmer.region is not None:
+        results["expected_error"] = expected_errors(swimmer, numbers)
+    good = np.isfinite(results["mean_velocity"]).all(axis=1) & np.isfinite(results["mean_power"])
+    for name, values in results.items():
+        if name in out:
+            out[name][rows[good]] = values[good]
+    out["status"][rows[good]] = DONE
+
+
+def _solve_one(job: Job, values: dict[str, Any], out: dict[str, np.ndarray], row: int) -> None:
+    try:
+        with warnings.catch_warnings():
+            warnings.simplefilter("ignore")
+            results = outputs(vary(job.swimmer, values).gait(job.model, **job.options))
+    except SpecError as error:
+        _fail(out, row, str(error))
+    except MicroswimError as error:
+        _fail(out, row, str(error))
+    except Exception as error:  # a lost solve must not lose the sweep
+        _fail(out, row, f"{type(error).__name__}: {error}")
+    else:
+        for name, value in results.items():
+            out[name][row] = value
+        out["status"][row] = DONE
+        if not np.all(np.isfinite(out["mean_velocity"][row])):
+            _fail(out, row, "the result is not finite")
+
+
+def _fail(out: dict[str, np.ndarray], row: int, reason: str) -> None:
+    for name in (*VECTORS, *NUMBERS):
+        out[name][row] = np.nan
+    out["status"][row] = FAILED
+    out["reason"][row] = " ".join(reason.split()) or "failed without a word"
+
+
+def outputs(gait: Any) -> dict[str, Any]:
+    """The numbers of a row from a gait."""
+    return {
+        "mean_velocity": gait.mean_velocity,
+        "velocity_amplitude": gait.velocity_amplitude,
+        "swimming_speed": screw(gait).speed,
+        "mean_power": gait.mean_power,
+        "mean_torque": gait.mean_torque,
+        "efficiency": gait.efficiency if gait.body_resistance_series is not None else np.nan,
+        "expected_error": gait.info.get("expected_error", np.nan),
+    }
+
+
+def groups(columns: Mapping[str, np.ndarray]) -> list[tuple[dict[str, Any], np.ndarray]]:
+    """Rows by their discrete choices: ``(choices, indices of the rows)``."""
+    rows = len(next(iter(columns.values())))
+    words = [name for name, column in columns.items() if column.dtype.kind in "USOb"]
+    if not words:
+        return [({}, np.arange(rows))]
+    keys = list(zip(*(columns[name].tolist() for name in words)))
+    found: dict[tuple, list[int]] = {}
+    for i, key in enumerate(keys):
+        found.setdefault(key, []).append(i)
+    return [(dict(zip(words, key)), np.array(index)) for key, index in found.items()]

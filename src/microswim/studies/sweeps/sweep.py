@@ -1,0 +1,250 @@
+"""Many solves: a grid or a list of designs into one Dataset, on disk if wanted."""
+
+from __future__ import annotations
+
+import hashlib
+import json
+import os
+import platform
+import time
+from collections.abc import Callable, Iterable, Iterator
+from concurrent.futures import Future, ThreadPoolExecutor
+from importlib.metadata import version
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from microswim import __version__
+from microswim.calibration.region.text import pack
+from microswim.errors import SpecError
+from microswim.studies.sweeps.engines import Rows, Task, connected, dask, here, processes
+from microswim.studies.sweeps.rows import Job
+from microswim.studies.sweeps.space import Space
+from microswim.studies.sweeps.store import (
+    COMPONENTS,
+    LONG_NAMES,
+    VECTORS,
+    WAITING,
+    SweepStore,
+    blank,
+    locked,
+)
+from microswim.swimmer.swimmer import Swimmer
+from microswim.swimmer.variants import check_names, spec_json
+
+if TYPE_CHECKING:
+    import xarray as xr
+
+BLOCK = {"rft": 65536, "custom": 64, "bem": 64, "fem": 16}  # designs in a chunk of the store
+Progress = Callable[[int, int], None]
+Engine = Callable[[Iterable[Task]], Iterator[tuple[Task, Rows]]]
+
+
+def sweep(
+    swimmer: Swimmer,
+    over: Any,
+    model: str = "rft",
+    *,
+    out: str | os.PathLike[str] | None = None,
+    resume: bool = False,
+    workers: int | None = None,
+    scheduler: str | None = None,
+    cluster: str | None = None,
+    progress: Progress | None = None,
+    **options: Any,
+) -> xr.Dataset:
+    """Solve many designs.
+
+    Parameters
+    ----------
+    swimmer
+        What does not vary.
+    over
+        Dotted name to values: the grid of all combinations. Or a list of designs: a list of
+        mappings of dotted names to values, or a table with such columns. Values are numbers or,
+        for choices such as ``tail.handedness`` and ``tail.kind``, words.
+    model
+        ``"rft"`` (batched kernel), ``"bem"`` or ``"fem"``.
+    out
+        Zarr store to write as results come; killed at any moment it loses at most the solves in
+        flight.
+    resume
+        Go on with the store at `out` if it is there.
+    workers
+        Local processes, each with one thread; by default all cores for the reference solvers and
+        none for the surrogate, whose kernel uses all cores itself. Jobs with `cluster`.
+    scheduler, cluster
+        Address of a Dask scheduler, or ``"slurm"``.
+    progress
+        Called with the number of solved designs and of all.
+    options
+        What the model takes, such as ``level="fine"``.
+
+    Returns
+    -------
+    xarray.Dataset
+        ``mean_velocity``, ``velocity_amplitude`` (with dimension ``component``),
+        ``swimming_speed``, ``mean_power``, ``mean_torque``, ``efficiency``, ``expected_error``,
+        ``status`` and ``reason`` over the dotted names (or ``design`` for a list). A failed
+        design is NaN with its reason. Provenance in the attributes.
+
+    Raises
+    ------
+    SpecError
+        If a name is no field of the swimmer, or `out` is there and is not to be resumed, or holds
+        another sweep.
+    MicroswimError
+        If another sweep is writing `out`, or no cluster answers.
+
+    Examples
+    --------
+    >>> import microswim as ms
+    >>> swimmer = ms.Swimmer.preset("tabak/helix")
+    >>> result = ms.sweep(swimmer, {"tail.amplitude": [0.05, 0.1], "tail.waves": [1, 2, 3]})
+    >>> dict(result.swimming_speed.sizes)
+    {'tail.amplitude': 2, 'tail.waves': 3}
+    """
+    if model not in BLOCK:
+        raise SpecError("model", model, 'one of "rft", "bem", "fem"')
+    space = Space.of(over, BLOCK["custom" if swimmer.tail.kind == "custom" else model])
+    check_names(swimmer, space.names)
+    job = Job(swimmer, model, options, space.size)
+    attributes = _provenance(job, space)
+
+    def engine(tasks: Iterable[Task]) -> Iterator[tuple[Task, Rows]]:
+        count = workers or _cores()
+        if scheduler is not None or cluster is not None:
+            with connected(scheduler, cluster, count) as client:
+                yield from dask(job, list(tasks), client)
+        elif model == "rft" and workers is None:
+            yield from here(job, tasks)
+        else:
+            yield from processes(job, list(tasks), count)
+
+    if out is None:
+        return _in_memory(job, space, engine, attributes, progress)
+    path = Path(out).resolve()
+    with locked(path):
+        store = _open(path, space, attributes, resume)
+        _fill(job, space, engine, store, progress)
+    import xarray as xr
+
+    return xr.open_zarr(path, chunks=None)
+
+
+def _cores() -> int:
+    if hasattr(os, "sched_getaffinity"):
+        return len(os.sched_getaffinity(0))
+    return os.cpu_count() or 1
+
+
+def _open(path: Path, space: Space, attributes: dict[str, Any], resume: bool) -> SweepStore:
+    if not path.exists():
+        return SweepStore.create(path, space, attributes)
+    if not resume:
+        raise SpecError(f"{path}: it is there already; --resume goes on with it, or remove it")
+    return SweepStore.resume(path, space, attributes)
+
+
+def _provenance(job: Job, space: Space) -> dict[str, Any]:
+    """Where the results come from: version, spec, model, resolution, designs, machine."""
+    over = {name: v.tolist() for name, v in zip(space.names, space.values) if v.size <= 10_000}
+    return {
+        "title": f"sweep of {space.size} designs over {', '.join(space.names)}",
+        "microswim_version": __version__,
+        "model": job.model,
+        "options": json.dumps(job.options, sort_keys=True, default=str),
+        "units": job.swimmer.units,
+        "spec": spec_json(job.swimmer),
+        "calibration": _calibration(job.swimmer),
+        "over": json.dumps(over | {"digest": _digest(space)}, sort_keys=True),
+        "created": time.strftime("%Y-%m-%dT%H:%M:%SZ", time.gmtime()),
+        "machine": f"{platform.machine()}, {platform.system()}, Python {platform.python_version()}",
+        "libraries": f"numpy {np.__version__}, zarr {version('zarr')}",
+    }
+
+
+def _calibration(swimmer: Swimmer) -> str:
+    """A fingerprint of the region calibration that the swimmer carries, if any."""
+    region = getattr(swimmer, "region", None)
+    return "none" if region is None else hashlib.sha256(pack(region).encode()).hexdigest()
+
+
+def _digest(space: Space) -> str:
+    whole = hashlib.sha256(repr((space.names, space.grid, space.chunks)).encode())
+    for values in space.values:
+        whole.update(np.ascontiguousarray(values).tobytes() + str(values.dtype).encode())
+    return whole.hexdigest()
+
+
+def _tasks(job: Job, space: Space, rows: np.ndarray) -> Iterator[Task]:
+    """Rows of a block as tasks: together for the batched kernel, else one by one."""
+    if job.model != "rft" or job.swimmer.tail.kind == "custom":
+        yield from (Task(space, int(i), int(i) + 1) for i in rows)
+    elif len(rows):
+        yield Task(space, int(rows[0]), int(rows[-1]) + 1)
+
+
+def _fill(job: Job, space: Space, engine: Engine, store: SweepStore, progress: Any) -> None:
+    """Solve what the store does not hold yet, and write it as it comes.
+
+    The surrogate's blocks are solved and written whole, so that rounding cannot depend on when a
+    sweep was interrupted; for a reference every design stands for itself.
+    """
+    places = list(space.blocks())
+    starts = np.array([start for _, start, _ in places])
+    waiting = [np.flatnonzero(store.status(p) == WAITING) + a for p, a, _ in places]
+    solved = space.size - sum(map(len, waiting))
+    filling: dict[int, Rows] = {}
+    if progress:
+        progress(solved, space.size)
+    with ThreadPoolExecutor(1) as writer:  # a whole block is written while the next is solved
+        pending: Future[None] | None = None
+        for task, results in engine(t for rows in waiting for t in _tasks(job, space, rows)):
+            i = int(np.searchsorted(starts, task.start, side="right")) - 1
+            place, start, stop = places[i]
+            whole = task.stop - task.start == stop - start
+            if i not in filling:
+                filling[i] = results if whole else store.read(place)
+            for name, values in results.items():
+                filling[i][name][task.start - start : task.stop - start] = values
+            if pending is not None:
+                pending.result()
+            pending = writer.submit(store.write, place, filling[i])
+            if not whole:
+                pending.result()
+            if np.all(filling[i]["status"] != WAITING):
+                del filling[i]
+            solved += task.stop - task.start
+            if progress:
+                progress(solved, space.size)
+        if pending is not None:
+            pending.result()
+
+
+def _in_memory(job: Job, space: Space, engine: Engine, attributes: Any, progress: Any) -> Any:
+    import xarray as xr
+
+    whole = blank(space.size)
+    blocks = (np.arange(start, stop) for _, start, stop in space.blocks())
+    solved = 0
+    for task, results in engine(t for rows in blocks for t in _tasks(job, space, rows)):
+        for name, values in results.items():
+            whole[name][task.start : task.stop] = values
+        solved += task.stop - task.start
+        if progress:
+            progress(solved, space.size)
+    data = {
+        name: (
+            (*space.dims, "component") if name in VECTORS else space.dims,
+            whole[name].reshape(*space.shape, *whole[name].shape[1:]),
+            {"long_name": note},
+        )
+        for name, note in LONG_NAMES.items()
+    }
+    data["reason"] = (data["reason"][0], data["reason"][1].astype(str), data["reason"][2])
+    coords: dict[str, Any] = {"component": list(COMPONENTS)}
+    for name, values in zip(space.names, space.values):
+        coords[name] = values if space.grid else ("design", values)
+    return xr.Dataset(data, coords, attributes)

@@ -1,0 +1,1 @@
+"""Measured cells and robots beside the model, on one page."""

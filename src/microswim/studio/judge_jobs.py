@@ -1,0 +1,201 @@
+"""What a worker of the judge does: reference against surrogate, calibration, the flow."""
+
+from __future__ import annotations
+
+import math
+import warnings
+from collections.abc import Callable
+from dataclasses import replace
+from typing import Any
+
+import numpy as np
+
+from microswim.errors import MicroswimError, SpecError
+from microswim.gait.gait import Gait
+from microswim.numerics.fourier import series_of
+from microswim.studio import answers
+from microswim.studio.spec_tables import canonical, swimmer_of
+from microswim.swimmer.swimmer import Swimmer
+
+Progress = Callable[[int, int], None]
+LEVELS = ("coarse", "standard", "fine")
+MOST_POINTS = 6000
+FLOW_PHASES = 8
+MIRROR_Q = np.array([1.0, -1.0, 1.0])
+ROWS = (
+    "swimming_speed",
+    "forward_velocity",
+    "body_rate",
+    "wobble",
+    "mean_torque",
+    "mean_power",
+    "efficiency",
+)
+
+
+def loop(pipe: Any) -> None:
+    """Answer jobs until the other end is closed."""
+    while True:
+        try:
+            kind, question = pipe.recv()
+        except EOFError:
+            return
+        try:
+            with warnings.catch_warnings():
+                warnings.simplefilter("ignore")
+                answer = KINDS[kind](question, lambda i, n: pipe.send(("progress", (i, n))))
+            pipe.send(("done", answer))
+        except MicroswimError as error:
+            pipe.send(("failed", str(error)))
+        except MemoryError:
+            pipe.send(("failed", "the boundary elements of this design need more memory"))
+        except Exception as error:  # a worker must outlive whatever happens in one job
+            pipe.send(("failed", f"the judge failed: {type(error).__name__}: {error}"))
+
+
+def check(kind: Any, question: dict[str, Any]) -> None:
+    """Refuse a question before a process is busy with it.
+
+    Raises
+    ------
+    SpecError
+        One sentence.
+    """
+    if kind not in KINDS:
+        raise SpecError("job", kind, "one of " + ", ".join(KINDS))
+    swimmer_of(question.get("tables"))
+    if question.get("level", "coarse") not in LEVELS:
+        raise SpecError("level", question["level"], "coarse, standard or fine")
+
+
+def judge(question: dict[str, Any], progress: Progress) -> dict[str, Any]:
+    """The reference's answer, the table of both, and what calibration here would give.
+
+    The reference is finite elements in a channel, boundary elements elsewhere.
+    """
+    swimmer = swimmer_of(question["tables"])
+    reference = swimmer.gait(
+        "bem" if swimmer.channel is None else "fem",
+        level=question.get("level", "standard"),
+        progress=lambda i, n: progress(i, n + 1),
+    )
+    ours = answers.readings(swimmer, answers.surrogate(swimmer))
+    theirs = answers.readings(swimmer, reference)
+    answer = {
+        "answer": answers.describe(swimmer, replace(reference, units=swimmer.units)),
+        "rows": compare(ours, theirs),
+        "unknowns": int(reference.info.get("unknowns", 0)),
+        "phases": int(reference.info.get("phases_solved", 0)),
+        "level": question.get("level", "standard"),
+    }
+    try:
+        answer["calibration"] = calibration(swimmer, reference, theirs)
+    except MicroswimError as error:
+        answer["calibration"] = {"error": str(error)}
+    return answer
+
+
+def compare(ours: dict[str, Any], theirs: dict[str, Any]) -> list[dict[str, Any]]:
+    """Rows of surrogate against reference; no percentage where the reference vanishes."""
+    rows = []
+    for name in ROWS:
+        a, b = ours[name], theirs[name]
+        if a is None or b is None:
+            continue
+        zero = abs(b) <= 1e-9 * (1.0 + abs(theirs["frequency"])) and name == "body_rate"
+        error = None if b == 0 or zero else abs(a) / abs(b) - 1.0
+        rows.append({"name": name, "surrogate": a, "reference": b, "error": error})
+    return rows
+
+
+def calibration(swimmer: Swimmer, reference: Gait, theirs: dict[str, Any]) -> dict[str, Any]:
+    """Interaction coefficients that make the surrogate agree here, and how well they do."""
+    from microswim.calibration.calibrate import calibrate
+
+    fit = calibrate(swimmer, reference)
+    rows = compare(answers.readings(fit.swimmer, answers.surrogate(fit.swimmer)), theirs)
+    return {
+        "tables": canonical(fit.swimmer),
+        "coefficients": {k: float(v) for k, v in fit.coefficients.items()},
+        "rows": rows,
+        "warnings": list(fit.warnings),
+    }
+
+
+def flow(question: dict[str, Any], progress: Progress) -> dict[str, Any]:
+    """Velocity of the fluid on the plane r = 0 of the body frame, a Fourier series in the phase.
+
+    Rows along q, columns along s; components s, q, r; at the motor's own rate.
+    """
+    swimmer = swimmer_of(question["tables"])
+    S, Q = _window(swimmer)
+    points = np.stack([*np.meshgrid(S, Q), np.zeros((Q.size, S.size))], axis=-1)
+    sample = _helix_flow if _rigid(swimmer) else _wave_flow
+    velocities = sample(swimmer, points, progress)
+    if swimmer.wall is not None:  # the image's flow behind the wall is none
+        from_wall = swimmer.wall.plane(swimmer.body.centre)
+        behind = (points - from_wall[:3]) @ from_wall[3:] <= 0
+        velocities = [np.where(behind[..., None], 0.0, u) for u in velocities]
+    series = series_of(np.array(velocities), harmonics=FLOW_PHASES // 2 - 1)
+    scale = float(np.percentile(np.linalg.norm(velocities, axis=-1), 97))
+    return {
+        "s": [float(S[0]), float(S[-1])],
+        "q": [float(Q[0]), float(Q[-1])],
+        "shape": [Q.size, S.size],
+        "series": [[_short(v) for v in term.ravel()] for term in series],
+        "scale": scale,
+    }
+
+
+def _short(value: float) -> float:
+    return float(f"{value:.4g}") if math.isfinite(value) else 0.0
+
+
+def _window(swimmer: Swimmer) -> tuple[np.ndarray, np.ndarray]:
+    """Coordinates of the slice: the swimmer and half its length around."""
+    length = float(swimmer.tail.apparent_length)
+    front = 2.0 * float(swimmer.body.semi_axes3[0])
+    margin = 0.35 * (length + front)
+    step = (length + front + 2 * margin) / 55
+    half = max(margin, float(swimmer.tail.amplitude) * 2.0, float(swimmer.body.semi_axes3[1]) * 1.6)
+    count = 2 * int(half / step) + 1
+    return np.linspace(-front - margin, length + margin, 56), np.linspace(-half, half, count)
+
+
+def _rigid(swimmer: Swimmer) -> bool:
+    from microswim.models.bem.gait import turns_as_a_whole
+
+    return turns_as_a_whole(swimmer)
+
+
+def _helix_flow(swimmer: Swimmer, points: np.ndarray, progress: Progress) -> list[np.ndarray]:
+    """The flow turns with the tail: ``u(x; phi) = Q u(Q' x; 0)``."""
+    from microswim.models.bem import solve
+
+    solution = solve(swimmer, 0.0, level="coarse")
+    progress(1, FLOW_PHASES + 1)
+    made = []
+    for n in range(FLOW_PHASES):
+        angle = swimmer.tail.sign * 2.0 * np.pi * n / FLOW_PHASES
+        c, s = np.cos(angle), np.sin(angle)
+        turn = np.array([[1.0, 0.0, 0.0], [0.0, c, -s], [0.0, s, c]])
+        made.append(solution.velocity(points @ turn) @ turn.T)
+        progress(n + 2, FLOW_PHASES + 1)
+    return made
+
+
+def _wave_flow(swimmer: Swimmer, points: np.ndarray, progress: Progress) -> list[np.ndarray]:
+    """Solved at each phase; half a period on, a plane wave's flow is its mirror image in q."""
+    from microswim.models.bem import solve
+
+    mirrored = swimmer.tail.kind == "plane_wave" and swimmer.wall is None
+    wanted = FLOW_PHASES // 2 if mirrored else FLOW_PHASES
+    made = []
+    for n in range(wanted):
+        phase = 2.0 * np.pi * n / FLOW_PHASES
+        made.append(solve(swimmer, phase, level="coarse").velocity(points))
+        progress(n + 1, wanted)
+    return made + [u[::-1] * MIRROR_Q for u in made] if mirrored else made
+
+
+KINDS = {"judge": judge, "flow": flow}

@@ -1,0 +1,145 @@
+"""Spec tables as the page holds them: checked, complete, in one unit per dimension.
+
+What arrives from a browser is data: a spec that names code (``kind = "custom"``) is refused before
+anything is imported.
+"""
+
+from __future__ import annotations
+
+import json
+import math
+import re
+import tomllib
+from dataclasses import fields
+from typing import Any
+
+from microswim.errors import SpecError
+from microswim.spec.file import from_dict
+from microswim.swimmer.swimmer import Swimmer
+
+LARGEST_SPEC = 256 * 1024  #: bytes; a region calibration is the most of it
+MOST_WAVES = 60.0
+QUANTITIES = {
+    "length": (
+        *("radius", "semi_axes", "length", "amplitude", "wavelength"),
+        *("distance", "diameter", "position"),
+    ),
+    "viscosity": ("viscosity", "normal", "tangential"),
+    "density": ("density",),
+    "frequency": ("frequency",),
+}
+DIMENSION = {name: kind for kind, names in QUANTITIES.items() for name in names}
+ANGLES = ("tilt", "azimuth")
+
+
+def parse(text: str) -> dict[str, Any]:
+    """Tables of an uploaded spec file.
+
+    Raises
+    ------
+    SpecError
+        If it is too long or not TOML.
+    """
+    if len(text) > LARGEST_SPEC:
+        raise SpecError(f"the file has {len(text)} characters; a spec has at most {LARGEST_SPEC}")
+    try:
+        return tomllib.loads(text)
+    except (tomllib.TOMLDecodeError, RecursionError) as error:
+        raise SpecError(f"the file is not valid TOML: {' '.join(str(error).split())}") from None
+
+
+def swimmer_of(tables: Any) -> Swimmer:
+    """Swimmer of tables that came from outside.
+
+    Raises
+    ------
+    SpecError
+        As `microswim.spec.file.from_dict`; also for a tail given by code and for absurd sizes.
+    """
+    if not isinstance(tables, dict):
+        raise SpecError("the spec must be an object of tables, [fluid], [body], [tail], ...")
+    tail = tables.get("tail")
+    if isinstance(tail, dict) and tail.get("kind") == "custom":
+        raise SpecError(
+            "tail.kind",
+            "custom",
+            '"helix" or "plane_wave" here',
+            "the studio runs no code from a spec",
+        )
+    swimmer = from_dict(tables)
+    waves = float(swimmer.tail.number_of_waves)
+    if not waves <= MOST_WAVES:
+        raise SpecError("tail.waves", f"{waves:.6g}", f"at most {MOST_WAVES:g} in the studio")
+    return swimmer
+
+
+def canonical(swimmer: Swimmer) -> dict[str, Any]:
+    """Every field of a swimmer as spec tables, quantities in the unit that suits its size."""
+    units = units_of(swimmer)
+    tables = {
+        "fluid": _table(swimmer.fluid),
+        "body": {"shape": swimmer.body.shape, **_table(swimmer.body)},
+        "tail": {"kind": swimmer.tail.kind, **_table(swimmer.tail)},
+        "coefficients": {"law": swimmer.coefficients.law, **_table(swimmer.coefficients)},
+        "interaction": _table(swimmer.interaction),
+        "motion": _table(swimmer.motion),
+    }
+    if not any(map(any, swimmer.interaction.coupling)):
+        del tables["interaction"]["coupling"]
+    around = {"wall": swimmer.wall, "channel": swimmer.channel}
+    tables |= {name: _table(part) for name, part in around.items() if part is not None}
+    return {
+        part: {k: _quantity(k, v, units) for k, v in table.items()}
+        for part, table in tables.items()
+    }
+
+
+def units_of(swimmer: Swimmer) -> dict[str, tuple[str, float]]:
+    """Unit and its size in SI by dimension; empty for a dimensionless swimmer."""
+    if swimmer.units != "SI":
+        return {}
+    size, viscosity = float(swimmer.tail.apparent_length), float(swimmer.fluid.viscosity)
+    length = ("um", 1e-6) if size < 1e-3 else ("mm", 1e-3) if size < 1.0 else ("m", 1.0)
+    return {
+        "length": length,
+        "viscosity": ("mPa s", 1e-3) if viscosity < 0.1 else ("Pa s", 1.0),
+        "density": ("kg/m^3", 1.0),
+        "frequency": ("Hz", 1.0),
+    }
+
+
+def _table(part: Any) -> dict[str, Any]:
+    given = {f.name: getattr(part, f.name) for f in fields(part)}
+    return {k: _plain(v) for k, v in given.items() if v is not None}
+
+
+def _plain(value: Any) -> Any:
+    if isinstance(value, (tuple, list)):
+        return [_plain(v) for v in value]
+    return value if isinstance(value, (bool, str)) else float(value)
+
+
+def _quantity(name: str, value: Any, units: dict[str, tuple[str, float]]) -> Any:
+    """A number with its unit, as the spec file has it."""
+    if isinstance(value, list) and DIMENSION.get(name):
+        return [_quantity(name, v, units) for v in value]
+    if name in ANGLES:
+        return f"{float(f'{math.degrees(value):.12g}')!r} deg"
+    if name not in DIMENSION or not units:
+        return value
+    unit, size = units[DIMENSION[name]]
+    return f"{float(f'{value / size:.12g}')!r} {unit}"
+
+
+def to_toml(tables: dict[str, Any], title: str) -> str:
+    """Tables as the text of a spec file, a comment line first."""
+    lines = [f"# {' '.join(re.sub(r'[^ -~]', ' ', title).split())}"]
+    for name, table in tables.items():
+        lines += ["", f"[{name}]", *(f"{key} = {_literal(v)}" for key, v in table.items())]
+    return "\n".join(lines) + "\n"
+
+
+def _literal(value: Any) -> str:
+    if isinstance(value, list):
+        return "[" + ", ".join(_literal(v) for v in value) + "]"
+    return repr(value) if isinstance(value, float) else json.dumps(value, ensure_ascii=False)

@@ -1,0 +1,25 @@
+"""The doors: the only places where a swimmer reaches up to what is built on it.
+
+``swimmer.gait()`` is a shortcut for people: the model is imported on call, by the name in this
+table, so that nothing here depends on the models.
+"""
+
+from __future__ import annotations
+
+from importlib import import_module
+from typing import Any
+
+MODELS = {
+    "rft": "microswim.models.rft.gait:gait",
+    "bem": "microswim.models.bem.gait:gait",
+    "fem": "microswim.models.fem:channel_gait",
+}
+READ = "microswim.spec.file:read"
+READ_PRESET = "microswim.spec.file:read_preset"
+UNPACK_REGION = "microswim.calibration.region.text:unpack"
+
+
+def go(door: str, *args: Any, **options: Any) -> Any:
+    """Import the function behind a door, ``"package.module:function"``, and call it."""
+    module, _, function = door.partition(":")
+    return getattr(import_module(module), function)(*args, **options)

@@ -1,0 +1,1 @@
+"""Shapes: bodies, tails, and what surrounds the swimmer."""

@@ -1,0 +1,25 @@
+"""Exact derivatives of the numbers of a gait by the complex step, ``Im f(x + ih) / h``."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from microswim.gait.quantities import output
+
+if TYPE_CHECKING:
+    from microswim.swimmer.swimmer import Swimmer
+
+STEP = 1e-30
+
+
+def gradient(swimmer: Swimmer, name: str = "mean_velocity", wrt: Any = None) -> dict[str, Any]:
+    """Exact derivatives by the complex step; see `Swimmer.gradient`."""
+    paths = list(swimmer.numbers) if wrt is None else [wrt] if isinstance(wrt, str) else list(wrt)
+    out = {}
+    for path in paths:
+        values = {path: swimmer.numbers.get(path, 0.0) + 1j * STEP}
+        value = output(swimmer.lifted(values).gait(), name)
+        out[path] = np.imag(value) / STEP
+    return out

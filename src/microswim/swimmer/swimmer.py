@@ -1,0 +1,239 @@
+"""Swimmer: body, tail, fluid, local coefficients and interaction; the one noun of the package."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field, fields, is_dataclass, replace
+from os import PathLike
+from typing import TYPE_CHECKING, Any, Literal, Protocol
+
+from microswim import checks
+from microswim.errors import SpecError
+from microswim.swimmer import doors
+from microswim.swimmer.drag.coefficients import Coefficients, Lighthill
+from microswim.swimmer.drag.interaction import Interaction
+from microswim.swimmer.fields import nearest, numbers_of, replaced, set_item
+from microswim.swimmer.fluid import Fluid
+from microswim.swimmer.geometry.bodies import Body
+from microswim.swimmer.geometry.surroundings import Channel, Wall
+from microswim.swimmer.geometry.tails import Tail
+from microswim.swimmer.gradient import gradient
+from microswim.swimmer.motion import Motion
+
+if TYPE_CHECKING:
+    from microswim.gait.gait import Gait
+
+PARTS = ("fluid", "body", "tail", "coefficients", "interaction", "motion")
+SURROUNDINGS = ("wall", "channel")
+
+
+class Region(Protocol):
+    """A region calibration, as the swimmer that carries it sees it."""
+
+    def gait(self, swimmer: Swimmer) -> Gait:
+        """Return the corrected gait of a design."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class Swimmer:
+    """A micro-swimmer: a body with one tail in a fluid.
+
+    Parameters
+    ----------
+    body
+        `Sphere`, `Spheroid`, `Ellipsoid` or `NoBody`.
+    tail
+        `HelicalTail`, `PlaneWaveTail` or `CustomTail`.
+    fluid
+        `Fluid`.
+    coefficients
+        Local resistance of the filament, Lighthill's with spin by default (surrogate only).
+    interaction
+        `Interaction` coefficients, all one by default (surrogate only).
+    motion
+        `Motion`: free degrees of freedom and readings.
+    units
+        ``"dimensionless"`` (any consistent units) or ``"SI"``.
+    region
+        Region calibration that the surrogate uses, as `calibrate_region` makes it.
+    wall
+        `Wall` beside the swimmer, for the boundary elements; none by default.
+    channel
+        `Channel` around the swimmer, for the finite elements; theirs by default.
+
+    Raises
+    ------
+    SpecError
+        If parts do not fit together.
+
+    Examples
+    --------
+    >>> import microswim as ms
+    >>> swimmer = ms.Swimmer(
+    ...     body=ms.Sphere(radius=0.5),
+    ...     tail=ms.HelicalTail(length=2.0, amplitude=0.1, waves=3, radius=0.05),
+    ...     fluid=ms.Fluid(viscosity=100.0),
+    ... )
+    >>> swimmer.gait().mean_velocity.shape
+    (6,)
+    """
+
+    body: Body
+    tail: Tail
+    fluid: Fluid
+    coefficients: Coefficients = field(default_factory=Lighthill)
+    interaction: Interaction = field(default_factory=Interaction)
+    motion: Motion = field(default_factory=Motion)
+    units: Literal["dimensionless", "SI"] = "dimensionless"
+    region: Region | None = None
+    wall: Wall | None = None
+    channel: Channel | None = None
+
+    def __post_init__(self) -> None:
+        for name, kind in zip(PARTS, (Fluid, Body, Tail, Coefficients, Interaction, Motion)):
+            self._check_part(name, kind)
+        for name, kind in zip(SURROUNDINGS, (Wall, Channel)):
+            if getattr(self, name) is not None:
+                self._check_part(name, kind)
+        if self.wall is not None and self.channel is not None:
+            raise SpecError("wall, channel: one of them bounds the fluid; remove the other")
+        checks.choice("units", self.units, ("dimensionless", "SI"))
+        if self.motion.frequency_frame == "lab" and self.tail.surface_motion != "rigid":
+            raise SpecError(
+                "motion.frequency_frame", "lab", '"body" for a tail that does not rotate rigidly'
+            )
+
+    def _check_part(self, name: str, kind: type) -> None:
+        if not isinstance(getattr(self, name), kind):
+            value = type(getattr(self, name)).__name__
+            raise SpecError(name, value, f"a {kind.__name__}")
+
+    @property
+    def parts(self) -> tuple[str, ...]:
+        """Names of the parts it has, as the tables of a spec file."""
+        return PARTS + tuple(n for n in SURROUNDINGS if getattr(self, n) is not None)
+
+    @classmethod
+    def from_toml(
+        cls, path: str | PathLike[str], overrides: dict[str, Any] | None = None
+    ) -> Swimmer:
+        """Read a spec file; `overrides` maps dotted fields to values, as ``--set`` does.
+
+        Raises
+        ------
+        SpecError
+            One sentence: the field, its value, what is allowed, how to mend it.
+        """
+        return doors.go(doors.READ, path, overrides)
+
+    @classmethod
+    def preset(cls, name: str, overrides: dict[str, Any] | None = None) -> Swimmer:
+        """A swimmer that comes with the package, such as ``"tabak/helix"`` or ``"goto/C"``."""
+        return doors.go(doors.READ_PRESET, name, overrides)
+
+    def gait(self, model: str = "rft", **options: Any) -> Gait:
+        """Gait by one of the models: ``"rft"`` (surrogate), ``"bem"``, ``"fem"`` (references).
+
+        Parameters
+        ----------
+        model
+            Name of the model.
+        options
+            What the model takes, such as ``level="fine"`` of the boundary elements.
+
+        Raises
+        ------
+        SpecError
+            If the model is unknown or the swimmer is beyond its range.
+        MicroswimError
+            If the model's extra is not installed.
+        """
+        if model == "rft" and self.region is not None and not options:
+            return self.region.gait(self)
+        if model not in doors.MODELS:
+            raise SpecError("model", model, "one of " + ", ".join(f'"{m}"' for m in doors.MODELS))
+        return doors.go(doors.MODELS[model], self, **options)
+
+    def with_(self, changes: dict[str, Any]) -> Swimmer:
+        """Copy with dotted fields replaced and checked again: ``{"tail.amplitude": 0.12}``.
+
+        An entry of a list is ``"interaction.translation[1]"``. Setting one of `waves` and
+        `wavelength` clears the other.
+
+        Raises
+        ------
+        SpecError
+            If a field does not exist or a value is out of range.
+        """
+        grouped: dict[str, dict[str, Any]] = {}
+        for path, value in changes.items():
+            part, _, name = path.partition(".")
+            name, *index = name.replace("]", "").split("[")
+            owner, new = getattr(self, part, None), grouped.setdefault(part, {})
+            if not is_dataclass(owner) or name not in {f.name for f in fields(owner)}:
+                raise SpecError(path, value, "a field of this swimmer", nearest(path, self.numbers))
+            if index and path not in self.numbers:
+                raise SpecError(path, value, "an entry of a list of this swimmer")
+            old = new.get(name, getattr(owner, name))
+            new[name] = set_item(old, [int(i) for i in index], value) if index else value
+        tail = grouped.get("tail", {})
+        for one, other in (("waves", "wavelength"), ("wavelength", "waves")):
+            if one in tail and other not in tail and hasattr(self.tail, "waves"):
+                tail[other] = None
+        parts = {part: replace(getattr(self, part), **new) for part, new in grouped.items()}
+        return replace(self, **parts)
+
+    @property
+    def numbers(self) -> dict[str, float]:
+        """Every number of the spec by its dotted name (entries of lists as ``name[i]``)."""
+        return {
+            f"{part}{path}": value
+            for part in self.parts
+            for path, value in numbers_of(getattr(self, part))
+        }
+
+    def lifted(self, values: dict[str, Any]) -> Swimmer:
+        """Copy with dotted numbers replaced *unchecked*: complex numbers, or arrays of designs.
+
+        The formulas of the package accept both; see `gradient` and `sweep`.
+        """
+        swimmer = self
+        for path, value in values.items():
+            if path not in self.numbers:
+                raise SpecError(
+                    path, value, "a number of this swimmer", nearest(path, self.numbers)
+                )
+            part, name = path.split(".", 1)
+            name, *index = name.replace("]", "").split("[")
+            owner = getattr(swimmer, part)
+            if index:
+                value = set_item(getattr(owner, name), [int(i) for i in index], value)
+            swimmer = replaced(swimmer, part, replaced(owner, name, value))
+        return swimmer
+
+    def gradient(self, output: str = "mean_velocity", wrt: Any = None) -> dict[str, Any]:
+        """Exact derivatives of an output with respect to numbers of the spec.
+
+        By the complex step ``Im f(x + ih)/h`` through the surrogate's kernels: exact to rounding.
+
+        Parameters
+        ----------
+        output
+            Any number or array that a gait gives: ``mean_velocity``, ``velocity_amplitude``,
+            ``mean_power``, ``efficiency``, ``swimming_speed``, ``resistance_series``, ...
+        wrt
+            Dotted name or names; every number of the spec by default.
+
+        Returns
+        -------
+        dict
+            Name to derivative, of the output's shape.
+
+        Examples
+        --------
+        >>> import microswim as ms
+        >>> swimmer = ms.Swimmer.preset("tabak/helix")
+        >>> d = swimmer.gradient("mean_velocity", "fluid.viscosity")
+        >>> bool(abs(d["fluid.viscosity"][0]) < 1e-12)
+        True
+        """
+        return gradient(self, output, wrt)

@@ -1,0 +1,151 @@
+"""One swimmer into many: any field of the spec by its dotted name, kinds of parts included.
+
+`Swimmer.with_` sets a part's own fields; here also one entry of a list
+(``interaction.translation[0]``) and the kind of a part (``tail.kind``, ``body.shape``,
+``coefficients.law``), which keeps the fields that both kinds have.
+"""
+
+from __future__ import annotations
+
+import json
+import math
+from collections.abc import Mapping
+from dataclasses import fields, replace
+from typing import Any
+
+import numpy as np
+
+from microswim.errors import SpecError
+from microswim.swimmer.drag.coefficients import LAWS
+from microswim.swimmer.geometry.bodies import SHAPES
+from microswim.swimmer.geometry.tails import HelicalTail, PlaneWaveTail
+from microswim.swimmer.swimmer import Swimmer
+
+KINDS = {
+    "tail.kind": {"helix": HelicalTail, "plane_wave": PlaneWaveTail},
+    "body.shape": SHAPES,
+    "coefficients.law": LAWS,
+}
+ALTERNATIVES = {"tail.wavelength": "tail.waves", "tail.waves": "tail.wavelength"}
+
+
+def vary(swimmer: Swimmer, values: Mapping[str, Any]) -> Swimmer:
+    """Checked copy of a swimmer with fields replaced by dotted name.
+
+    Parameters
+    ----------
+    swimmer
+        Where to start from.
+    values
+        Dotted name to value: what `Swimmer.with_` takes, entries of lists, and kinds of parts.
+
+    Raises
+    ------
+    SpecError
+        If a field does not exist or a value is out of range.
+
+    Examples
+    --------
+    >>> import microswim as ms
+    >>> swimmer = ms.Swimmer.preset("tabak/helix")
+    >>> vary(swimmer, {"tail.kind": "plane_wave", "tail.amplitude": 0.2}).tail.kind
+    'plane_wave'
+    """
+    rest: dict[str, Any] = {}
+    for path in KINDS:
+        if path in values:
+            swimmer = _of_kind(swimmer, path, values[path])
+    for path, value in values.items():
+        if path in KINDS:
+            continue
+        if path == "tail.handedness" and "tail.kind" in values and swimmer.tail.kind != "helix":
+            continue  # a plane wave has no hand
+        rest[path] = value.item() if isinstance(value, np.generic) else value
+    return swimmer.with_(rest) if rest else swimmer
+
+
+def _of_kind(swimmer: Swimmer, path: str, kind: Any) -> Swimmer:
+    part, name = path.split(".")
+    owner = getattr(swimmer, part)
+    if kind not in KINDS[path]:
+        raise SpecError(path, kind, "one of " + ", ".join(KINDS[path]))
+    if getattr(owner, name) == kind:
+        return swimmer
+    known = {f.name for f in fields(KINDS[path][kind])} - {"sections", "surface_motion"}
+    kept = {f.name: getattr(owner, f.name) for f in fields(owner) if f.name in known}
+    try:
+        return replace(swimmer, **{part: KINDS[path][kind](**kept)})
+    except TypeError:
+        missing = sorted(known - kept.keys())
+        raise SpecError(
+            path, kind, f"a kind whose fields the spec holds ({', '.join(missing)} missing)"
+        ) from None
+
+
+def check_names(swimmer: Swimmer, names: Any) -> None:
+    """Refuse a name that is no field of this swimmer, whatever its value.
+
+    Raises
+    ------
+    SpecError
+        With the nearest name that exists.
+    """
+    known = known_names(swimmer)
+    for name in names:
+        if name not in known:
+            from difflib import get_close_matches
+
+            near = get_close_matches(str(name), sorted(known), n=1)
+            mend = f'did you mean "{near[0]}"?' if near else "known: " + ", ".join(sorted(known))
+            raise SpecError(str(name), None, "a field of this swimmer that can vary", mend)
+
+
+def known_names(swimmer: Swimmer) -> set[str]:
+    """Every dotted name that `vary` can set, those of both kinds of wave included."""
+    own = {f"{part}.{f.name}" for part in swimmer.parts for f in fields(getattr(swimmer, part))}
+    waves = {"tail.handedness"} if isinstance(swimmer.tail, PlaneWaveTail) else set()
+    return own | set(swimmer.numbers) | set(KINDS) | waves
+
+
+def describe(swimmer: Swimmer) -> dict[str, Any]:
+    """The swimmer as the tables of a spec file, plain numbers and strings only."""
+    tags = {"body": "shape", "tail": "kind", "coefficients": "law"}
+    tables: dict[str, Any] = {}
+    for part in swimmer.parts:
+        owner = getattr(swimmer, part)
+        table = {tags[part]: getattr(owner, tags[part])} if part in tags else {}
+        for f in fields(owner):
+            value = getattr(owner, f.name)
+            if value is not None:
+                table[f.name] = _name_of(value) if callable(value) else value
+        tables[part] = table
+    return tables | {"units": swimmer.units}
+
+
+def _name_of(function: Any) -> str:
+    return f"{function.__module__}:{getattr(function, '__qualname__', type(function).__name__)}"
+
+
+def spec_json(swimmer: Swimmer) -> str:
+    """`describe` as canonical JSON, for provenance and comparison."""
+    return json.dumps(describe(swimmer), sort_keys=True, default=_jsonable)
+
+
+def _jsonable(value: Any) -> Any:
+    if isinstance(value, np.ndarray):
+        return value.tolist()
+    return value.item() if isinstance(value, np.generic) else str(value)
+
+
+def finite(value: Any) -> float | None:
+    """A number as JSON can hold it: None instead of NaN and infinity."""
+    return float(value) if math.isfinite(value) else None
+
+
+def designs(swimmer: Swimmer, front: Any) -> list[Swimmer]:
+    """The swimmers of a front (or of any Dataset over ``design``)."""
+    names = [str(name) for name in front.coords if "." in str(name)]
+    return [
+        vary(swimmer, {name: front[name].values[i].item() for name in names})
+        for i in range(front.sizes["design"])
+    ]

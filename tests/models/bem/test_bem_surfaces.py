@@ -1,0 +1,206 @@
+"""Single layer on closed rigid surfaces: exact results, slender limits, orders, the wall."""
+
+import numpy as np
+import pytest
+
+import microswim as ms
+from microswim.errors import MicroswimError
+from microswim.models import bem
+from microswim.models.bem import element, system
+from microswim.models.bem.surface import Surface
+from oracles.slender_body import slender_torus
+
+EXACT_RULE = bem.Quadrature(points=7, near=3.0, far=1e6, radial=10, angular=14)
+
+
+def test_sphere_drag_and_torque_at_standard():
+    R = bem.body_resistance(ms.Sphere(radius=0.7), 3.0)
+    exact = ms.Sphere(radius=0.7).resistance(3.0).diagonal()
+    assert np.abs(R.diagonal()[:3] / exact[:3] - 1).max() < 1e-5
+    assert np.abs(R.diagonal()[3:] / exact[3:] - 1).max() < 1e-3
+
+
+@pytest.mark.parametrize(
+    "body",
+    [
+        ms.Spheroid(semi_axes=(5.0, 1.0)),
+        ms.Spheroid(semi_axes=(0.4, 1.0)),
+        ms.Ellipsoid(semi_axes=(2.0, 1.0, 0.6)),
+    ],
+    ids=["prolate 5:1", "oblate", "ellipsoid"],
+)
+def test_ellipsoids_against_oberbeck_and_perrin(body):
+    R = bem.body_resistance(body, 1.0)
+    assert np.abs(R.diagonal() / body.resistance(1.0).diagonal() - 1).max() < 1e-3
+    scale = np.sqrt(np.outer(R.diagonal(), R.diagonal()))
+    assert np.abs((R - R.T) / scale).max() < 1e-4
+
+
+@pytest.mark.parametrize(("order", "expected"), [(1, 1.8), (2, 2.7), (3, 4.0)])
+def test_observed_order(order, expected):
+    """Drag and torque of a spheroid converge at least with the expected power of the patch size.
+
+    Piecewise polynomials of degree p - 1 approximate the density to order p; integrals of it are
+    better.
+    """
+    body = ms.Spheroid(semi_axes=(1.5, 1.0))
+    exact = body.resistance(1.0).diagonal()
+    splits = (2, 4)
+    errors = []
+    for n in splits:
+        R = bem.resistance(bem.ellipsoid(body.semi_axes3, n, order), 1.0, rule=EXACT_RULE)
+        errors.append(np.abs(R.diagonal() / exact - 1).max())
+    observed = np.log(errors[0] / errors[1]) / np.log(splits[1] / splits[0])
+    assert observed > expected
+
+
+def test_slender_torus_approaches_johnson_and_wu():
+    """The difference is of order ratio^2 log(ratio): less than its 1/3 when the ratio halves
+    twice."""
+    differences = []
+    for ratio in (0.1, 0.025):
+        R = bem.resistance(bem.torus(1.0, ratio, 10, 4, 3), 1.0)
+        computed = np.array([R[0, 0], R[1, 1], R[3, 3]])
+        differences.append(np.abs(computed / np.array(slender_torus(ratio)) - 1))
+    assert (differences[1] < 0.01).all()
+    assert (differences[1] < differences[0] / 3).all()
+
+
+def test_resistance_scales_with_size_and_viscosity():
+    """R_tt ~ mu a, R_rr ~ mu a^3: the discrete operator scales exactly."""
+    one = bem.resistance(bem.ellipsoid((1.0, 0.7, 0.5), 1), 1.0)
+    big = bem.resistance(bem.ellipsoid((2.0, 1.4, 1.0), 1), 5.0)
+    powers = np.add.outer(np.r_[0, 0, 0, 1, 1, 1], np.r_[0, 0, 0, 1, 1, 1]) + 1
+    assert np.allclose(big, 5.0 * 2.0**powers * one, rtol=1e-9, atol=1e-9 * one.max())
+
+
+def test_pressure_null_vector_is_taken_out():
+    """Densities carry no constant pressure, and the single layer of the normal makes no flow."""
+    surface = bem.ellipsoid((1.0, 0.8, 0.6), 2, 3)
+    layer = bem.Layer(surface, 1.0, EXACT_RULE)
+    modes = system.rigid_modes(surface.nodes, np.zeros(3))
+    density = system.solve_density(layer, modes).density
+    flux = surface.moments[2].reshape(-1)
+    assert np.abs(flux @ density).max() < 1e-9 * np.abs(density).max()
+    smooth = bem.ellipsoid((1.0, 0.8, 0.6), 2, 5)
+    outside = np.array([[1.6, 0.3, 0.2], [0.0, 0.0, 0.61], [0.2, -1.1, 0.4]])
+    normal = smooth.normals.reshape(-1)
+    assert np.abs(bem.Layer(smooth, 1.0, EXACT_RULE).velocity(outside, normal)).max() < 1e-6
+
+
+@pytest.mark.parametrize("angle", [0.0, 40.0, -70.0])
+def test_singular_rule_on_a_slanting_patch(angle):
+    """Potential of a flat parallelogram at a density node: each edge adds the closed form
+
+    h [asinh(t2/h) - asinh(t1/h)],   h the edge's distance, t along it from its foot."""
+    side = np.array([np.sin(np.radians(angle)), np.cos(np.radians(angle)), 0.0])
+    edges = np.array([0.1, 0.0, 0.0]), 0.1 * 2**1.5 * side
+    u = element.chebyshev_nodes()
+    controls = u[:, None, None] * edges[0] + u[None, :, None] * edges[1]
+    patch = bem.Surface(controls[None], np.zeros((1, *controls.shape)), np.zeros(1, bool), 2)
+    layer = bem.Layer(patch, 1.0, EXACT_RULE)
+    [(_, points, areas, _)] = layer._own_points()
+    corners = [a * edges[0] + b * edges[1] for a, b in ((-1, -1), (1, -1), (1, 1), (-1, 1))]
+    for n, x in enumerate(patch.nodes[0]):
+        exact = 0.0
+        for a, b in zip(corners, corners[1:] + corners[:1], strict=True):
+            along = (b - a) / np.linalg.norm(b - a)
+            low, high = (a - x) @ along, (b - x) @ along
+            h = np.linalg.norm(a - x - low * along)
+            exact += h * (np.arcsinh(high / h) - np.arcsinh(low / h))
+        distance = np.linalg.norm(points[0, n] - x, axis=-1)
+        assert np.sum(areas[0, n] / distance) == pytest.approx(exact, rel=1e-6)
+
+
+def test_velocity_near_and_far_of_a_sphere_is_stokes_solution():
+    """u = U (3a/4r + a^3/4r^3) + (U.n) n (3a/4r - 3 a^3/4 r^3), also close to the surface."""
+    surface = bem.ellipsoid((1.0, 1.0, 1.0), 2, 3)
+    layer = bem.Layer(surface, 1.0)
+    modes = system.rigid_modes(surface.nodes, np.zeros(3))
+    density = system.solve_density(layer, modes).density[:, 0]
+    n = np.array([[0.6, 0.64, 0.48], [1.0, 0, 0], [0, -0.8, 0.6]])
+    for r in (1.0001, 1.01, 1.3, 4.0, 50.0):
+        along = 0.75 / r + 0.25 / r**3
+        exact = n[:, :1] * n * (0.75 / r - 0.75 / r**3)
+        exact[:, 0] += along
+        assert np.abs(layer.velocity(r * n, density) - exact).max() < 4e-4
+
+
+def test_outer_traction_leaves_the_inner_fluid_out():
+    """Rigid motion: all of it acts outside. Strain E x on a sphere: 2 mu E:E V inside, 3/2 of it
+    outside.
+
+    Together 5/2 of it, Einstein's stresslet 20/3 pi mu a^3 E : E (Batchelor 1970).
+    """
+    surface = bem.ellipsoid((1.0, 1.0, 1.0), 2, 3)
+    layer = bem.Layer(surface, 1.0)
+    strain = np.diag([1.0, 1.0, -2.0])
+    motions = np.stack(
+        [surface.nodes @ strain, np.broadcast_to([1.0, 0, 0], surface.nodes.shape)], -1
+    )
+    density = system.solve_density(layer, motions).density
+    straining, rigid = (
+        np.ascontiguousarray(density[:, i]).reshape(surface.nodes.shape) for i in (0, 1)
+    )
+    outer = layer.outer_traction(straining)
+    power = [
+        np.sum(np.sum(f * motions[..., 0], axis=-1) * surface.areas)
+        for f in (straining - outer, outer)
+    ]
+    inside = 2 * 6 * 4 / 3 * np.pi
+    assert power == pytest.approx([inside, 1.5 * inside], rel=1e-3)
+    assert np.abs(layer.outer_traction(rigid) - rigid).max() < 5e-3 * np.abs(rigid).max()
+
+
+# Sphere of radius 1, centre at height h = cosh(alpha) over the wall, in units of 6 pi mu a and 8
+# pi mu a^3: across the wall the exact series of Brenner (1961) Chem. Eng. Sci. 16, 242, summed
+# below; along it F, T of Goldman, Cox & Brenner (1967) Chem. Eng. Sci. 22, 637, tables 1 and 2.
+ALONG_WALL = {3.7622: (1.1738, 1.0059), 1.5431: (1.5675, 1.0998)}
+
+
+def brenner(height):
+    a = np.arccosh(height)
+    n = np.arange(1, 60)
+    top = 2 * np.sinh((2 * n + 1) * a) + (2 * n + 1) * np.sinh(2 * a)
+    bottom = 4 * np.sinh((n + 0.5) * a) ** 2 - (2 * n + 1) ** 2 * np.sinh(a) ** 2
+    return (
+        4 / 3 * np.sinh(a) * np.sum(n * (n + 1) / ((2 * n - 1) * (2 * n + 3)) * (top / bottom - 1))
+    )
+
+
+@pytest.mark.parametrize("height", sorted(ALONG_WALL))
+def test_sphere_near_a_wall(height):
+    normal, along = np.array([0.6, 0.0, 0.8]), np.array([0.8, 0.0, -0.6])
+    plane = np.concatenate([-height * normal, normal])
+    R = bem.resistance(bem.ellipsoid((1.0, 1.0, 1.0), 2, 3), 1.0, wall=plane)
+    force, torque = ALONG_WALL[height]
+    assert normal @ R[:3, :3] @ normal / (6 * np.pi) == pytest.approx(brenner(height), rel=1e-3)
+    assert along @ R[:3, :3] @ along / (6 * np.pi) == pytest.approx(force, rel=1e-3)
+    assert along @ R[3:, 3:] @ along / (8 * np.pi) == pytest.approx(torque, rel=1e-3)
+
+
+def test_far_wall_gives_faxens_correction():
+    """Drag along a far wall: 1 / (1 - 9/16 a/h + 1/8 (a/h)^3), across it 1 / (1 - 9/8 a/h + 1/2
+    (a/h)^3)."""
+    h = 8.0
+    plane = np.array([0, 0, -h, 0, 0, 1.0])
+    R = bem.resistance(bem.ellipsoid((1.0, 1.0, 1.0), 1, 3), 1.0, wall=plane) / (6 * np.pi)
+    assert R[0, 0] == pytest.approx(1 / (1 - 9 / 16 / h + 1 / 8 / h**3), rel=2e-4)
+    assert R[2, 2] == pytest.approx(1 / (1 - 9 / 8 / h + 1 / 2 / h**3), rel=2e-4)
+
+
+def test_no_slip_on_the_wall():
+    surface = bem.ellipsoid((1.0, 0.5, 0.7), 1, 2)
+    layer = bem.Layer(surface, 1.0, EXACT_RULE, np.array([0, 0, -1.2, 0, 0, 1.0]))
+    density = np.random.default_rng(2).normal(size=surface.unknowns)
+    on_wall = np.array([[0.3, 0.2, -1.2], [2.0, 1.0, -1.2], [-30.0, 4.0, -1.2]])
+    free = bem.Layer(surface, 1.0, EXACT_RULE).velocity(on_wall, density)
+    assert np.abs(layer.velocity(on_wall, density)).max() < 1e-5 * np.abs(free).max()
+
+
+def test_memory_is_refused_in_a_sentence():
+    surface = bem.ellipsoid((1.0, 1.0, 1.0), 1, 2)
+    many = np.broadcast_to(surface.controls[:1], (200_000, *surface.controls.shape[1:]))
+    huge = Surface(many, many, np.zeros(len(many), bool), 2)
+    with pytest.raises(MicroswimError, match=r"unknowns need .* GiB"):
+        system.require_memory(huge.unknowns)

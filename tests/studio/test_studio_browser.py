@@ -1,0 +1,459 @@
+"""The studio as a person uses it: headless Chromium drags, clicks, reads and looks."""
+
+import csv
+import io
+import json
+import os
+import re
+import shutil
+import subprocess
+import sys
+import tomllib
+
+import numpy as np
+import pytest
+
+import microswim as ms
+from microswim.calibration.region.text import pack
+from microswim.spec import presets
+from microswim.spec.file import from_dict
+from microswim.studio.spec_tables import canonical, to_toml
+
+pytestmark = pytest.mark.browser
+
+CHROMIUM = shutil.which("chromium") or shutil.which("chromium-browser")
+FLAGS = [
+    *("--no-sandbox", "--use-angle=swiftshader", "--enable-unsafe-swiftshader", "--disable-quic"),
+    *("--no-first-run", "--disable-background-networking", "--disable-component-update"),
+    "--disable-sync",
+]
+PATIENCE = 120_000  # milliseconds; software WebGL on a busy machine draws a frame a second
+
+
+@pytest.fixture(scope="module")
+def server():
+    code = "from microswim.cli import main; main(['studio', '--no-browser', '--port', '0'])"
+    env = {**os.environ, "PYTHONUNBUFFERED": "1"}
+    process = subprocess.Popen(
+        [sys.executable, "-c", code], stdout=subprocess.PIPE, text=True, env=env
+    )
+    try:
+        line = process.stdout.readline()
+        yield re.search(r"http://127\.0\.0\.1:\d+/", line).group()
+    finally:
+        process.terminate()
+        process.wait(20)
+        process.stdout.close()
+
+
+@pytest.fixture(scope="module")
+def browser():
+    if CHROMIUM is None:
+        pytest.skip("no Chromium is installed: the studio's page is not tested here")
+    api = pytest.importorskip("playwright.sync_api", reason="playwright is not installed")
+    with api.sync_playwright() as playwright:
+        chromium = playwright.chromium.launch(executable_path=CHROMIUM, args=FLAGS)
+        yield chromium
+        chromium.close()
+
+
+def opened(browser, address, **options):
+    """A page that is ready, with what it complained of."""
+    page = browser.new_page(viewport={"width": 1280, "height": 720}, **options)
+    page.set_default_timeout(PATIENCE)
+    page.complaints = []
+    page.on("pageerror", lambda e: page.complaints.append(str(e)))
+    page.on("console", lambda m: page.complaints.append(m.text) if m.type == "error" else None)
+    page.goto(address, wait_until="commit")
+    page.wait_for_selector("body[data-ready]")
+    return page
+
+
+@pytest.fixture(scope="module")
+def page(browser, server):
+    made = opened(browser, server)
+    made.wait_for_selector("body[data-warm]", state="attached")
+    yield made
+    made.close()
+
+
+def number(page, name):
+    return float(page.get_attribute(f".answers [data-reading={name}]", "data-value"))
+
+
+def shown_tables(page):
+    return page.evaluate("() => studio.store.design.answer.tables")
+
+
+def settled(page):
+    """Wait until what is shown answers what is set."""
+    for _ in range(600):
+        idle, wanted, got = page.evaluate(
+            "() => (d => [d.latest.idle, d.tables, d.answer.tables])(studio.store.design)"
+        )
+        if idle and (wanted == got or canonical(from_dict(wanted)) == got):
+            return got
+        page.wait_for_timeout(50)
+    raise AssertionError("the page does not come to rest")
+
+
+def take(page, what):
+    page.click("#take")
+    with page.expect_download() as download:
+        page.click(what)
+    with open(download.value.path(), "rb") as file:
+        return file.read()
+
+
+def test_it_opens_and_swims(page, tmp_path):
+    assert number(page, "swimming_speed") == pytest.approx(
+        ms.screw(ms.Swimmer.preset("tabak/helix").gait()).speed, rel=1e-6
+    )
+    before = page.evaluate("() => studio.actors()[0].pose.phase")
+    page.wait_for_function("(p) => studio.actors()[0].pose.phase > p", arg=before)
+    picture = page.screenshot(path=tmp_path / "studio.png")
+    assert picture[:4] == b"\x89PNG"
+    assert page.evaluate(COLOURS) > 40  # body, tail and grid on a dark ground, shaded
+    assert page.complaints == []
+
+
+# Distinct shades on the stage, coarsely.
+COLOURS = """async () => {
+  const bitmap = await createImageBitmap(await studio.stage.picture());
+  const canvas = new OffscreenCanvas(160, 90), g = canvas.getContext('2d');
+  g.drawImage(bitmap, 0, 0, 160, 90);
+  const d = g.getImageData(0, 0, 160, 90).data, seen = new Set();
+  for (let i = 0; i < d.length; i += 4)
+    seen.add((d[i] >> 3) * 1024 + (d[i + 1] >> 3) * 32 + (d[i + 2] >> 3));
+  return seen.size;
+}"""
+
+
+def test_the_page_integrates_as_the_package_does(page):
+    """Pose after 3.7 periods: the page's Runge-Kutta against the package's Lie-group method."""
+    page.evaluate("() => { studio.view.paused = true; const a = studio.actors()[0]; a.restart(); "
+                  "a.advance(3.7, studio.driver.drive, 4 * studio.driver.fastest); }")  # fmt: skip
+    pose = page.evaluate("() => studio.actors()[0].pose")
+    tables = page.evaluate("() => studio.store.design.answer.tables")
+    path = ms.trajectory(from_dict(tables).gait(), [0.0, 3.7])
+    assert pose["time"] == pytest.approx(3.7)
+    assert np.allclose(pose["x"], path.position[-1], atol=1e-6)
+    assert np.allclose(pose["q"], path.quaternion[-1], atol=1e-6)
+
+
+def test_a_dragged_slider_moves_the_numbers_and_requests_do_not_pile_up(page):
+    under_way, most, sent = set(), [0], [0]
+
+    def begins(request):
+        if request.url.endswith("/api/solve"):
+            under_way.add(request)
+            sent[0] += 1
+            most[0] = max(most[0], len(under_way))
+
+    page.on("request", begins)
+    page.on("requestfinished", lambda r: under_way.discard(r))
+    before = number(page, "swimming_speed")
+    box = page.locator('input[type=range][data-field="tail.amplitude"]').bounding_box()
+    y = box["y"] + box["height"] / 2
+    page.mouse.move(box["x"] + box["width"] / 2, y)
+    page.mouse.down()
+    for i in range(16):
+        page.mouse.move(box["x"] + box["width"] * (0.5 + 0.02 * i), y)
+    page.mouse.up()
+    tables = settled(page)
+    assert tables["tail"]["amplitude"] > 0.14
+    after = number(page, "swimming_speed")
+    assert after != before
+    assert after == pytest.approx(ms.screw(from_dict(tables).gait()).speed, rel=1e-6)
+    assert most[0] == 1
+    assert 1 <= sent[0] <= 18
+
+
+def test_undo_and_redo(page):
+    changed = shown_tables(page)
+    page.click("#undo")
+    first = settled(page)
+    assert first["tail"]["amplitude"] == 0.1
+    page.click("#redo")
+    assert settled(page) == changed
+    page.keyboard.press("Control+z")
+    assert settled(page) == first
+
+
+def test_a_click_on_the_map_moves_the_design_there(page):
+    page.wait_for_function("() => studio.map.count > 0")
+    box = page.locator("#map").bounding_box()
+    page.mouse.click(box["x"] + 0.75 * box["width"], box["y"] + 0.5 * box["height"])
+    tables = settled(page)
+    x, y = page.evaluate("() => [studio.map.answer.x, studio.map.answer.y]")
+    assert tables["tail"]["amplitude"] == pytest.approx(x[0] + 0.75 * (x[-1] - x[0]), rel=0.03)
+    assert tables["tail"]["waves"] == pytest.approx(y[0] + 0.5 * (y[-1] - y[0]), rel=0.03)
+    assert number(page, "efficiency") == pytest.approx(
+        from_dict(tables).gait().efficiency, rel=1e-6
+    )
+    page.click("#undo")
+    settled(page)
+
+
+def test_the_optimum_button_finds_better(page):
+    before = number(page, "swimming_speed")
+    page.click("#optimum")
+    page.wait_for_selector(".notice:has-text('Best on this map')")
+    settled(page)
+    assert number(page, "swimming_speed") > before
+    page.click("#undo")
+    settled(page)
+
+
+def test_the_judge_is_asked_and_the_surrogate_calibrated(page):
+    page.click("#tab-judge")
+    page.select_option("#level", "coarse")
+    page.click("#ask-judge")
+    page.wait_for_selector("#cancel-judge")
+    page.wait_for_selector("#verdict")
+    row = page.inner_text("[data-row=swimming_speed]")
+    assert re.search(r"[+−]\d", row)
+    reference = page.evaluate("() => studio.store.design.reference.answer.readings")
+    assert abs(reference["forward_velocity"] - number(page, "forward_velocity")) > 1e-3
+    page.click("#calibrate")
+    page.wait_for_selector("#trust.good:has-text('calibrated at this design')")
+    settled(page)
+    assert number(page, "forward_velocity") == pytest.approx(
+        reference["forward_velocity"], rel=1e-6
+    )
+    page.keyboard.press("Control+z")
+    settled(page)
+    page.click("#tab-map")
+
+
+def test_the_flow_is_asked_and_drawn(page, tmp_path):
+    """The button asks the boundary elements; what is drawn is the answer of its series."""
+    page.click("#flow")
+    page.wait_for_function("() => studio.flow.shown")
+    assert page.inner_text("#flow") == "Flow"
+    assert page.get_attribute("#flow", "aria-pressed") == "true"
+    before = page.evaluate("() => studio.frames()")
+    page.wait_for_function("(n) => studio.frames() > n + 1", arg=before)
+    field, fastest = page.evaluate(FLOW)
+    assert 0.3 < fastest / page.evaluate("() => studio.flow.answer.scale") < 10.0
+    tail = page.evaluate("() => studio.store.design.answer.shape")
+    assert fastest < 2 * np.pi * (tail["amplitude"] + tail["radius"])  # no faster than the tail
+    assert field > 100  # points of the slice that move
+    assert page.screenshot(path=tmp_path / "flow.png")[:4] == b"\x89PNG"
+    page.fill('input[aria-label="Ramp, value"]', "0.2")
+    page.keyboard.press("Enter")
+    page.wait_for_function("() => !studio.flow.shown")  # it belonged to another design
+    assert page.get_attribute("#flow", "aria-pressed") == "false"
+    page.keyboard.press("Control+z")
+    settled(page)
+
+
+# How many points of the slice move, and how fast the fastest of them.
+FLOW = """() => {
+  const f = studio.flow.velocities, speeds = [];
+  for (let i = 0; i < f.length; i += 3) speeds.push(Math.hypot(f[i], f[i + 1], f[i + 2]));
+  return [speeds.filter((v) => v > 0).length, Math.max(...speeds)];
+}"""
+
+
+def test_a_wall_is_put_moved_judged_and_taken_away(page, tmp_path):
+    free = number(page, "swimming_speed")
+    page.click("[data-field=bounds][data-value=wall]")
+    page.wait_for_function("() => studio.store.design.answer.around?.kind === 'wall'")
+    assert "nothing of the wall" in page.inner_text("#trust")
+    assert number(page, "swimming_speed") == free  # the surrogate does not know it, and says so
+    page.fill('input[aria-label="Tilt, value"]', "10")
+    page.keyboard.press("Enter")
+    page.fill('input[aria-label="Distance, value"]', "0.3")
+    page.keyboard.press("Enter")
+    page.wait_for_selector("#problem:has-text('touches the wall')")
+    page.fill('input[aria-label="Distance, value"]', "1.2")
+    page.keyboard.press("Enter")
+    page.wait_for_selector("#problem", state="hidden")
+    tables = settled(page)
+    wall = from_dict(tables).wall
+    assert (wall.distance, wall.tilt) == pytest.approx((1.2, np.radians(10)))
+    drawn = page.evaluate("() => studio.actors()[0].around.room({x: [0, 0, 0], q: [1, 0, 0, 0], "
+                          "phase: 0, time: 0}, studio.store.design.answer.shape)")  # fmt: skip
+    assert 0.3 < drawn < 0.7 + 1e-9  # the body's equator is 0.7 from the plane, the tail nearer
+    spec = tomllib.loads(take(page, "#take-spec").decode())
+    assert from_dict(spec).wall == wall
+    assert page.screenshot(path=tmp_path / "wall.png")[:4] == b"\x89PNG"
+    page.click("[data-field=bounds][data-value='']")
+    page.wait_for_function("() => !studio.store.design.answer.around")
+    assert "wall" not in settled(page)
+
+
+def test_it_stops_at_the_end_of_its_channel_and_starts_again(page, tmp_path):
+    page.click("[data-field=bounds][data-value=channel]")
+    page.wait_for_function("() => studio.store.design.answer.around?.kind === 'cylinder'")
+    page.click("[data-field='channel.shape'][data-value=box]")
+    page.wait_for_function("() => studio.store.design.answer.around?.kind === 'box'")
+    settled(page)
+    assert page.inner_text("#model-bem") == "Finite elements"
+    assert page.screenshot(path=tmp_path / "channel.png")[:4] == b"\x89PNG"
+    page.evaluate("() => { studio.view.paused = false; const a = studio.actors()[0]; a.restart(); "
+                  "a.advance(30, studio.driver.drive, studio.driver.fastest); }")  # fmt: skip
+    page.wait_for_selector(".notice:has-text('come to the wall')")
+    assert page.evaluate("() => studio.view.paused")
+    page.click("#play")
+    page.wait_for_function("() => !studio.view.paused && studio.actors()[0].pose.time < 20")
+    page.click("#flow")  # boundary elements know no channel
+    page.wait_for_selector(".notice.error:has-text('[channel]')")
+    page.click("[data-field=bounds][data-value='']")
+    page.wait_for_function("() => !studio.store.design.answer.around")
+    settled(page)
+    assert page.inner_text("#model-bem") == "Boundary elements"
+
+
+@pytest.mark.slow
+@pytest.mark.fem
+@pytest.mark.parametrize("kind", ["wall", "channel"])
+def test_the_judge_beside_a_wall_and_in_a_channel(page, tmp_path, kind):
+    pytest.importorskip("ngsolve", reason="needs the extra fem")
+    page.click(f"[data-field=bounds][data-value={kind}]")
+    page.wait_for_function("() => studio.store.design.answer.around")
+    tables = settled(page)
+    page.click("#tab-judge")
+    page.select_option("#level", "coarse")
+    page.click("#ask-judge")
+    page.wait_for_selector("#cancel-judge")
+    page.wait_for_selector("#verdict")
+    model = {"wall": "bem", "channel": "fem"}[kind]
+    truth = from_dict(tables).gait(model, level="coarse")
+    found = page.evaluate("() => studio.store.design.reference.answer.readings")
+    assert found["forward_velocity"] == pytest.approx(-truth.mean_velocity[0], rel=1e-9)
+    page.click("#calibrate")
+    page.wait_for_selector("#trust.good:has-text('calibrated at this design')")
+    settled(page)
+    assert number(page, "forward_velocity") == pytest.approx(found["forward_velocity"], rel=1e-6)
+    assert page.screenshot(path=tmp_path / f"{kind}.png")[:4] == b"\x89PNG"
+    page.keyboard.press("Control+z")
+    page.click("[data-field=bounds][data-value='']")
+    page.wait_for_function("() => !studio.store.design.answer.around")
+    settled(page)
+    page.click("#tab-map")
+
+
+def test_a_calibrated_region_shows_its_error_in_colour(page):
+    region = {"tail.amplitude": (0.06, 0.12)}
+    swimmer = ms.Swimmer.preset("tabak/helix")
+    made = ms.calibrate_region(swimmer, region, "rft", solves=12, workers=0)
+    spec = {**tomllib.loads(presets.read("tabak/helix")), "region": {"data": pack(made.region)}}
+    text = to_toml(spec, "calibrated").encode()
+    page.set_input_files(
+        "#file", files=[{"name": "calibrated.toml", "mimeType": "text/plain", "buffer": text}]
+    )
+    page.wait_for_function("() => studio.store.design.name === 'calibrated'")
+    error = made.gait().info["expected_error"]
+    assert page.get_attribute("#trust", "class") == "trust good"
+    shown = float(re.search(r"error ([\d.]+) %", page.inner_text("#trust")).group(1))
+    assert shown == pytest.approx(100 * error, rel=0.06)
+    page.wait_for_selector("#inside")
+    page.fill('input[aria-label="Amplitude, value"]', "0.19")
+    page.keyboard.press("Enter")
+    page.wait_for_selector("#trust.fair:has-text('outside its calibrated region')")
+    page.select_option("#presets", "tabak/helix")
+    page.wait_for_function("() => studio.store.design.name === 'tabak/helix'")
+    settled(page)
+
+
+def test_a_mistake_is_a_notice_and_the_page_lives_on(page):
+    page.fill('input[aria-label="Filament radius, value"]', "9")
+    page.keyboard.press("Enter")
+    page.wait_for_selector("#problem:has-text('touches itself')")
+    page.fill('input[aria-label="Filament radius, value"]', "0.05")
+    page.keyboard.press("Enter")
+    page.wait_for_selector("#problem", state="hidden")
+    settled(page)
+    bad = {
+        "name": "bad.toml",
+        "mimeType": "text/plain",
+        "buffer": b'[tail]\nkind = "custom"\nshape = "os:getcwd"',
+    }
+    page.set_input_files("#file", files=[bad])
+    page.wait_for_selector(".notice.error:has-text('no code')")
+    for name, text, word in (
+        ("torn.toml", b"[tail", "not valid TOML"),
+        ("huge.toml", b"# " + b"x" * 600_000, "256 KiB"),
+        ("bytes.toml", b"\xff\xfe\x00\x01", "not valid TOML"),
+    ):
+        page.set_input_files("#file", files=[{**bad, "name": name, "buffer": text}])
+        page.wait_for_selector(f".notice.error:has-text('{word}')")
+    assert page.evaluate("() => studio.store.design.problem") is None
+
+
+def test_a_rotating_field_and_its_step_out(page):
+    page.click("#tab-drive")
+    page.click("#drive-field")
+    run = """(share) => { const { driver } = studio, a = studio.actors()[0];
+      driver.restart(); a.restart(); driver.set('share', share);
+      for (let i = 0; i < 240; i++) {
+        a.advance(0.06, driver.drive, driver.fastest); driver.watch(a.pose);
+      }
+      return [driver.measured, driver.rate, driver.stepOut, a.pose.x[0]]; }"""
+    rate, field, _, x = page.evaluate(run, 0.6)
+    assert rate == pytest.approx(field, rel=0.02)
+    assert x < -0.1  # ahead, as the heading says
+    assert "In step" in page.inner_text("#step")
+    rate, field, top, _ = page.evaluate(run, 1.5)
+    assert rate == pytest.approx(field - np.sqrt(field**2 - top**2), rel=0.1)  # over few beats
+    assert "Stepped out" in page.inner_text("#step")
+    page.evaluate("() => document.activeElement.blur()")
+    for key in ("ArrowLeft", "ArrowUp", "ArrowUp", "+"):
+        page.keyboard.press(key)
+    found = page.evaluate(
+        "() => [studio.driver.azimuth, studio.driver.elevation, studio.driver.share]"
+    )
+    assert found == pytest.approx([-5, 10, 1.55])
+    page.click("#drive-motor")
+    page.click("#tab-map")
+
+
+def test_what_one_takes_away(page, browser, tmp_path):
+    page.evaluate("() => { const a = studio.actors()[0]; a.restart(); a.begin(); "
+                  "a.advance(2, studio.driver.drive, studio.driver.fastest); }")  # fmt: skip
+    assert take(page, "#take-png")[:4] == b"\x89PNG"
+    spec = tomllib.loads(take(page, "#take-spec").decode())
+    assert from_dict(spec).numbers == from_dict(shown_tables(page)).numbers
+    rows = list(csv.DictReader(io.StringIO(take(page, "#take-csv").decode())))
+    times = [float(r["time"]) for r in rows]
+    path = ms.trajectory(from_dict(spec).gait(), [0.0, *times])
+    found = np.array([[float(r[k]) for k in "xyz"] for r in rows])
+    assert np.allclose(found, path.position[1:], atol=1e-4)
+    html = tmp_path / "snapshot.html"
+    html.write_bytes(take(page, "#take-html"))
+    asked = []
+    alone = browser.new_page(viewport={"width": 1280, "height": 720}, offline=True)
+    alone.set_default_timeout(PATIENCE)
+    alone.on("request", lambda r: asked.append(r.url))
+    alone.goto(html.as_uri(), wait_until="commit")
+    alone.wait_for_selector("body[data-ready]")
+    assert number(alone, "swimming_speed") == number(page, "swimming_speed")
+    alone.wait_for_function("() => studio.actors()[0].pose.phase > 0.1")
+    assert alone.evaluate(COLOURS) > 40
+    boxes = [alone.locator(f"#map-{s}").bounding_box() for s in ("output", "x", "y")]
+    assert min(b["width"] for b in boxes) > 100  # room for the names of the map's axes
+    assert boxes[1]["y"] == boxes[2]["y"] > boxes[0]["y"]
+    alone.screenshot(path=tmp_path / "snapshot.png")
+    assert [u for u in asked if not u.startswith(("file:", "data:", "blob:"))] == []
+    alone.close()
+
+
+def test_two_designs_side_by_side_and_two_tabs_apart(page, browser, server):
+    page.click("#compare")
+    page.click('[data-field="tail.kind"][data-value="plane_wave"]')
+    page.wait_for_function("() => studio.store.design.answer.shape.kind === 'plane_wave'")
+    cells = page.locator(".answers [data-reading=swimming_speed]")
+    values = [float(cells.nth(i).get_attribute("data-value")) for i in range(2)]
+    assert len(set(values)) == 2
+    assert page.evaluate("() => studio.actors().length") == 2
+    other = opened(browser, server)
+    assert json.dumps(shown_tables(other)) != json.dumps(shown_tables(page))
+    assert other.evaluate("() => studio.store.designs.length") == 1
+    other.close()
+
+
+def test_nothing_went_wrong_on_the_way(page):
+    """But for the refusals that were provoked."""
+    assert [c for c in page.complaints if "422" not in c] == []

@@ -3,6 +3,7 @@
 # make slow    the long checks as well
 # make bench   timings, written to benchmarks/results and to docs/performance.md
 # make docs    the documentation, into site/; examples in docstrings run, links checked
+# make studio  the page of `microswim studio`, built anew: no difference to what is committed (wants Node 20)
 # make clean   away with all that
 PYTHON ?= python3
 VENV   ?= .venv
@@ -13,7 +14,7 @@ INSTALL := $(BIN)/python -m pip install --quiet --disable-pip-version-check --no
 # pip compiles on one core, and the tests of every package too; this is quicker.
 COMPILE := $(BIN)/python -m compileall -q -j 0 -x '/tests?/' $(VENV)/lib >/dev/null || true
 
-.PHONY: demo test lint slow bench docs clean
+.PHONY: demo test lint slow bench docs studio clean
 
 demo: $(VENV)/.core
 	@$(BIN)/microswim demo
@@ -38,6 +39,11 @@ docs: $(VENV)/.docs $(VENV)/.test
 	@$(BIN)/pytest --quiet -n 2 src
 	@NO_MKDOCS_2_WARNING=1 $(BIN)/mkdocs build --strict
 	@echo "documentation: site/index.html"
+
+STATIC := src/microswim/studio/static
+studio:
+	@cd studio && npm ci --silent && npm run --silent build -- --logLevel warn
+	@git diff --exit-code --stat -- $(STATIC) || { echo "the built page differs from the one committed: commit it" >&2; exit 1; }
 
 clean:
 	rm -rf $(VENV) site build dist out .pytest_cache .ruff_cache .hypothesis .import_linter_cache .numba_cache

@@ -4,15 +4,26 @@ import { readFileSync, readdirSync, writeFileSync } from "node:fs";
 import { defineConfig } from "vite";
 
 const OUT = "../src/microswim/studio/static";
+const BUILT = ["index.html", "studio.css", "studio.js"];
 
-// Of which sources the page was built: tests/test_studio.py compares.
+const text = (file) => readFileSync(file, "utf8").replaceAll("\r\n", "\n");
+const sha256 = (...parts) => parts.reduce((hash, part) => hash.update(part), createHash("sha256")).digest("hex");
+
+/** All that the page is made of, folders below src too. */
+function sources() {
+  const inside = readdirSync("src", { recursive: true, withFileTypes: true })
+    .filter((entry) => entry.isFile())
+    .map((entry) => `${entry.parentPath ?? entry.path}/${entry.name}`.replaceAll("\\", "/"));
+  return [...inside, "index.html", "package.json", "package-lock.json", "tsconfig.json", "vite.config.js"].sort();
+}
+
+// Of which sources the page was built, and what it came to: tests/studio/test_studio.py compares.
 const stamp = {
   name: "stamp",
   closeBundle() {
-    const sources = [...readdirSync("src").sort().map((f) => `src/${f}`), "index.html", "package-lock.json", "vite.config.js"];
-    const hash = createHash("sha256");
-    for (const f of sources) hash.update(`${f}\n`).update(readFileSync(f, "utf8").replaceAll("\r\n", "\n"));
-    writeFileSync(`${OUT}/sources.txt`, `${hash.digest("hex")}\n`);
+    const lines = [[sha256(...sources().flatMap((file) => [`${file}\n`, text(file)])), "sources"]];
+    for (const file of BUILT) lines.push([sha256(text(`${OUT}/${file}`)), file]);
+    writeFileSync(`${OUT}/sources.txt`, lines.map(([hash, name]) => `${hash}  ${name}\n`).join(""));
   },
 };
 

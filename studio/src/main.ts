@@ -2,19 +2,19 @@
 
 import "./style.css";
 import * as THREE from "three";
-import { Actor, LOOKS } from "./actor";
-import { Answers } from "./answers";
-import { call } from "./api";
-import { TopBar, Transport, type View } from "./bars";
-import { Controls } from "./controls";
-import { el } from "./dom";
-import { Driver } from "./drive";
-import { Flow } from "./flow";
-import { Judge, askFlow } from "./judge";
-import { SpeedMap } from "./map";
-import { Stage } from "./stage";
-import { METHODS, Store, attempt, notice } from "./store";
-import type { Answer } from "./types";
+import { Actor, LOOKS } from "./scene/actor";
+import { Answers } from "./panels/answers";
+import { call } from "./state/api";
+import { TopBar, Transport, type View } from "./panels/bars";
+import { Controls } from "./panels/controls";
+import { el } from "./state/dom";
+import { Driver } from "./panels/drive";
+import { Flow } from "./scene/flow";
+import { Judge, askFlow } from "./panels/judge";
+import { SpeedMap } from "./panels/map";
+import { Stage } from "./scene/stage";
+import { METHODS, Store, attempt, notice } from "./state/store";
+import type { Answer } from "./state/types";
 
 const store = new Store();
 const view: View = { paused: false, pace: 0.6, arrows: false };

@@ -549,15 +549,25 @@ def test_a_snapshot_is_whole_and_safe():
 
 
 def test_the_built_page_is_that_of_its_sources():
-    """As `studio/vite.config.js` stamps it: whoever changes studio/ must build and commit both."""
+    """As `studio/vite.config.js` stamps it: neither sources nor built files change alone."""
     studio = Path(__file__).parents[2] / "studio"
-    names = sorted(f"src/{f.name}" for f in (studio / "src").iterdir())
+    named = ["index.html", "package.json", "package-lock.json", "tsconfig.json", "vite.config.js"]
+    inside = [f.relative_to(studio).as_posix() for f in (studio / "src").rglob("*") if f.is_file()]
     digest = hashlib.sha256()
-    for name in [*names, "index.html", "package-lock.json", "vite.config.js"]:
+    for name in sorted([*inside, *named]):
         digest.update(f"{name}\n".encode())
         digest.update((studio / name).read_bytes().replace(b"\r\n", b"\n"))
-    stamp = page.text("sources.txt").strip()
-    assert stamp == digest.hexdigest(), "run npm ci and npm run build in studio/"
+    found = {"sources": digest.hexdigest()}
+    for name in ("index.html", "studio.css", "studio.js"):
+        found[name] = hashlib.sha256(page.text(name).encode()).hexdigest()
+    stamp = dict(reversed(line.split()) for line in page.text("sources.txt").splitlines())
+    assert stamp == found, "run `make studio`"
+
+
+def test_the_lock_names_no_registry():
+    """`npm ci` takes the packages from wherever the reader's npm takes them."""
+    lock = (Path(__file__).parents[2] / "studio" / "package-lock.json").read_text(encoding="utf-8")
+    assert '"resolved"' not in lock
 
 
 def test_built_files_are_small_and_speak_to_nobody_else():

@@ -29,9 +29,7 @@ def text(name: str) -> str:
     try:
         return (STATIC / name).read_text(encoding="utf-8")
     except FileNotFoundError:
-        raise MicroswimError(
-            "the studio's page is not built; run npm ci and npm run build in studio/"
-        ) from None
+        raise MicroswimError("the studio's page is not built; run `make studio`") from None
 
 
 def snapshot(designs: Any, ask: Any = None, view: Any = None) -> str:

@@ -1,7 +1,7 @@
 // The flow on a slice through the swimmer: speed as colour, drifting specks show where it goes.
 
 import * as THREE from "three";
-import type { FlowAnswer } from "./types";
+import type { FlowAnswer } from "../state/types";
 
 const SPECKS = 700;
 const TAIL = 9;

@@ -1,11 +1,11 @@
 // The map: speed or efficiency over two numbers of the spec, the design as a dot that can be moved.
 
-import { Latest, call } from "./api";
-import { NAMES, digits, el, pretty, reading } from "./dom";
-import { SIZE, label, numbers, quantity, read, si, spoken } from "./fields";
+import { Latest, call } from "../state/api";
+import { NAMES, digits, el, pretty, reading } from "../state/dom";
+import { SIZE, label, numbers, quantity, read, si, spoken } from "../state/fields";
 import type { Controls } from "./controls";
-import { attempt, notice, type Store } from "./store";
-import type { Axis, MapAnswer, MapAsk, Tables } from "./types";
+import { attempt, notice, type Store } from "../state/store";
+import type { Axis, MapAnswer, MapAsk, Tables } from "../state/types";
 
 const OUTPUTS = ["swimming_speed", "efficiency", "mean_torque", "mean_power", "body_rate"];
 const STOPS: [number, number, number][] = [

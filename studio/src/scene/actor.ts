@@ -4,10 +4,10 @@ import * as THREE from "three";
 import { Line2 } from "three/examples/jsm/lines/Line2.js";
 import { LineGeometry } from "three/examples/jsm/lines/LineGeometry.js";
 import { LineMaterial } from "three/examples/jsm/lines/LineMaterial.js";
-import { bodyWrench, rotate, start, step, twist, type Drive, type Pose } from "./motion";
-import { Around } from "./around";
+import { bodyWrench, rotate, start, step, twist, type Drive, type Pose } from "../state/motion";
+import { Bounds } from "./bounds";
 import { Tube } from "./tube";
-import type { Answer } from "./types";
+import type { Answer } from "../state/types";
 
 const SHOWN = 900;
 const KEPT = 20000;
@@ -51,7 +51,7 @@ export class Actor {
   /** time, position, quaternion and phase, one row after the other */
   record: number[][] = [];
   readonly sqr = new THREE.Group();
-  readonly around = new Around();
+  readonly around = new Bounds();
   private home = new THREE.Group();
   private body: THREE.Mesh;
   private tail: THREE.Mesh;

@@ -1,11 +1,11 @@
 // The top bar (specs, history, take away) and the bar below the scene (time, camera, what is shown).
 
-import { call, download } from "./api";
-import { digits, el } from "./dom";
-import { attempt, notice, type Store } from "./store";
+import { call, download } from "../state/api";
+import { digits, el } from "../state/dom";
+import { attempt, notice, type Store } from "../state/store";
 import type { SpeedMap } from "./map";
-import type { Stage } from "./stage";
-import type { Actor } from "./actor";
+import type { Stage } from "../scene/stage";
+import type { Actor } from "../scene/actor";
 
 const LARGEST = 256 * 1024;
 

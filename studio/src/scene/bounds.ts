@@ -1,8 +1,8 @@
 // The wall or the channel about a swimmer: glass with lines on it, still in the lab frame.
 
 import * as THREE from "three";
-import { rotate, type Pose, type Vec } from "./motion";
-import type { Around as Bounds, Shape } from "./types";
+import { rotate, type Pose, type Vec } from "../state/motion";
+import type { Around, Shape } from "../state/types";
 
 const FAR = 24;
 const TINT = new THREE.Color("#9fc4e6");
@@ -48,17 +48,17 @@ function glass(across: number, up: number, reach: number, fill: number): THREE.S
   });
 }
 
-export class Around {
+export class Bounds {
   readonly group = new THREE.Group();
   private now = "";
-  private bounds: Bounds | null = null;
+  private bounds: Around | null = null;
   private glasses: THREE.ShaderMaterial[] = [];
 
   get kind(): string | null {
     return this.bounds?.kind ?? null;
   }
 
-  update(bounds: Bounds | null, shape: Shape): void {
+  update(bounds: Around | null, shape: Shape): void {
     const text = JSON.stringify([bounds, shape.length, shape.semi_axes]);
     if (text === this.now) return;
     this.now = text;
@@ -89,7 +89,7 @@ export class Around {
   }
 
   /** A plane that faces the swimmer; it fades far away. */
-  private wall(bounds: Bounds, size: number, cell: number): void {
+  private wall(bounds: Around, size: number, cell: number): void {
     const n = new THREE.Vector3(...bounds.normal!);
     const mesh = this.sheet(new THREE.PlaneGeometry(size, size), size / cell, size / cell, 3.2, 0.34);
     mesh.quaternion.setFromUnitVectors(new THREE.Vector3(0, 0, 1), n);
@@ -98,7 +98,7 @@ export class Around {
     this.group.quaternion.identity();
   }
 
-  private channel(bounds: Bounds, cell: number): void {
+  private channel(bounds: Around, cell: number): void {
     const [d, l] = [bounds.diameter!, bounds.length!];
     const rings = Math.max(2, Math.round(l / cell));
     if (bounds.kind === "cylinder") {
@@ -156,7 +156,7 @@ export class Around {
     }));
   }
 
-  private clear(bounds: Bounds, p: Vec): number {
+  private clear(bounds: Around, p: Vec): number {
     if (bounds.kind === "wall") {
       const n = bounds.normal!;
       return bounds.distance! + n[0] * p[0] + n[1] * p[1] + n[2] * p[2];

@@ -1,7 +1,7 @@
 // The tail as a tube about its centreline: P = [s, b_s cos(ks - phase), -sign b_s sin(ks - phase)].
 
 import * as THREE from "three";
-import type { Shape } from "./types";
+import type { Shape } from "../state/types";
 
 const AROUND = 14;
 const CAP = 5;

@@ -1,9 +1,9 @@
 // Ask the judge: boundary elements in the background, surrogate against reference, calibrate here.
 
-import { Refusal, call } from "./api";
-import { NAMES, digits, el, reading } from "./dom";
-import { METHODS, attempt, notice, type Store } from "./store";
-import type { FlowAnswer, JudgeAnswer, Row } from "./types";
+import { Refusal, call } from "../state/api";
+import { NAMES, digits, el, reading } from "../state/dom";
+import { METHODS, attempt, notice, type Store } from "../state/store";
+import type { FlowAnswer, JudgeAnswer, Row } from "../state/types";
 
 interface Status {
   state: "running" | "done" | "failed" | "cancelled";

@@ -1,9 +1,9 @@
 // The left panel: every number of the spec as a slider with its unit, choices as segments.
 
-import { digits, el, pretty } from "./dom";
-import { CHOICES, SIZE, label, quantity, read, sensible, spoken, type Range } from "./fields";
-import type { Design, Store } from "./store";
-import type { Tables, Value } from "./types";
+import { digits, el, pretty } from "../state/dom";
+import { CHOICES, SIZE, label, quantity, read, sensible, spoken, type Range } from "../state/fields";
+import type { Design, Store } from "../state/store";
+import type { Tables, Value } from "../state/types";
 
 const TITLES: [string, string, boolean][] = [
   ["tail", "Tail", true],

@@ -1,8 +1,8 @@
 // What drives the swimmer: its motor, or a rotating magnetic field on a moment across the body.
 
-import { digits, el, withPrefix } from "./dom";
-import { cross, dot, rotate, spinMobility, type Drive, type Pose, type Vec } from "./motion";
-import type { Store } from "./store";
+import { digits, el, withPrefix } from "../state/dom";
+import { cross, dot, rotate, spinMobility, type Drive, type Pose, type Vec } from "../state/motion";
+import type { Store } from "../state/store";
 
 const HISTORY = 240;
 

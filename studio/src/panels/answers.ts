@@ -1,7 +1,7 @@
 // The right panel, upper half: the numbers, and how far they can be trusted.
 
-import { NAMES, digits, el, reading } from "./dom";
-import type { Store } from "./store";
+import { NAMES, digits, el, reading } from "../state/dom";
+import type { Store } from "../state/store";
 
 const LISTED = ["forward_velocity", "body_rate", "wobble", "path_radius", "efficiency", "mean_torque", "mean_power"];
 

@@ -137,6 +137,24 @@ def test_standard_is_within_half_a_per_cent_of_fine(amplitude, waves, radius, le
     assert standard[3] == pytest.approx(fine[3], rel=5e-3)
 
 
+def test_long_panels_of_slender_filaments_change_nothing_that_matters():
+    tail = ms.HelicalTail(length=9.4, amplitude=0.5, waves=1.5, radius=0.06, ramp=0.2)
+    level = bem.get_level("standard")
+    short = replace(level, resolution=replace(level.resolution, slender=0.0))
+    long, short = (bem.solve(swimmer(tail, ms.Sphere(radius=1.0)), level=n) for n in (level, short))
+    assert long.unknowns < 0.8 * short.unknowns
+    assert np.allclose(long.twist[[0, 3]], short.twist[[0, 3]], rtol=1.5e-3)
+
+
+def test_tail_of_a_few_radii_is_solved():
+    """Too short for a pressure inside of its own, which once was an array without a shape."""
+    tail = ms.HelicalTail(length=4.4, amplitude=0.2, waves=0.7, radius=0.3, ramp=0.3)
+    one = swimmer(tail, ms.Sphere(radius=1.5))
+    rough, better = (bem.solve(one, level=n).twist for n in ("coarse", "standard"))
+    assert rough[0] == pytest.approx(better[0], rel=5e-3)
+    assert better[0] < 0
+
+
 def test_flat_tubes_do_not_feel_the_quadrature():
     """Sheared sections of a steep wave: half thickness r_t/4. No pressure inside may resonate."""
     tail = ms.PlaneWaveTail(length=1.3, amplitude=0.19, waves=4.2, radius=0.05)

@@ -38,6 +38,7 @@ _BY_NAME = {
             stretch=8.0,
             bend=1.6,
             wave=2.0,
+            slender=1.0,
             around=3,
             root=1.5,
             growth=3.0,

@@ -44,6 +44,11 @@ class Resolution:
         Panel length times curvature, between those two.
     wave : float
         Longest panel by the phase of the wave along it (rad).
+    slender : float
+        Panels of slender filaments may be longer than `stretch`: to this much of the radius of
+        curvature and of the wave's phase (rad), and
+    reach : float
+        in filament radii.
     around : int
         Panels around the tube.
     root : float
@@ -59,6 +64,8 @@ class Resolution:
     stretch: float = 5.0
     bend: float = 0.4
     wave: float = 1.2
+    slender: float = 0.0
+    reach: float = 24.0
     around: int = 4
     root: float = 0.7
     growth: float = 2.0
@@ -75,8 +82,10 @@ def _wanted_length(tail: Any, phase: float, s: Array, r: Resolution) -> tuple[Ar
     # wavenumber of the wave, also of tails that name none: rms P'' over rms P' about its mean
     swing = np.sum((curve.P_s - curve.P_s.mean(axis=0)) ** 2)
     wavenumber = np.sqrt(np.sum(curve.P_ss**2) / max(swing, 1e-20))
-    h = np.minimum(h, r.wave * speed / max(wavenumber, 1e-12))
-    return arc, np.minimum(h, 2 * r.bend / bend)
+    turn = speed / max(wavenumber, 1e-12)
+    h = np.minimum(np.minimum(h, r.wave * turn), 2 * r.bend / bend)
+    long = np.minimum(r.slender * np.minimum(1.0 / bend, turn), r.reach * tail.radius)
+    return arc, np.maximum(h, long)
 
 
 def tube_edges(tail: Any, phase: float, start: float, r: Resolution, root: float | None) -> Array:
@@ -232,7 +241,8 @@ def inner_pressures(tail: Any, phase: float, s: Array) -> Array:
     count = np.concatenate([[0.0], np.cumsum(steps)])
     number = round(float(count[-1]))
     at = np.interp(s, grid, count) * (number / count[-1])
-    return np.array([np.clip(1.0 - np.abs(at - k), 0.0, 1.0) for k in range(1, number + 1)])
+    hats = [np.clip(1.0 - np.abs(at - k), 0.0, 1.0) for k in range(1, number + 1)]
+    return np.array(hats).reshape(number, *s.shape)
 
 
 def swimmer_surface(body: Any, tail: Any, phase: float, r: Resolution) -> Surface:

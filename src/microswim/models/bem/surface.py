@@ -91,7 +91,7 @@ class Surface:
     def node_pressures(self) -> Array:
         """One, and the pressures `inner`, at the collocation points, (1 + m, e, p*p)."""
         one = np.ones((1, *self.nodes.shape[:2]))
-        if self.inner is None:
+        if self.inner is None or len(self.inner) == 0:
             return one
         rest = [self._at_nodes(0, p[..., None])[..., 0] for p in self.inner]
         return np.concatenate([one, rest])

@@ -22,6 +22,7 @@ from numba import prange
 from microswim.gait.stepping import LOWER as LOWER
 from microswim.gait.stepping import row
 from microswim.numerics.compiled import FAST, njit
+from microswim.numerics.cores import loop
 from microswim.numerics.rigid_motion import to_lab
 
 INPUTS = {
@@ -250,7 +251,7 @@ def advance(
         substep(twist, strain, moment, y, u, i * h, h, shear, work)
 
 
-@compiled
+@loop(fastmath=FAST, error_model="numpy")
 def advance_all(
     twist: Any,
     strain: Any,
@@ -262,27 +263,9 @@ def advance_all(
     steps: int,
     work: Any,
 ) -> None:
-    """Advance all states, one after the other; inputs with one row are shared."""
-    for i in range(Y.shape[0]):
-        u = U[i if U.shape[0] > 1 else 0]
-        advance(twist, strain, moment, limits, Y[i], u, dt, steps, work[0])
-
-
-@njit(cache=True, parallel=True, fastmath=FAST, error_model="numpy")
-def advance_parallel(
-    twist: Any,
-    strain: Any,
-    moment: Any,
-    limits: Any,
-    Y: Any,
-    U: Any,
-    dt: Any,
-    steps: int,
-    work: Any,
-) -> None:
-    """`advance_all` on all cores; `work` has one row per block of swimmers."""
-    blocks, n, alike = work.shape[0], Y.shape[0], U.shape[0] == 1
+    """Advance all states, in blocks with one row of `work` each; inputs with one row are shared."""
+    blocks, n = work.shape[0], Y.shape[0]
     for b in prange(blocks):
-        i, j = b * n // blocks, (b + 1) * n // blocks
-        u = U if alike else U[i:j]
-        advance_all(twist, strain, moment, limits, Y[i:j], u, dt, steps, work[b : b + 1])
+        for i in range(b * n // blocks, (b + 1) * n // blocks):
+            u = U[i if U.shape[0] > 1 else 0]
+            advance(twist, strain, moment, limits, Y[i], u, dt, steps, work[b])

@@ -14,7 +14,6 @@ import numpy as np
 
 from microswim import checks
 from microswim.control import motion, readout
-from microswim.control.cores import MANY
 from microswim.control.response import Response, response
 from microswim.errors import SpecError
 from microswim.gait.gait import Gait
@@ -216,7 +215,7 @@ class Stepper:
             raise SpecError("dt", dt, "a positive time")
         Y = state.values.reshape(-1, motion.STATE).copy()
         U = self.held(Y.shape[0], inputs)
-        run = motion.advance_parallel if Y.shape[0] >= MANY else motion.advance_all
+        run = motion.advance_all.over(len(Y))
         run(*self._model, Y, U, dt, self.steps or 0, self._work)
         return State(Y.reshape(state.values.shape))
 

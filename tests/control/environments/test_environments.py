@@ -1,5 +1,8 @@
 """The environments: by Gymnasium's own checker, against the stepper, and against their physics."""
 
+import os
+import subprocess
+import sys
 import warnings
 
 import gymnasium as gym
@@ -8,8 +11,18 @@ import pytest
 from gymnasium.utils.env_checker import check_env
 
 import microswim as ms
-from microswim.control.environments import ReachEnv, SteerEnv, camera, paths, reach, steer
+from microswim.control.environments import (
+    ReachEnv,
+    ReachVectorEnv,
+    SteerEnv,
+    SteerVectorEnv,
+    camera,
+    paths,
+    reach,
+    steer,
+)
 from microswim.control.environments import random_streams as chance
+from microswim.control.environments.world import robot
 from microswim.numerics.rigid_motion import rotation_matrix
 
 NAMES = ["microswim/Steer-v0", "microswim/Reach-v0"]
@@ -87,7 +100,7 @@ def test_steer_moves_as_the_stepper():
     world.reset(np.array([3], dtype=np.uint64))
     start = pose_of(world)
     one = ms.Stepper(
-        steer.robot().gait(), moment=(0.0, steer.MOMENT, 0.0), locked=True, resolution=200
+        robot("steer").gait(), moment=(0.0, steer.MOMENT, 0.0), locked=True, resolution=200
     )
     b, state = world.memory[0, 8:11].copy(), start
     for i in range(40):
@@ -112,7 +125,7 @@ def test_reach_moves_as_the_stepper():
     world = reach.ReachWorld(1, **CALM)
     world.reset(np.array([3], dtype=np.uint64))
     start = state = pose_of(world)
-    one = ms.Stepper(reach.robot().gait(), moment=(-reach.MOMENT, 0.0, 0.0), resolution=200)
+    one = ms.Stepper(robot("reach").gait(), moment=(-reach.MOMENT, 0.0, 0.0), resolution=200)
     angle = world.memory[0, reach.ANGLE]
     for i in range(40):
         motor, swing = np.cos(i / 10), np.sin(i / 7)
@@ -141,7 +154,7 @@ def speed(frequency):
 
 def test_in_step_speed_goes_with_frequency_and_step_out_is_real():
     """About its axis the robot steps out at m B / R = 7.8 Hz; 10 Hz is slower than 7 Hz."""
-    R = np.linalg.inv(steer.robot().gait().resistance(0.0))
+    R = np.linalg.inv(robot("steer").gait().resistance(0.0))
     critical = steer.MOMENT * 4e-3 * R[3, 3] / (2 * np.pi)
     assert 7 < critical < 9
     slow, fast = speed(3.0), speed(6.0)
@@ -223,11 +236,124 @@ def test_ends_are_told_apart():
     assert info["off_path"] > 3.0
 
 
+def makers(name):
+    """The single environment and the vector of two."""
+    return gym.make(name).unwrapped, gym.make_vec(
+        name, num_envs=2, vectorization_mode="vector_entry_point"
+    )
+
+
+def episode(env, seed=None, options=None):
+    """All that an episode of thirty steps gives."""
+    seen = [env.reset(seed=seed, options=options)[0]]
+    for move in actions(env, 30):
+        obs, reward, *_ = env.step(move)
+        seen += [obs, np.atleast_1d(reward)]
+    return np.concatenate([np.ravel(s) for s in seen])
+
+
+@pytest.mark.parametrize("kind", [0, 1], ids=["single", "vector"])
+def test_a_reset_forgets_the_path_that_was_given(kind):
+    """An own path of 2 or 40 mm does not scale the path of 10 mm of the next episode."""
+    env = makers("microswim/Steer-v0")[kind]
+    first = episode(env, 7)
+    for end in (2.0, 40.0):
+        episode(env, 1, {"path": [[0, 0, 0], [end, 0, 0]]})
+        assert (episode(env, 7) == first).all()
+        with pytest.raises(ms.SpecError, match="path"):
+            env.reset(seed=1, options={"path": [[0, 0, 0]]})
+        assert (episode(env, 7) == first).all()
+
+
+@pytest.mark.parametrize("name", NAMES)
+@pytest.mark.parametrize("kind", [0, 1], ids=["single", "vector"])
+def test_what_follows_a_seed_does_not_depend_on_what_came_before(name, kind):
+    """Nor do the episodes after it, which are not given a seed."""
+    new, used = makers(name)[kind], makers(name)[kind]
+    episode(used)
+    episode(used, 3)
+    for seed in (5, [5, 9]) if kind else (5,):
+        for _ in range(2):
+            first, second = episode(new, seed), episode(new)
+            assert (episode(used, seed) == first).all()
+            assert (episode(used) == second).all()
+            assert (first != second).any()
+
+
+@pytest.mark.parametrize("name", NAMES)
+def test_a_vector_goes_on_as_its_single_environments_are_reset(name):
+    """Past an end and through a reset without a seed."""
+    many = gym.make_vec(name, num_envs=2, vectorization_mode="vector_entry_point", max_steps=5)
+    alone = [gym.make(name, max_steps=5) for _ in range(2)]
+    many.reset(seed=[4, 8])
+    for env, seed in zip(alone, (4, 8)):
+        env.reset(seed=seed)
+    moves = actions(many, 5)
+    for move in moves:
+        many.step(move)
+        for env, own in zip(alone, move):
+            env.step(own)
+    begun, *_ = many.step(moves[0])
+    assert (begun == [env.reset()[0] for env in alone]).all()
+    begun, _ = many.reset(seed=[None, 8])
+    assert (begun[0] == alone[0].reset()[0]).all()
+    assert (begun[1] == alone[1].reset(seed=8)[0]).all()
+
+
+@pytest.mark.parametrize("name", NAMES)
+def test_a_step_before_the_first_reset_is_an_error(name):
+    for env in makers(name):
+        with pytest.raises(gym.error.ResetNeeded, match="reset"):
+            env.step(actions(env, 1)[0])
+    with pytest.raises(ms.MicroswimError, match="reset"):
+        makers(name)[0].all.step(np.zeros((1, 4)))
+
+
+FORKED = """
+import gymnasium as gym, numpy as np
+import microswim.control.environments
+many = gym.make_vec("microswim/Steer-v0", num_envs=300)
+many.reset(seed=0)
+many.step(np.zeros((300, 4), np.float32))
+apart = gym.make_vec("microswim/Steer-v0", num_envs=2, vectorization_mode="async")
+begun, _ = apart.reset(seed=0)
+for _ in range(3):
+    seen, *_ = apart.step(np.zeros((2, 4), np.float32))
+apart.close()
+alone = gym.make("microswim/Steer-v0")
+alone.reset(seed=1)
+for _ in range(3):
+    own, *_ = alone.step(np.zeros(4, np.float32))
+print((own == seen[1]).all())
+"""
+
+
+@pytest.mark.parametrize("layer", ["omp", "workqueue"])
+def test_processes_forked_from_one_with_threads_step_on(layer):
+    """As Gymnasium's asynchronous vector forks them; the same numbers as in one process."""
+    done = subprocess.run(
+        [sys.executable, "-c", FORKED],
+        env={**os.environ, "NUMBA_THREADING_LAYER": layer},
+        capture_output=True,
+        text=True,
+        timeout=200,
+        check=False,
+    )
+    assert done.stdout.split() == ["True"], done.stderr[-500:]
+
+
 BAD = [
     (SteerEnv, {"latency": -1}, "latency"),
     (SteerEnv, {"latency": 1.5}, "latency"),
     (ReachEnv, {"frame_interval": 0}, "frame_interval"),
     (ReachEnv, {"disturbance": np.nan}, "disturbance"),
+    (SteerEnv, {"latency": 10**9}, "latency"),
+    (ReachEnv, {"disturbance": 1e308}, "disturbance"),
+    (SteerEnv, {"wind": 1.0}, "wind = 1.0: must be one of the settings disturbance"),
+    (ReachVectorEnv, {"num_envs": 0}, "num_envs"),
+    (SteerVectorEnv, {"num_envs": 2.5}, "num_envs"),
+    (SteerVectorEnv, {"num_envs": "two"}, "num_envs"),
+    (SteerVectorEnv, {"num_envs": 2, "wind": 1.0}, "wind"),
 ]
 
 
@@ -242,10 +368,18 @@ def test_bad_actions_and_paths_are_one_sentence():
     for path in ([[0, 0, 0]], [[0, 0, 0], [0, 0, 0]], "home", [[0, 0, 0], [np.nan, 0, 0]]):
         with pytest.raises(ms.SpecError, match="path"):
             env.reset(options={"path": path})
-    with pytest.raises(ms.SpecError, match="options"):
-        env.reset(options={"route": []})
+    back = [[0, 0, 0], [1, 0, 0], [2.0 / 41.0, 0, 0]]  # two of the points of its steps coincide
+    for path in (back, [[0, 0, 0], [1e-9, 0, 0]], [[0, 0, 0], [1e30, 0, 0]]):
+        with pytest.raises(ms.SpecError, match="path"):
+            env.reset(options={"path": path})
+    for options in ({"route": []}, {"path": None, 3: 1}, "path", [1]):
+        with pytest.raises(ms.SpecError, match="options"):
+            env.reset(options=options)
+    for seed in (-1, 1.5, "one", True):
+        with pytest.raises(ms.SpecError, match="seed"):
+            env.reset(seed=seed)
     env.reset(seed=0)
-    for action in ([1, 0, 0], [1, 0, 0, np.nan]):
+    for action in ([1, 0, 0], [1, 0, 0, np.nan], [1e300, 0, 0, 0], "left", None):
         with pytest.raises(ms.SpecError, match="action"):
             env.step(action)
     with pytest.raises(ms.SpecError, match="target"):
@@ -253,6 +387,8 @@ def test_bad_actions_and_paths_are_one_sentence():
     many = gym.make_vec(NAMES[0], num_envs=2, vectorization_mode="vector_entry_point")
     with pytest.raises(ms.SpecError, match="seed"):
         many.reset(seed=[1, 2, 3])
+    with pytest.raises(ms.SpecError, match="seed"):
+        many.reset(seed=[1, -2])
     many.reset(seed=[1, 2])
     with pytest.raises(ms.SpecError, match="shape"):
         many.step(np.zeros((3, 4)))

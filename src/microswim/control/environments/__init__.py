@@ -14,12 +14,15 @@ import numpy as np
 from gymnasium.vector import AutoresetMode, VectorEnv
 from gymnasium.vector.utils import batch_space
 
+from microswim import checks
 from microswim.control.environments.reach import ReachWorld
 from microswim.control.environments.steer import LIMIT, SteerWorld
+from microswim.control.environments.world import World
 from microswim.errors import SpecError
 
-World = SteerWorld | ReachWorld
 KEYS = 2**63
+MOST = 1_000_000  # environments in a vector: 1.5 GB of paths and frames
+BEYOND = 1e9  # an action of this size is a mistake
 
 
 def _spaces(world: type[World]) -> tuple[gym.spaces.Box, gym.spaces.Box]:
@@ -27,16 +30,43 @@ def _spaces(world: type[World]) -> tuple[gym.spaces.Box, gym.spaces.Box]:
     return seen, gym.spaces.Box(-1.0, 1.0, (world.actions,), np.float32)
 
 
-def _keys(seeds: list[int]) -> np.ndarray:
-    """Key of each seed: that of a single environment with this seed."""
-    return np.array([gym.utils.seeding.np_random(s)[0].integers(KEYS) for s in seeds], np.uint64)
+def _seed(seed: Any) -> int | None:
+    """The seed, checked."""
+    if seed is None:
+        return None
+    if isinstance(seed, bool) or not isinstance(seed, (int, np.integer)) or seed < 0:
+        raise SpecError("seed", seed, "a whole number from 0 on")
+    return int(seed)
 
 
-def _path(options: dict[str, Any] | None) -> Any:
-    unknown = set(options or {}) - {"path"}
-    if unknown:
-        raise SpecError("options", sorted(unknown)[0], '"path"')
-    return (options or {}).get("path")
+def _key(seed: int) -> np.uint64:
+    """Key of the stream of a single environment with this seed."""
+    return np.uint64(gym.utils.seeding.np_random(seed)[0].integers(KEYS))
+
+
+def _path(options: Any) -> Any:
+    """The path among the options of a reset, the only one there is."""
+    if options is None:
+        return None
+    if not isinstance(options, dict):
+        raise SpecError("options", options, 'a dictionary such as {"path": points}')
+    for name in options:
+        if name != "path":
+            raise SpecError("options", name, '"path"')
+    return options.get("path")
+
+
+def _finite(name: str, given: Any, shape: tuple[int, ...]) -> np.ndarray:
+    """The actions as an array of this shape, checked."""
+    try:
+        actions = np.ascontiguousarray(given, dtype=np.float64)
+    except (TypeError, ValueError):
+        raise SpecError(name, given, "made of numbers") from None
+    if actions.shape != shape:
+        raise SpecError(name, f"of shape {actions.shape}", f"of shape {shape}")
+    if not (np.abs(actions) <= BEYOND).all():
+        raise SpecError(name, given, "made of finite numbers, in [-1, 1]")
+    return actions
 
 
 class _Single(gym.Env):
@@ -51,14 +81,18 @@ class _Single(gym.Env):
     def reset(
         self, *, seed: int | None = None, options: dict[str, Any] | None = None
     ) -> tuple[np.ndarray, dict[str, Any]]:
+        """Begin anew; without a seed the stream of chance goes on, as in a vector."""
+        seed, path = _seed(seed), _path(options)
         super().reset(seed=seed)
-        key = np.array([self.np_random.integers(KEYS)], dtype=np.uint64)
-        return self.all.reset(key, _path(options))[0], self._info()
+        first = seed is not None or not self.all.begun
+        keys = np.array([self.np_random.integers(KEYS)], np.uint64) if first else self.all.keys
+        return self.all.reset(keys, path)[0], self._info()
 
     def step(self, action: Any) -> tuple[np.ndarray, float, bool, bool, dict[str, Any]]:
-        given = np.asarray(action, dtype=np.float64).reshape(1, -1)
-        if given.shape[1] != self.all.actions or not np.isfinite(given).all():
-            raise SpecError("action", action, f"{self.all.actions} finite numbers in [-1, 1]")
+        """One step; an error before the first reset and after the end."""
+        given = _finite("action", action, (self.all.actions,))[None]
+        if not self.all.begun:
+            raise gym.error.ResetNeeded("no episode has begun; call reset")
         if self.all.count[0, -1]:
             raise gym.error.ResetNeeded("this episode has ended; call reset")
         obs, reward, ends = self.all.step(given)
@@ -72,34 +106,49 @@ class _Vector(VectorEnv):
     world: type[World]
     metadata = {"render_modes": [], "autoreset_mode": AutoresetMode.NEXT_STEP}  # noqa: RUF012
 
-    def __init__(self, num_envs: int = 1, **options: Any) -> None:
-        self.num_envs, self.render_mode = int(num_envs), options.pop("render_mode", None)
+    def __init__(self, num_envs: int = 1, render_mode: str | None = None, **options: Any) -> None:
+        allowed = f"a whole number from 1 to {MOST}"
+        checks.number("num_envs", num_envs, allowed, least=1, most=MOST)
+        if int(num_envs) != num_envs:
+            raise SpecError("num_envs", num_envs, allowed)
+        self.num_envs, self.render_mode = int(num_envs), render_mode
         self.single_observation_space, self.single_action_space = _spaces(self.world)
         self.observation_space = batch_space(self.single_observation_space, self.num_envs)
         self.action_space = batch_space(self.single_action_space, self.num_envs)
         self.all = self.world(self.num_envs, **options)
 
     def reset(
-        self, *, seed: int | list[int] | None = None, options: dict[str, Any] | None = None
+        self, *, seed: Any = None, options: dict[str, Any] | None = None
     ) -> tuple[np.ndarray, dict[str, Any]]:
-        """Begin anew; environment i of seed n is the single environment of seed n + i."""
-        if isinstance(seed, (list, tuple)):
+        """Begin anew; environment i of seed n is the single environment of seed n + i.
+
+        A list gives each environment its own seed; where it has None, or without any seed, the
+        streams of chance go on.
+        """
+        seeds, path = self._seeds(seed), _path(options)
+        if seed is not None and seeds[0] is not None:
+            super().reset(seed=seeds[0])
+        if not self.all.begun:
+            self.all.keys = self.np_random.integers(KEYS, size=self.num_envs).astype(np.uint64)
+        keys = self.all.keys.copy()
+        for i, own in enumerate(seeds):
+            keys[i] = keys[i] if own is None else _key(own)
+        return self.all.reset(keys, path), {}
+
+    def _seeds(self, seed: Any) -> list[int | None]:
+        """Seed of each environment."""
+        if isinstance(seed, (list, tuple, np.ndarray)):
             if len(seed) != self.num_envs:
-                raise SpecError("seed", f"{len(seed)} seeds", f"{self.num_envs} seeds or one")
-            keys = _keys(list(seed))
-        elif seed is not None:
-            super().reset(seed=seed)
-            keys = _keys([seed + i for i in range(self.num_envs)])
-        else:
-            keys = self.np_random.integers(KEYS, size=self.num_envs).astype(np.uint64)
-        return self.all.reset(keys, _path(options)), {}
+                raise SpecError("seed", f"{len(seed)} seeds", f"{self.num_envs} seeds, or one")
+            return [_seed(s) for s in seed]
+        first = _seed(seed)
+        return [None if first is None else first + i for i in range(self.num_envs)]
 
     def step(self, actions: Any) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray, dict]:
         """One step of all; where an episode ended the step before, a new one begins instead."""
-        given = np.ascontiguousarray(actions, dtype=np.float64)
-        if given.shape != (self.num_envs, self.all.actions) or not np.isfinite(given).all():
-            shape = (self.num_envs, self.all.actions)
-            raise SpecError("actions", f"of shape {given.shape}", f"finite, of shape {shape}")
+        given = _finite("actions", actions, (self.num_envs, self.all.actions))
+        if not self.all.begun:
+            raise gym.error.ResetNeeded("no episode has begun; call reset")
         obs, rewards, ends = self.all.step(given)
         return obs, rewards, ends[:, 0].copy(), ends[:, 1].copy(), {}
 

@@ -38,14 +38,19 @@ def conditions(
     SpecError
         If one is out of range.
     """
-    given = {"disturbance": disturbance, "position_noise": position_noise}
-    for name, value in (given | {"angle_noise": angle_noise}).items():
-        checks.number(name, value, "zero or more", least=0.0)
-    whole = {"frame_interval": (frame_interval, 1), "latency": (latency, 0)}
-    for name, (value, least) in (whole | {"max_steps": (max_steps, 1)}).items():
-        checks.number(name, value, f"a whole number from {least} on", least=least, most=1e9)
+    sizes = {"disturbance": disturbance, "position_noise": position_noise}
+    for name, value in (sizes | {"angle_noise": angle_noise}).items():
+        checks.number(name, value, "a number from 0 to 1000", least=0.0, most=1e3)
+    whole = {
+        "frame_interval": (frame_interval, 1, 10**9),
+        "latency": (latency, 0, 10**4),  # frames under way are kept
+        "max_steps": (max_steps, 1, 10**9),
+    }
+    for name, (value, least, most) in whole.items():
+        allowed = f"a whole number from {least} to {most}"
+        checks.number(name, value, allowed, least=least, most=most)
         if int(value) != value:
-            raise SpecError(name, value, f"a whole number from {least} on")
+            raise SpecError(name, value, allowed)
     return {
         "gust": disturbance * MM,
         "noise": position_noise * MM,

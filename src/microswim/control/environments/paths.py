@@ -11,6 +11,7 @@ from microswim.errors import SpecError
 from microswim.numerics.compiled import njit
 
 POINTS = 41
+SHORTEST, LONGEST = 1e-3, 1e6  # mm, of a path that is given
 
 
 @njit(cache=True)
@@ -75,5 +76,12 @@ def resampled(path: Any, points: int = POINTS) -> np.ndarray:
     arc = np.concatenate([[0.0], np.cumsum(np.linalg.norm(np.diff(corners, axis=0), axis=1))])
     if not np.isfinite(arc[-1]) or (np.diff(arc) <= 0).any():
         raise SpecError("path", path, "finite points, each apart from the one before")
+    if not SHORTEST <= arc[-1] <= LONGEST:
+        raise SpecError(
+            "path", f"{arc[-1]:.3g} mm long", f"from {SHORTEST:g} to {LONGEST:g} mm long"
+        )
     at = np.linspace(0.0, arc[-1], points)
-    return np.stack([np.interp(at, arc, x) for x in corners.T], axis=-1)
+    made = np.stack([np.interp(at, arc, x) for x in corners.T], axis=-1)
+    if (np.linalg.norm(np.diff(made, axis=0), axis=1) < 1e-6 * at[1]).any():
+        raise SpecError("path", path, "a path that does not turn back upon itself")
+    return made

@@ -8,15 +8,12 @@ with a lag; nothing else holds it in the plane. Millimetres in observations, SI 
 from __future__ import annotations
 
 from collections import namedtuple
-from importlib.resources import as_file, files
 from typing import Any
 
 import numpy as np
 from numba import prange
 
-from microswim.control.cores import awake
 from microswim.control.environments.camera import (
-    FRAME,
     MM,
     attitude,
     conditions,
@@ -25,11 +22,12 @@ from microswim.control.environments.camera import (
     seen,
 )
 from microswim.control.environments.random_streams import direction, uniform
-from microswim.control.motion import INPUT, WORK, substep
+from microswim.control.environments.world import World, robot
+from microswim.control.motion import INPUT, substep
 from microswim.control.stepper import Stepper
 from microswim.errors import SpecError
 from microswim.numerics.compiled import FAST, njit
-from microswim.swimmer.swimmer import Swimmer
+from microswim.numerics.cores import loop
 
 MOMENT = 1e-4  # A m^2, along the body: the robot follows the field at 11 per second
 OBSERVED, ACTIONS = 9, 2
@@ -50,12 +48,6 @@ def settings(*, max_steps: int = 1000, **options: Any) -> Settings:
         dt=0.02, field=4e-3, top=16.0 * np.pi, swing=2.0, near=0.2 * MM,
         **conditions(max_steps=max_steps, **options),
     )  # fmt: skip
-
-
-def robot() -> Swimmer:
-    """The swimmer of the environment."""
-    with as_file(files(__package__) / "robots" / "reach.toml") as path:
-        return Swimmer.from_toml(path)
 
 
 compiled = njit(cache=True, fastmath=FAST, error_model="numpy")
@@ -150,12 +142,12 @@ def one(
     return reward + (5.0 if there else 0.0) - (5.0 if lost else 0.0)
 
 
-@njit(cache=True, parallel=True, fastmath=FAST, error_model="numpy")
+@loop(fastmath=FAST, error_model="numpy")
 def step_all(
     mem: Any, count: Any, ring: Any, keys: Any, actions: Any, scratch: Any, model: Any, s: Any,
     obs: Any, ends: Any, rewards: Any,
 ) -> None:  # fmt: skip
-    """One step of all environments on all cores."""
+    """One step of all environments."""
     blocks, n = scratch.shape[0], mem.shape[0]
     for b in prange(blocks):
         u, work = scratch[b, :INPUT], scratch[b, INPUT:]
@@ -173,48 +165,34 @@ def begin_all(mem: Any, count: Any, ring: Any, keys: Any, s: Any, obs: Any) -> N
         watch(mem[i], count[i], ring[i], s, obs[i])
 
 
-class ReachWorld:
-    """So many robots and their targets.
+class ReachWorld(World):
+    """So many robots and their targets; options as `settings` takes them."""
 
-    Parameters
-    ----------
-    n
-        Number of environments.
-    options
-        As `settings` takes them.
-    """
+    observed, actions, memory_size, counts = OBSERVED, ACTIONS, MEMORY, COUNTS
+    conditions = staticmethod(settings)
 
-    observed, actions = OBSERVED, ACTIONS
+    @staticmethod
+    def stepper() -> Stepper:
+        """Return the robot with its magnet along the body."""
+        return Stepper(robot("reach").gait(), moment=(-MOMENT, 0.0, 0.0))
 
-    def __init__(self, n: int, **options: Any) -> None:
-        self.settings = s = settings(**options)
-        stepper = Stepper(robot().gait(), moment=(-MOMENT, 0.0, 0.0))
-        self.model = (stepper.response.twist, stepper.response.strain, stepper.magnet)
-        self.memory, self.count = np.zeros((n, MEMORY)), np.zeros((n, COUNTS), dtype=np.int64)
-        self.ring = np.zeros((n, s.latency // s.interval + 2, FRAME))
-        self.keys = np.zeros(n, dtype=np.uint64)
-        self.scratch = np.zeros((4, INPUT + WORK))
-
-    def reset(self, keys: np.ndarray, path: Any = None) -> np.ndarray:
-        """Begin in all environments with these keys."""
+    def take(self, path: Any) -> None:
+        """Refuse a path."""
         if path is not None:
             raise SpecError("path", path, "left out", "microswim/Reach-v0 has a target, no path")
-        self.keys = keys.astype(np.uint64)
-        obs = np.empty((len(self.memory), OBSERVED), dtype=np.float32)
-        begin_all(self.memory, self.count, self.ring, self.keys, self.settings, obs)
-        return obs
 
-    def step(self, actions: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-        """Observations, rewards, and (n, 2): terminated, truncated."""
-        n = len(self.memory)
-        obs, rewards = np.empty((n, OBSERVED), dtype=np.float32), np.empty(n)
-        ends = np.empty((n, 2), dtype=np.bool_)
-        with awake(n):
-            step_all(
-                self.memory, self.count, self.ring, self.keys, actions, self.scratch, self.model,
-                self.settings, obs, ends, rewards,
-            )  # fmt: skip
-        return obs, rewards, ends
+    def begin(self, obs: np.ndarray) -> None:
+        """Begin in all environments."""
+        begin_all(self.memory, self.count, self.ring, self.keys, self.settings, obs)
+
+    def advance(
+        self, actions: np.ndarray, obs: np.ndarray, ends: np.ndarray, rewards: np.ndarray
+    ) -> None:
+        """Step all environments."""
+        step_all.over(len(obs))(
+            self.memory, self.count, self.ring, self.keys, actions, self.scratch, self.model,
+            self.settings, obs, ends, rewards,
+        )  # fmt: skip
 
     @property
     def about(self) -> dict[str, np.ndarray]:

@@ -9,15 +9,12 @@ inside.
 from __future__ import annotations
 
 from collections import namedtuple
-from importlib.resources import as_file, files
 from typing import Any
 
 import numpy as np
 from numba import prange
 
-from microswim.control.cores import awake
 from microswim.control.environments.camera import (
-    FRAME,
     MM,
     attitude,
     conditions,
@@ -27,11 +24,12 @@ from microswim.control.environments.camera import (
 )
 from microswim.control.environments.paths import POINTS, locate, point, resampled, wander
 from microswim.control.environments.random_streams import direction, normals, uniform
-from microswim.control.motion import INPUT, WORK, field_at, substep
+from microswim.control.environments.world import World, robot
+from microswim.control.motion import INPUT, field_at, substep
 from microswim.control.stepper import Stepper
 from microswim.numerics.compiled import FAST, njit
+from microswim.numerics.cores import loop
 from microswim.numerics.rigid_motion import to_lab
-from microswim.swimmer.swimmer import Swimmer
 
 MOMENT = 2e-5  # A m^2, across the helix: a head of NdFeB of half a millimetre holds five times that
 OBSERVED, ACTIONS = 17, 4
@@ -54,12 +52,6 @@ def settings(*, max_steps: int = 1500, **options: Any) -> Settings:
         dt=0.02, field=4e-3, top=10.0, calm=2.0, length=10.0 * MM, bend=0.8 / MM, lost=3.0 * MM,
         ahead=1.0 * MM, **conditions(max_steps=max_steps, **options),
     )  # fmt: skip
-
-
-def robot() -> Swimmer:
-    """The swimmer of the environment."""
-    with as_file(files(__package__) / "robots" / "steer.toml") as path:
-        return Swimmer.from_toml(path)
 
 
 compiled = njit(cache=True, fastmath=FAST, error_model="numpy")
@@ -205,12 +197,12 @@ def one(
     return reward
 
 
-@njit(cache=True, parallel=True, fastmath=FAST, error_model="numpy")
+@loop(fastmath=FAST, error_model="numpy")
 def step_all(
     mem: Any, count: Any, ring: Any, path: Any, keys: Any, actions: Any, scratch: Any, model: Any,
     s: Any, obs: Any, ends: Any, rewards: Any, draw: bool,
 ) -> None:  # fmt: skip
-    """One step of all environments on all cores."""
+    """One step of all environments."""
     blocks, n = scratch.shape[0], mem.shape[0]
     for b in prange(blocks):
         u, work = scratch[b, :INPUT], scratch[b, INPUT:]
@@ -231,54 +223,44 @@ def begin_all(
         watch(mem[i], count[i], ring[i], path[i], s, obs[i])
 
 
-class SteerWorld:
-    """So many robots and their paths.
+class SteerWorld(World):
+    """So many robots and their paths; options as `settings` takes them."""
 
-    Parameters
-    ----------
-    n
-        Number of environments.
-    options
-        As `settings` takes them.
-    """
-
-    observed, actions = OBSERVED, ACTIONS
+    observed, actions, memory_size, counts = OBSERVED, ACTIONS, MEMORY, COUNTS
+    conditions = staticmethod(settings)
 
     def __init__(self, n: int, **options: Any) -> None:
-        self.settings = s = settings(**options)
-        stepper = Stepper(robot().gait(), moment=(0.0, MOMENT, 0.0), locked=True)
-        self.model = (stepper.response.twist, stepper.response.strain, stepper.magnet)
-        self.memory, self.count = np.zeros((n, MEMORY)), np.zeros((n, COUNTS), dtype=np.int64)
-        self.ring = np.zeros((n, s.latency // s.interval + 2, FRAME))
+        super().__init__(n, **options)
+        self.own_length, self.draw = self.settings.length, True
         self.path = np.zeros((n, POINTS, 3))
-        self.keys = np.zeros(n, dtype=np.uint64)
-        self.scratch = np.zeros((4, INPUT + WORK))
-        self.draw = True
 
-    def reset(self, keys: np.ndarray, path: Any = None) -> np.ndarray:
-        """Begin in all environments with these keys; `path` in mm, else one is drawn."""
-        self.draw, self.keys = path is None, keys.astype(np.uint64)
+    @staticmethod
+    def stepper() -> Stepper:
+        """Return the robot: rigid, its magnet across the helix."""
+        return Stepper(robot("steer").gait(), moment=(0.0, MOMENT, 0.0), locked=True)
+
+    def take(self, path: Any) -> None:
+        """Take a path in mm; None: each episode draws its own."""
+        length = self.own_length
         if path is not None:
-            self.path[:] = resampled(path) * MM
-            length = np.linalg.norm(np.diff(self.path[0], axis=0), axis=1).sum()
-            self.settings = self.settings._replace(length=float(length))
-        obs = np.empty((len(self.memory), OBSERVED), dtype=np.float32)
+            self.path[:] = given = resampled(path) * MM
+            length = float(np.linalg.norm(np.diff(given, axis=0), axis=1).sum())
+        self.draw, self.settings = path is None, self.settings._replace(length=length)
+
+    def begin(self, obs: np.ndarray) -> None:
+        """Begin in all environments."""
         begin_all(
             self.memory, self.count, self.ring, self.path, self.keys, self.settings, obs, self.draw
         )
-        return obs
 
-    def step(self, actions: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-        """Observations, rewards, and (n, 2): terminated, truncated."""
-        n = len(self.memory)
-        obs, rewards = np.empty((n, OBSERVED), dtype=np.float32), np.empty(n)
-        ends = np.empty((n, 2), dtype=np.bool_)
-        with awake(n):
-            step_all(
-                self.memory, self.count, self.ring, self.path, self.keys, actions, self.scratch,
-                self.model, self.settings, obs, ends, rewards, self.draw,
-            )  # fmt: skip
-        return obs, rewards, ends
+    def advance(
+        self, actions: np.ndarray, obs: np.ndarray, ends: np.ndarray, rewards: np.ndarray
+    ) -> None:
+        """Step all environments."""
+        step_all.over(len(obs))(
+            self.memory, self.count, self.ring, self.path, self.keys, actions, self.scratch,
+            self.model, self.settings, obs, ends, rewards, self.draw,
+        )  # fmt: skip
 
     @property
     def about(self) -> dict[str, np.ndarray]:

@@ -9,6 +9,7 @@ from collections.abc import Iterable
 from dataclasses import dataclass
 
 from microswim.errors import SpecError
+from microswim.gait.gait import DEGREES_OF_FREEDOM
 from microswim.swimmer.swimmer import Swimmer
 
 _AXES = "sqr"
@@ -56,7 +57,7 @@ def resolve(swimmer: Swimmer, names: Iterable[str]) -> tuple[Unknown, ...]:
 
 def usual(swimmer: Swimmer) -> tuple[str, ...]:
     """Unknowns of Table 3: s, lateral, and the rotation that the tail drives."""
-    free = dict(zip(("us", "uq", "ur", "os", "oq", "or"), swimmer.motion.mask))
+    free = dict(zip(DEGREES_OF_FREEDOM, swimmer.motion.mask))
     if swimmer.tail.kind == "helix":
         wanted = {"translation.s": "us", "translation.qr": "uq", "rotation.s": "os"}
     else:

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import functools
 import json
-import math
 import tomllib
 from collections.abc import Callable
 from dataclasses import dataclass
@@ -14,6 +13,7 @@ from typing import TYPE_CHECKING, Any
 import click
 
 from microswim.errors import SpecError
+from microswim.numerics.plain import plain
 
 if TYPE_CHECKING:
     from microswim.swimmer.swimmer import Swimmer
@@ -142,16 +142,4 @@ def _literal(value: Any) -> str:
 
 def print_json(result: dict[str, Any]) -> None:
     """Print one JSON object; NaN and infinities as null, arrays as lists."""
-    click.echo(json.dumps(_plain(result), allow_nan=False, ensure_ascii=False, default=str))
-
-
-def _plain(value: Any) -> Any:
-    if isinstance(value, dict):
-        return {str(k): _plain(v) for k, v in value.items()}
-    if hasattr(value, "tolist"):
-        value = value.tolist()
-    if isinstance(value, (list, tuple)):
-        return [_plain(v) for v in value]
-    if isinstance(value, float) and not math.isfinite(value):
-        return None
-    return value
+    click.echo(json.dumps(plain(result), allow_nan=False, ensure_ascii=False))

@@ -196,8 +196,8 @@ def _write_csv(path: Path, data: Any) -> None:
 
 def _print(report: dict[str, Any]) -> None:
     from microswim.cli import _print
+    from microswim.gait.readable import significant
     from microswim.output.report.html import Table
-    from microswim.output.report.readable import significant
 
     mean, swing = report["mean_velocity"], report["velocity_amplitude"]
     tail, settling = report["wrench_tail"], report["settling"]

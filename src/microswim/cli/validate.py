@@ -75,7 +75,7 @@ def command(given: Given, out: Path | None, as_json: bool, **asked: Any) -> None
 
 
 def _write(out: Path, result: Any, report: dict[str, Any]) -> None:
-    from microswim.cli._options import _plain
+    from microswim.numerics.plain import plain
     from microswim.output.plots.validation import error_maps
 
     out.mkdir(parents=True, exist_ok=True)
@@ -84,7 +84,7 @@ def _write(out: Path, result: Any, report: dict[str, Any]) -> None:
         writer = csv.DictWriter(file, list(rows[0]))
         writer.writeheader()
         writer.writerows(rows)
-    text = json.dumps(_plain(report), allow_nan=False, ensure_ascii=False, indent=1)
+    text = json.dumps(plain(report), allow_nan=False, ensure_ascii=False, indent=1)
     (out / "validation.json").write_text(text + "\n", encoding="utf-8")
     error_maps(result).savefig(out / "errors.png", dpi=200)
 

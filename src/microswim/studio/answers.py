@@ -19,6 +19,7 @@ from microswim.gait.gait import Gait
 from microswim.gait.quantities import summary
 from microswim.gait.stepping import pack
 from microswim.models.rft.batch import evaluate, is_regular
+from microswim.numerics.plain import plain
 from microswim.studio import bounds as around
 from microswim.studio.spec_tables import canonical, swimmer_of, to_toml, units_of
 from microswim.swimmer.swimmer import Swimmer
@@ -91,7 +92,7 @@ def describe(swimmer: Swimmer, gait: Gait) -> dict[str, Any]:
             "body": _body_series(gait),
         },
         "readings": readings(swimmer, gait),
-        "expected_error": _plain(gait.info.get("expected_error")),
+        "expected_error": plain(gait.info.get("expected_error")),
         "region": swimmer.region is not None,
     }
 
@@ -115,7 +116,7 @@ def readings(swimmer: Swimmer, gait: Gait) -> dict[str, Any]:
         "mean_torque": made["mean_torque"],
         "frequency": gait.rate / (2.0 * math.pi),
     }
-    return {k: _plain(v) for k, v in values.items()}
+    return {k: plain(v) for k, v in values.items()}
 
 
 def _felt(series: np.ndarray) -> list[list[float]]:
@@ -137,18 +138,6 @@ def _body_series(gait: Gait) -> list[list[float]] | None:
         return None
     held = Gait(R, np.zeros((1, 6)) if F is None else F, np.zeros(1), gait.rate)
     return _felt(pack(held))
-
-
-def _plain(value: Any) -> Any:
-    """A number for JSON; what is not finite becomes null."""
-    if value is None or isinstance(value, (str, bool)):
-        return value
-    if isinstance(value, dict):
-        return {str(k): _plain(v) for k, v in value.items()}
-    if isinstance(value, (list, tuple)) or getattr(value, "ndim", 0):
-        return [_plain(v) for v in value]
-    number = float(value)
-    return number if math.isfinite(number) else None
 
 
 def axis(swimmer: Swimmer, ask: Any) -> tuple[str, np.ndarray]:

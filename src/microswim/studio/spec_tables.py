@@ -14,6 +14,7 @@ from dataclasses import fields
 from typing import Any
 
 from microswim.errors import SpecError
+from microswim.numerics.plain import plain
 from microswim.spec.file import from_dict
 from microswim.swimmer.swimmer import Swimmer
 
@@ -110,13 +111,7 @@ def units_of(swimmer: Swimmer) -> dict[str, tuple[str, float]]:
 
 def _table(part: Any) -> dict[str, Any]:
     given = {f.name: getattr(part, f.name) for f in fields(part)}
-    return {k: _plain(v) for k, v in given.items() if v is not None}
-
-
-def _plain(value: Any) -> Any:
-    if isinstance(value, (tuple, list)):
-        return [_plain(v) for v in value]
-    return value if isinstance(value, (bool, str)) else float(value)
+    return {k: plain(v) for k, v in given.items() if v is not None}
 
 
 def _quantity(name: str, value: Any, units: dict[str, tuple[str, float]]) -> Any:

@@ -8,7 +8,6 @@
 from __future__ import annotations
 
 import json
-import math
 from collections.abc import Mapping
 from dataclasses import fields, replace
 from typing import Any
@@ -135,11 +134,6 @@ def _jsonable(value: Any) -> Any:
     if isinstance(value, np.ndarray):
         return value.tolist()
     return value.item() if isinstance(value, np.generic) else str(value)
-
-
-def finite(value: Any) -> float | None:
-    """A number as JSON can hold it: None instead of NaN and infinity."""
-    return float(value) if math.isfinite(value) else None
 
 
 def designs(swimmer: Swimmer, front: Any) -> list[Swimmer]:

@@ -7,10 +7,10 @@ import pint
 import pytest
 
 import microswim as ms
+from microswim.gait.readable import prefixed, quantity, significant
 from microswim.numerics.rigid_motion import rotation_matrix
 from microswim.output.io.surface import BODY, TAIL, surface
 from microswim.output.io.vtk import poly_data, write_swimmer
-from microswim.output.report.readable import prefixed, quantity, significant
 from microswim.spec import presets
 
 

@@ -13,9 +13,9 @@ import numpy as np
 import xarray as xr
 
 from microswim.errors import MicroswimError
+from microswim.gait.gait import DEGREES_OF_FREEDOM
 from microswim.models.fem.navier_stokes import Past
 
-COMPONENTS = ["us", "uq", "ur", "os", "oq", "or"]
 FORCES = ["fs", "fq", "fr", "ts", "tq", "tr"]
 
 
@@ -107,7 +107,7 @@ def dataset(run: Any, march: March, info: dict[str, Any]) -> xr.Dataset:
         },
         coords={
             "time": np.abs(phase) / rate,
-            "component": COMPONENTS,
+            "component": list(DEGREES_OF_FREEDOM),
             "force": FORCES,
             "axis": ["s", "q", "r"],
         },

@@ -71,7 +71,7 @@ def numbers(swimmer: Swimmer, gait: Gait) -> dict[str, Any]:
     >>> round(1e6 * float(ms.io.numbers(swimmer, swimmer.gait())["swimming_speed"]), 2)
     10.21
     """
-    found = {k: _plain(v) for k, v in summary(gait).items()}
+    found = {k: np.asarray(np.real(v)).tolist() for k, v in summary(gait).items()}
     length = 2.0 * float(swimmer.body.semi_axes3[0]) or float(swimmer.tail.apparent_length)
     frequency = float(np.real(gait.rate)) / (2.0 * np.pi)
     turn = found["mean_velocity"][3] / (2.0 * np.pi)
@@ -87,10 +87,6 @@ def numbers(swimmer: Swimmer, gait: Gait) -> dict[str, Any]:
         "body_length": length,
         "body_lengths_per_time": found["swimming_speed"] / length,
     }
-
-
-def _plain(value: Any) -> Any:
-    return np.real(value).tolist() if isinstance(value, np.ndarray) else float(np.real(value))
 
 
 def enough_periods(swimmer: Swimmer, gait: Gait) -> int:

@@ -10,8 +10,8 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from microswim.gait.readable import prefixed
 from microswim.output.io.surface import BODY, Surface
-from microswim.output.report.readable import prefixed
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes

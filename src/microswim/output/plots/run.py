@@ -11,10 +11,10 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 import xarray as xr
 
+from microswim.gait.readable import is_dimensionless, label, prefixed
 from microswim.numerics.rigid_motion import rotation_matrix
 from microswim.output.io.surface import surface
 from microswim.output.plots.drawing import STYLE, Camera, draw_surface, scale_bar, triad
-from microswim.output.report.readable import is_dimensionless, label, prefixed
 from microswim.swimmer.swimmer import Swimmer
 
 if TYPE_CHECKING:

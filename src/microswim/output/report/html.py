@@ -14,7 +14,7 @@ from importlib.resources import files
 from typing import TYPE_CHECKING, Any
 
 from microswim.gait.gait import DEGREES_OF_FREEDOM
-from microswim.output.report.readable import quantity, significant
+from microswim.gait.readable import quantity, significant
 from microswim.swimmer.swimmer import Swimmer
 
 if TYPE_CHECKING:

@@ -17,11 +17,12 @@ from scipy.optimize import minimize as descend
 from scipy.stats import qmc
 
 from microswim.errors import MicroswimError, SpecError
+from microswim.numerics.plain import plain
 from microswim.studies.optimisation.merits import of_gait
 from microswim.studies.optimisation.problem import Problem
 from microswim.studies.optimisation.sensitivity import Sensitivity, sensitivities
 from microswim.swimmer.swimmer import Swimmer
-from microswim.swimmer.variants import describe, finite, vary
+from microswim.swimmer.variants import describe, vary
 
 STARTS = 4
 APART = 0.1  # least distance of two starts in the unit cube
@@ -85,12 +86,12 @@ class Optimum:
 
     def as_dict(self) -> dict[str, Any]:
         """Everything as plain numbers and words."""
-        return {
-            "values": {k: _plain(v) for k, v in self.values.items()},
+        found = {
+            "values": self.values,
             "objective": ("maximize " if self.sense > 0 else "minimize ") + self.objective,
-            "value": finite(self.value),
-            "quantities": {k: finite(v) for k, v in self.quantities.items()},
-            "margins": {k: finite(v) for k, v in self.margins.items()},
+            "value": self.value,
+            "quantities": self.quantities,
+            "margins": self.margins,
             "sensitivity": {k: s.as_dict() for k, s in self.sensitivity.items()},
             "expected_error": self.expected_error,
             "inside_calibrated_neighbourhood": self.inside,
@@ -99,6 +100,7 @@ class Optimum:
             "wall_seconds": self.seconds,
             "spec": describe(self.swimmer),
         }
+        return plain(found)
 
 
 def design(
@@ -289,7 +291,3 @@ def outcome(
         seconds,
         dict(problem.ranges),
     )
-
-
-def _plain(value: Any) -> Any:
-    return value.item() if isinstance(value, np.generic) else value

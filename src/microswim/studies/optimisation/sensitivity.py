@@ -16,8 +16,8 @@ import numpy as np
 from scipy.optimize import nnls
 
 from microswim.errors import MicroswimError
+from microswim.numerics.plain import plain
 from microswim.studies.optimisation.problem import Problem
-from microswim.swimmer.variants import finite
 
 ACTIVE = 1e-5
 LOSS = 0.01
@@ -50,13 +50,8 @@ class Sensitivity:
 
     def as_dict(self) -> dict[str, Any]:
         """As plain numbers and words."""
-        return {
-            "value": finite(self.value),
-            "varied": self.varied,
-            "elasticity": finite(self.elasticity),
-            "bound": self.bound,
-            "one_percent_range": None if self.room is None else finite(self.room),
-        }
+        found = {"value": self.value, "varied": self.varied, "elasticity": self.elasticity}
+        return plain(found | {"bound": self.bound, "one_percent_range": self.room})
 
     @property
     def weight(self) -> float:

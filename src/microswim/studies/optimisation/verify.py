@@ -15,6 +15,7 @@ from typing import Any
 import numpy as np
 
 from microswim.calibration.calibrate import calibrate
+from microswim.gait.gait import DEGREES_OF_FREEDOM
 from microswim.studies.optimisation.design import Optimum, search
 from microswim.studies.optimisation.merits import of_gait
 from microswim.studies.optimisation.problem import Problem
@@ -98,7 +99,7 @@ def _best_judged(rounds: list[dict[str, Any]], sense: float) -> int:
 
 def _calibrated(base: Swimmer, at: Swimmer, judged: Any) -> Swimmer:
     """The base swimmer with coefficients that agree with the reference at one design."""
-    free = dict(zip(("us", "uq", "ur", "os", "oq", "or"), at.motion.mask))
+    free = dict(zip(DEGREES_OF_FREEDOM, at.motion.mask))
     unknowns = [u for u, needs in UNKNOWN[at.tail.kind].items() if free.get(needs, True)]
     asked = [q for q in ASKED[at.tail.kind] if free[q.split(".")[1]] or "propulsion" in q]
     fit = calibrate(at, judged, unknowns, quantities=asked)

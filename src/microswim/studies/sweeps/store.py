@@ -20,9 +20,9 @@ from typing import Any
 import numpy as np
 
 from microswim.errors import MicroswimError, SpecError
+from microswim.gait.gait import DEGREES_OF_FREEDOM
 from microswim.studies.sweeps.space import Space
 
-COMPONENTS = ("us", "uq", "ur", "os", "oq", "or")
 VECTORS = ("mean_velocity", "velocity_amplitude")
 NUMBERS = ("swimming_speed", "mean_power", "mean_torque", "efficiency", "expected_error")
 WAITING, DONE, FAILED = 0, 1, 2
@@ -206,7 +206,7 @@ def _add_arrays(group: Any, space: Space) -> None:
         )
     # A fill value would make xarray read 0 and "" as missing; so every status is written.
     group["status"][...] = 0
-    _add_coordinate(group, "component", ("component",), np.array(COMPONENTS))
+    _add_coordinate(group, "component", ("component",), np.array(DEGREES_OF_FREEDOM))
     for name, values in zip(space.names, space.values):
         _add_coordinate(group, name, (name,) if space.grid else ("design",), values)
     group.attrs["coordinates"] = " ".join(space.names) if not space.grid else "component"

@@ -18,11 +18,11 @@ import numpy as np
 from microswim import __version__
 from microswim.calibration.region.text import pack
 from microswim.errors import SpecError
+from microswim.gait.gait import DEGREES_OF_FREEDOM
 from microswim.studies.sweeps.engines import Rows, Task, connected, dask, here, processes
 from microswim.studies.sweeps.rows import Job
 from microswim.studies.sweeps.space import Space
 from microswim.studies.sweeps.store import (
-    COMPONENTS,
     LONG_NAMES,
     VECTORS,
     WAITING,
@@ -244,7 +244,7 @@ def _in_memory(job: Job, space: Space, engine: Engine, attributes: Any, progress
         for name, note in LONG_NAMES.items()
     }
     data["reason"] = (data["reason"][0], data["reason"][1].astype(str), data["reason"][2])
-    coords: dict[str, Any] = {"component": list(COMPONENTS)}
+    coords: dict[str, Any] = {"component": list(DEGREES_OF_FREEDOM)}
     for name, values in zip(space.names, space.values):
         coords[name] = values if space.grid else ("design", values)
     return xr.Dataset(data, coords, attributes)

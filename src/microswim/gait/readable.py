@@ -29,7 +29,7 @@ def prefixed(largest: float, unit: str) -> tuple[float, str]:
 
     Examples
     --------
-    >>> from microswim.output.report.readable import prefixed
+    >>> from microswim.gait.readable import prefixed
     >>> prefixed(2.3e-5, "m/s")[1]
     'µm/s'
     """
@@ -52,7 +52,7 @@ def quantity(value: Any, unit: str, digits: int = 4) -> str:
 
     Examples
     --------
-    >>> from microswim.output.report.readable import quantity
+    >>> from microswim.gait.readable import quantity
     >>> quantity(2.353e-05, "m/s"), quantity(-0.0369872, "length/time")
     ('23.53 µm/s', '-0.03699')
     """

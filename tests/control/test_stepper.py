@@ -141,7 +141,11 @@ def test_a_flow_that_turns_resists_as_the_turning_tail():
 
 
 def test_a_spheroid_follows_the_orbit_of_jeffery():
-    """Period ``2 pi (r + 1/r) / rate of shear`` [Jeffery 1922]; the tail offers no resistance."""
+    """Period ``2 pi (r + 1/r) / rate of shear`` [Jeffery 1922]; the tail offers no resistance.
+
+    Along the flow at first, the axis has turned by ``tan = tan(2 pi t / period) / r`` at time t: a
+    long body lingers there (18.4 degrees after an eighth), where a flat one would hurry (71.6).
+    """
     ratio, shear = 3.0, 0.7
     body = ms.Spheroid(semi_axes=(ratio, 1.0))
     tail = ms.HelicalTail(length=1.0, amplitude=0.1, waves=1, radius=0.01)
@@ -150,9 +154,12 @@ def test_a_spheroid_follows_the_orbit_of_jeffery():
     flow = [[0, shear, 0], [0, 0, 0], [0, 0, 0]]
     one = ms.Stepper.of(lone, resolution=400)
     period = 2 * np.pi * (ratio + 1 / ratio) / shear
-    quarter, whole = (
-        one.step(ms.State.at(), dt=t, motor_rate=0.0, gradient=flow) for t in (period / 4, period)
+    eighth, quarter, whole = (
+        one.step(ms.State.at(), dt=t, motor_rate=0.0, gradient=flow)
+        for t in (period / 8, period / 4, period)
     )
+    axis = np.array([ratio, -1.0, 0.0]) / np.hypot(ratio, 1.0)
+    assert rotation_matrix(eighth.quaternion)[:, 0] == pytest.approx(axis, abs=1e-6)
     assert rotation_matrix(whole.quaternion) == pytest.approx(np.eye(3), abs=1e-6)
     assert rotation_matrix(quarter.quaternion)[:, 0] == pytest.approx([0, -1, 0], abs=1e-6)
 

@@ -95,6 +95,23 @@ def test_designs_that_the_reference_refuses_are_replaced_and_reported(monkeypatc
     assert gait.info["expected_error"] > fitted.gait().info["expected_error"]
 
 
+def test_a_spoilt_solve_is_set_aside_and_named(monkeypatch):
+    """One of fifty solves pushes a half more than it should: it is left out, and only it."""
+    spoilt = []
+
+    def some(swimmers, *args, **options):
+        gaits = solved(swimmers, *args, **options)
+        if not spoilt:
+            spoilt.append(swimmers[5].numbers)
+            gaits[5] = replace(gaits[5], propulsion_series=1.5 * gaits[5].propulsion_series)
+        return gaits
+
+    solved = references.gaits
+    monkeypatch.setattr(references, "gaits", some)
+    fitted = ms.calibrate_region(HELIX, REGION, "rft", solves=50, workers=0)
+    assert fitted.region.about["set_aside"] == [{name: spoilt[0][name] for name in REGION}]
+
+
 def test_a_region_that_is_refused_says_why(monkeypatch):
     monkeypatch.setattr(references, "gaits", lambda s, *_, **__: ["too steep"] * len(s))
     with pytest.raises(ms.MicroswimError, match=r"only 0 designs .* too steep"):

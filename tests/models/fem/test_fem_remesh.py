@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from dataclasses import replace
 
-import ngsolve as ngs
 import numpy as np
 import pytest
 
@@ -12,7 +11,7 @@ import microswim as ms
 from microswim.errors import MicroswimError
 from microswim.swimmer.geometry.surroundings import Channel
 
-pytest.importorskip("ngsolve", reason="needs the extra fem")
+ngs = pytest.importorskip("ngsolve", reason="needs the extra fem")
 
 from microswim.models import fem
 from microswim.models.fem import remesh

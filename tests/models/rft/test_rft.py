@@ -65,24 +65,12 @@ def test_resistance_is_symmetric_and_positive_definite(swimmer):
 
 @laws
 @given(swimmers.filter(slender_enough))
-def test_free_swimmer_feels_no_force_and_no_torque(swimmer):
+def test_no_motion_of_body_and_tail_gains_energy_from_the_fluid(swimmer):
+    """``[V; rate]' [[R, F], [F', G]] [V; rate]`` is dissipated: no V whatever makes it negative."""
     gait = swimmer.gait()
-    V, rate = gait.velocity(PHASE), gait.rate
-    drag = np.einsum("nij,nj->ni", gait.resistance(PHASE), V)
-    push = gait.propulsion(PHASE) * rate
-    assert np.abs(drag + push).max() <= 1e-12 * max(np.abs(push).max(), 1e-300)
-
-
-@laws
-@given(swimmers.filter(slender_enough))
-def test_work_of_the_motor_is_what_the_fluid_dissipates(swimmer):
-    """Power by torque and rate equals the dissipation, a quadratic form; it is never negative."""
-    gait = swimmer.gait()
-    V, rate = gait.velocity(PHASE), gait.rate
     R, F, G = gait.resistance(PHASE), gait.propulsion(PHASE), gait.activity(PHASE)
-    dissipated = np.einsum("ni,nij,nj->n", V, R, V) + 2 * rate * np.sum(F * V, axis=1) + rate**2 * G
-    assert gait.power(PHASE) == pytest.approx(dissipated, rel=1e-9, abs=1e-12)
-    assert (dissipated >= -1e-12 * np.abs(G).max() * rate**2).all()
+    least = G - np.einsum("ni,ni->n", F, np.linalg.solve(R, F[..., None])[..., 0])
+    assert (least >= -1e-12 * np.abs(G).max()).all()
 
 
 @laws

@@ -71,6 +71,61 @@ def test_merits_of_many_are_those_of_each(preset):
             assert many[name][i] == pytest.approx(found[name], rel=1e-6, abs=1e-9 * scale), name
 
 
+@pytest.mark.parametrize("preset", ["tabak/helix", "tabak/plane_wave"])
+def test_merits_are_those_of_the_motion_itself(preset):
+    """From velocity and power at many phases: what swings across s, what a length of way costs."""
+    swimmer = ms.Swimmer.preset(preset, {"tail.frequency": 2.0})
+    gait = swimmer.gait()
+    found = merits.of_gait(swimmer, gait)
+    phase = np.linspace(0.0, 2.0 * np.pi, 3600, endpoint=False)
+    V = gait.velocity(phase)
+    half = (V.max(axis=0) - V.min(axis=0)) / 2.0
+    # samples miss a peak by their step squared
+    assert found["yaw"] == pytest.approx(max(half[4:]), rel=1e-5)
+    assert found["wobble"] == pytest.approx(half[1], rel=1e-5)
+    time = 40.0 / swimmer.tail.frequency
+    path = ms.trajectory(gait, [0.0, time])
+    way = np.linalg.norm(np.diff(path.position, axis=0))
+    # over forty periods the way is straight but for half a turn of the screw
+    assert found["energy_per_distance"] == pytest.approx(
+        gait.power(phase).mean() * time / way, rel=1e-2
+    )
+    assert found["distance_per_cycle"] == pytest.approx(way / 40.0, rel=1e-2)
+
+
+def test_derivatives_near_self_contact_are_those_of_the_values():
+    """A steep helix whose windings nearly touch: the limit of `crowding` answers to every number."""
+    steep = HELIX.with_({"tail.radius": 0.03})
+    over = {"tail.amplitude": (0.3, 0.45), "tail.waves": (6.0, 9.0)}
+    _, problem = next(Problem.of(steep, over, "speed", None, "crowding <= 0.9").variants())
+    x, h = np.array([0.8, 0.9]), 1e-5
+    values, slopes = problem.one(x)
+    for i, step in enumerate(h * np.eye(2)):
+        ends = [problem.values(problem.numbers(x + s)) for s in (step, -step)]
+        np.testing.assert_allclose(
+            slopes[:, i], (ends[0] - ends[1]) / (2 * h), rtol=1e-6, atol=1e-8
+        )
+    assert abs(slopes[1, 1]) > 0.1 * abs(values[1])
+
+
+def test_the_room_of_a_number_costs_one_per_cent():
+    """Inside the bounds by the curvature, at a bound by the slope; both from the values alone."""
+    inside = ms.design(HELIX, {"tail.waves": (0.5, 4.0)}, maximize="efficiency")
+    bound = ms.design(HELIX, {"tail.amplitude": (0.02, 0.15)}, maximize="speed")
+    assert inside.sensitivity["tail.waves"].bound is None
+    assert bound.sensitivity["tail.amplitude"].bound == "high"
+    for best, name, merit in (
+        (inside, "tail.waves", "efficiency"),
+        (bound, "tail.amplitude", "speed"),
+    ):
+        value, room = best.values[name], best.sensitivity[name].room
+        off = [HELIX.with_({name: value + sign * room}) for sign in (1, -1)]
+        at = [float(merits.of_gait(s, s.gait())[merit]) / best.value for s in off]
+        loss = 1.0 - (at[1] if best is bound else np.mean(at))
+        # slope and curvature at the optimum; the third derivative is left out
+        assert loss == pytest.approx(0.01, rel=0.05)
+
+
 def test_derivatives_of_a_problem_are_those_of_its_values():
     problem = Problem.of(HELIX, OVER, "speed / torque", None, "body_rate <= 2, power <= 900")
     _, problem = next(problem.variants())
@@ -255,6 +310,16 @@ def test_yield_and_indices_follow_laws_of_scale():
     a, b = 0.1**2 / 3, 0.2**2 / 3
     blame = ms.sobol_indices(robot, uncertain, "torque", samples=2048)
     np.testing.assert_allclose(blame.first, np.array([a, b]) / (a + b + a * b), atol=0.03)
+
+
+def test_samples_have_the_spread_that_was_stated():
+    """Normal, cut at three deviations: then its own deviation is 0.98658 of the stated one."""
+    made = ms.robustness(HELIX, {"tail.amplitude": "5%", "body.radius": 0.1}, samples=4096)
+    for name, stated in (("tail.amplitude", 0.05), ("body.radius", 0.1)):
+        off = (made[name].values / HELIX.numbers[name] - 1.0) / stated
+        assert off.mean() == pytest.approx(0.0, abs=1e-3)  # of Sobol points, about 1/n
+        assert off.std() == pytest.approx(0.98658, rel=1e-3)
+        assert 2.9 < np.abs(off).max() <= 3.0
 
 
 def test_a_robust_design_keeps_its_distance_from_the_limit():

@@ -2,6 +2,7 @@
 
 import importlib
 import json
+from dataclasses import replace
 from itertools import product
 
 import numpy as np
@@ -192,6 +193,22 @@ def test_a_store_is_not_overwritten_nor_mixed(tmp_path):
     (tmp_path / "notes").mkdir()
     with pytest.raises(ms.SpecError, match="not the store of a sweep"):
         ms.sweep(HELIX, GRID, out=tmp_path / "notes", resume=True)
+
+
+def test_a_store_is_resumed_with_its_own_calibration_only(tmp_path):
+    """Another reference, same spec and same designs: the numbers would be a mixture."""
+    region, over = {"tail.amplitude": (0.08, 0.12)}, {"tail.amplitude": [0.09, 0.11]}
+    taught = HELIX.with_({"interaction.translation": (2.0, 1.3, 1.3)})
+    one, other = (
+        replace(HELIX, region=ms.calibrate_region(s, region, "rft", solves=8, workers=0).region)
+        for s in (HELIX, taught)
+    )
+    path = tmp_path / "a.zarr"
+    before = ms.sweep(one, over, out=path).load()
+    for swimmer in (other, HELIX):
+        with pytest.raises(ms.SpecError, match="its calibration"):
+            ms.sweep(swimmer, over, out=path, resume=True)
+    assert same(ms.sweep(one, over, out=path, resume=True), before)
 
 
 def test_a_second_sweep_is_refused_while_the_first_writes(tmp_path):

@@ -94,6 +94,15 @@ def test_what_makes_no_sense_is_one_sentence(tmp_path, table, sentence):
     assert "\n" not in str(caught.value)
 
 
+def test_the_default_channel_is_the_papers():
+    """Ten diameters of the body wide [Tabak Sec. 2.2]; as long in the base case [Tabak Table 1]."""
+    channel = ms.Channel.around(ms.Swimmer.preset("tabak/helix"))
+    assert (channel.diameter, channel.length) == (10.0, 10.0)
+    stout = ms.Spheroid(semi_axes=(0.5, 0.8))
+    wider = ms.Channel.around(dataclasses.replace(ms.Swimmer.preset("tabak/helix"), body=stout))
+    assert wider.diameter == pytest.approx(10 * 1.6)
+
+
 def test_numbers_of_the_surroundings_can_vary(tmp_path):
     swimmer = read(tmp_path, SPEC + "[wall]\ndistance = 2.0\n")
     assert swimmer.numbers["wall.distance"] == 2.0

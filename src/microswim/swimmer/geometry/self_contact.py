@@ -19,7 +19,7 @@ def nearest_turn(B2: np.ndarray, waves: Any) -> Any:
     deep = B2 > SHALLOW
     if not deep.any():
         return np.inf
-    out = np.full(B2.shape, np.inf)
+    out = np.full(B2.shape, np.inf, dtype=B2.dtype)  # complex where a derivative is asked for
     waves, B2 = np.broadcast_to(waves, B2.shape)[deep], B2[deep]
     theta = np.full_like(B2, 2.0 * np.pi)
     for _ in range(8):  # theta + B2 sin theta = 0, from the side where Newton cannot miss

@@ -11,7 +11,9 @@ import microswim as ms
 from microswim.errors import MicroswimError
 from microswim.swimmer.geometry.surroundings import Channel
 
-ngs = pytest.importorskip("ngsolve", reason="needs the extra fem")
+pytest.importorskip("ngsolve", reason="needs the extra fem")
+
+import ngsolve as ngs
 
 from microswim.models import fem
 from microswim.models.fem import remesh

@@ -94,7 +94,7 @@ def test_merits_are_those_of_the_motion_itself(preset):
 
 
 def test_derivatives_near_self_contact_are_those_of_the_values():
-    """A steep helix whose windings nearly touch: the limit of `crowding` answers to every number."""
+    """Of a steep helix whose windings nearly touch: `crowding` answers to every number."""
     steep = HELIX.with_({"tail.radius": 0.03})
     over = {"tail.amplitude": (0.3, 0.45), "tail.waves": (6.0, 9.0)}
     _, problem = next(Problem.of(steep, over, "speed", None, "crowding <= 0.9").variants())

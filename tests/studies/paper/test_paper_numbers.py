@@ -7,9 +7,9 @@ test_paper.py.
 
 import numpy as np
 import pytest
-from oracles import tabak
 
 import microswim as ms
+from oracles import tabak
 
 FOUR, ALL = (0, 1, 2, 3), range(6)
 NAMES = ("us", "uq", "ur", "os", "oq", "or")

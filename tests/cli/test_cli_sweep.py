@@ -47,6 +47,12 @@ def test_a_list_of_designs_and_its_failures(tmp_path):
     assert np.isnan(speed[2])
 
 
+def test_a_sweep_in_which_every_design_fails_says_why_and_fails(tmp_path):
+    run = sweep("--over", "tail.amplitude=-1,-2", "--out", tmp_path / "a.zarr")
+    assert run.exit_code == 1
+    assert "every design failed: tail.amplitude = -1" in run.stderr
+
+
 def test_a_store_in_the_way_is_refused_and_resumed_when_asked(tmp_path):
     store = tmp_path / "a.zarr"
     assert sweep(*OVER, "--out", store).exit_code == 0

@@ -15,6 +15,7 @@ from typing import Any
 import click
 
 from microswim import __version__
+from microswim.cli._terminal import prepared
 from microswim.errors import MicroswimError, SpecError
 
 
@@ -59,11 +60,28 @@ class Commands(click.Group):
             hint = f'did you mean "{close[0]}"?' if close else "commands: " + ", ".join(known)
             raise click.UsageError(f"{error.message.rstrip('.')}; {hint}", ctx) from None
 
+    def main(self, *args: Any, **more: Any) -> Any:
+        with prepared():
+            return super().main(*args, **more)
+
+    def make_context(self, *args: Any, **more: Any) -> click.Context:
+        try:
+            return super().make_context(*args, **more)
+        except click.exceptions.NoArgsIsHelpError:
+            raise
+        except click.UsageError as error:
+            raise _in_one_sentence(error, "microswim") from None
+
     def invoke(self, ctx: click.Context) -> Any:
         with warnings.catch_warnings():
             _warn_in_sentences()
             try:
                 return super().invoke(ctx)
+            except click.UsageError as error:
+                name = ctx.invoked_subcommand
+                raise _in_one_sentence(
+                    error, f"microswim {name}" if name else "microswim"
+                ) from None
             except SpecError as error:
                 raise Failure(str(error), 2) from None
             except MicroswimError as error:
@@ -75,6 +93,12 @@ class Commands(click.Group):
             except KeyboardInterrupt:
                 click.echo("interrupted", err=True)
                 ctx.exit(130)
+
+
+def _in_one_sentence(error: click.UsageError, command: str) -> Failure:
+    """Return click's complaint about an option as one sentence with the place to look it up."""
+    said = " ".join(error.format_message().split()).rstrip(". ")
+    return Failure(f"{said}; see {command} --help", 2)
 
 
 def _warn_in_sentences() -> None:

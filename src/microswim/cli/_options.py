@@ -63,6 +63,23 @@ level_option = click.option(
     help="Resolution of bem and fem; standard by default. paper: fem alone, 310,000 unknowns of "
     "second order, as the paper's.",
 )
+
+
+def leveled(model: str, level: str | None) -> dict[str, Any]:
+    """Return the options of a model at a level of resolution.
+
+    Raises
+    ------
+    SpecError
+        If the model has none.
+    """
+    if level is not None and model not in ("bem", "fem"):
+        raise SpecError(
+            "--level", level, f"left out with --model {model}", "bem and fem have levels"
+        )
+    return {} if level is None else {"level": level}
+
+
 json_option = click.option("--json", "as_json", is_flag=True, help="Print one JSON object.")
 out_option = click.option(
     "--out", metavar="DIR", type=click.Path(path_type=Path), help="Folder for files and pictures."

@@ -5,6 +5,9 @@ from __future__ import annotations
 import time
 from typing import TYPE_CHECKING, Any
 
+import click
+
+from microswim.cli._options import leveled
 from microswim.cli._progress import bar
 
 if TYPE_CHECKING:
@@ -18,6 +21,9 @@ def print_table(table: Table) -> None:
     from rich.table import Table as RichTable
 
     console = Console(highlight=False)
+    if console.width < _needed(table):
+        _print_lines(table)
+        return
     shown = RichTable(
         title=table.title,
         caption=table.note or None,
@@ -40,6 +46,29 @@ def print_table(table: Table) -> None:
     console.print(shown)
 
 
+NOTES = 24  # columns that a note needs to be read
+
+
+def _needed(table: Table) -> int:
+    """Columns of a terminal in which no number of the table is cut."""
+    rows = [row for row in (table.header, *table.rows) if row]
+    wide = [max(len(row[i]) for row in rows) for i in range(len(table.header))]
+    if not table.header[-1]:
+        wide[-1] = min(wide[-1], NOTES)
+    return sum(wide) + 3 * len(wide)
+
+
+def _print_lines(table: Table) -> None:
+    """Print a table for a narrow terminal: a line for each number, its note below."""
+    click.echo(table.title)
+    for row in table.rows:
+        for name, cell in zip(("", *table.header[1:]), row):
+            if cell:
+                click.echo(f"    {name + ': ' if name else ''}{cell}" if cell != row[0] else cell)
+    if table.note:
+        click.echo(table.note)
+
+
 def timed_gait(
     swimmer: Any, model: str, level: str | None = None, estimate: bool = False
 ) -> tuple[Any, float]:
@@ -47,12 +76,12 @@ def timed_gait(
 
     estimate : solve the next coarser level of the boundary elements too, for an error estimate.
     """
-    options: dict[str, Any] = {"estimate_error": True} if estimate and model == "bem" else {}
+    options: dict[str, Any] = leveled(model, level)
+    if estimate and model == "bem":
+        options["estimate_error"] = True
     if model == "rft":
         start = time.perf_counter()
         return swimmer.gait(model), time.perf_counter() - start
-    if level is not None:
-        options["level"] = level
     with bar(f"{model}, {level or 'standard'}") as progress:
         start = time.perf_counter()
         gait = swimmer.gait(model, progress=progress, **options)

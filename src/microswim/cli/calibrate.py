@@ -9,16 +9,18 @@ from typing import Any
 
 import click
 
+from microswim.cli import _files
 from microswim.cli._options import (
     Given,
     change,
     example,
+    force_option,
     json_option,
     print_json,
     swimmer_options,
     to_toml,
 )
-from microswim.errors import SpecError
+from microswim.errors import MicroswimError, SpecError
 
 
 @click.command(
@@ -71,26 +73,49 @@ from microswim.errors import SpecError
     help='For the reference: level="fine".',
 )
 @click.option("-o", "--output", type=click.Path(path_type=Path), help="Calibrated spec to write.")
+@force_option
 @json_option
-def command(given: Given, output: Path | None, as_json: bool, **asked: Any) -> None:
+def command(given: Given, output: Path | None, force: bool, as_json: bool, **asked: Any) -> None:
     """Find interaction coefficients, or smooth corrections over a region of designs.
 
     The calibrated spec serves every command; over a region each answer comes with its expected
     error. A killed region calibration goes on where it was when it is run again.
     """
     begun = time.perf_counter()
+    _check(asked)
+    if output is not None:
+        _files.check_file("--output", output, force)
     options = dict(change(text) for text in asked.pop("options"))
     run = _region if asked["region"] else _coefficients
     report, tables = run(given, output, options, asked)
     report["wall_seconds"] = time.perf_counter() - begun
     if output is not None:
-        output.parent.mkdir(parents=True, exist_ok=True)
-        output.write_text(to_toml(tables, f"{given.name}, calibrated"), encoding="utf-8")
+        text = to_toml(tables, f"{given.name}, calibrated")
+        try:
+            _files.write_text(output, text)
+        except MicroswimError:
+            click.echo(text)  # the work of minutes is not lost to a full disk
+            raise
         report["output"] = str(output)
     if as_json:
         print_json(report)
     else:
         (_print_region if asked["region"] else _print_coefficients)(report)
+
+
+def _check(asked: dict[str, Any]) -> None:
+    """Refuse what one way of calibrating would silently leave out of account."""
+    ways = {
+        "region": ("measured", "table", "series", "unknown", "quantity", "bound", "positive"),
+        "measured": ("options",),
+        "table": ("options",),
+        "series": ("options",),
+    }
+    for way, foreign in ways.items():
+        for name in foreign:
+            if asked[way] and asked[name]:
+                option = "option" if name == "options" else name
+                raise SpecError(f"--{option} has no meaning with --{way}; leave one of them out")
 
 
 def _names(texts: tuple[str, ...]) -> list[str]:

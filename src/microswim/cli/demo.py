@@ -51,6 +51,7 @@ NOTE = (
 def command(out: Path, bem: bool, force: bool) -> None:
     """Let the paper's base case swim: numbers, pictures, a report."""
     from microswim.cli import _folder, _print
+    from microswim.cli._progress import bar
 
     start = time.perf_counter()
     force = force or out == Path("out/demo")
@@ -64,7 +65,8 @@ def command(out: Path, bem: bool, force: bool) -> None:
     preset = CASES[0][1]
     swimmer = Swimmer.preset(preset)
     gait = swimmer.gait()
-    table = comparison(bem)
+    with bar("demo"):
+        table = comparison(bem)
     _print.print_table(table)
     run = io.dataset(swimmer, gait, spec=presets.read(preset))
     tables = [
@@ -94,9 +96,7 @@ def comparison(bem: bool) -> Table:
         check = None if solver is None else _known(known, solver)
         rows.append(_row(label, _numbers(swimmer.gait()), check))
     if bem:
-        from microswim.cli._print import timed_gait
-
-        gait, _ = timed_gait(Swimmer.preset(CASES[0][1]), "bem")
+        gait = Swimmer.preset(CASES[0][1]).gait("bem")
         rows.append(_row("boundary elements", _numbers(gait), _known(known, "bem")))
     header = ("", "u_s", "lateral", "Omega_s", "rev/period", "check")
     return Table("The base case, free: translations and rotation about s", header, rows, NOTE)

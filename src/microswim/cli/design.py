@@ -7,16 +7,28 @@ from typing import Any
 
 import click
 
+from microswim.cli import _files
 from microswim.cli._options import (
     Given,
     change,
     example,
+    force_option,
     json_option,
     out_option,
     print_json,
     swimmer_options,
 )
 from microswim.errors import SpecError
+
+FILES = (
+    "sensitivity.png",
+    "map.png",
+    "map.nc",
+    "front.png",
+    "front.nc",
+    "yield.png",
+    "indices.png",
+)
 
 
 @click.command(
@@ -53,8 +65,9 @@ from microswim.errors import SpecError
 @click.option("--yield", "least_yield", default=0.95, show_default=True, help="Of good robots.")
 @click.option("--seed", default=0, show_default=True, help="Of the random starts.")
 @out_option
+@force_option
 @json_option
-def command(given: Given, as_json: bool, out: Path | None, **asked: Any) -> None:
+def command(given: Given, as_json: bool, out: Path | None, force: bool, **asked: Any) -> None:
     """Find the best design in given ranges.
 
     Wishes and constraints are arithmetic on speed, efficiency, power, torque, body_rate, wobble,
@@ -62,19 +75,19 @@ def command(given: Given, as_json: bool, out: Path | None, **asked: Any) -> None
     amplitude_wavenumber, arc_length, length_over_amplitude, ... and the numbers of the spec.
     """
     from microswim.cli._over import bounds
+    from microswim.cli._progress import bar
 
+    if out is not None:
+        _files.check_files("--out", out, FILES, force)
     over = bounds(asked["over"])
     wishes = (*asked["maximize"], *asked["minimize"])
     if not wishes:
         raise SpecError("give --maximize or --minimize, for example --maximize speed")
-    if len(wishes) > 1:
-        if asked["verify"] or asked["uncertain"]:
-            raise SpecError("--verify and --uncertain go with one wish; give one")
-        report = _front(given, over, asked, out)
-    elif asked["uncertain"]:
-        report = _robust(given, over, asked, out)
-    else:
-        report = _optimum(given, over, asked, out)
+    if len(wishes) > 1 and (asked["verify"] or asked["uncertain"]):
+        raise SpecError("--verify and --uncertain go with one wish; give one")
+    find = _front if len(wishes) > 1 else _robust if asked["uncertain"] else _optimum
+    with bar(f"design {given.name}"):
+        report = find(given, over, asked, out)
     if as_json:
         print_json(report)
     else:
@@ -112,8 +125,7 @@ def _pictures(given: Given, best: Any, out: Path | None) -> None:
     from microswim.output.plots import design as plots_design
     from microswim.studies.sweeps.sweep import sweep
 
-    out.mkdir(parents=True, exist_ok=True)
-    plots_design.sensitivity(best).savefig(out / "sensitivity.png")
+    _save(plots_design.sensitivity(best), out / "sensitivity.png")
     ranges = [k for k, s in best.sensitivity.items() if s.varied][:2]
     if len(ranges) == 2:
         import numpy as np
@@ -122,8 +134,14 @@ def _pictures(given: Given, best: Any, out: Path | None) -> None:
         merit = {"efficiency": "efficiency", "power": "mean_power", "torque": "mean_torque"}
         shown = merit.get(best.objective, "swimming_speed")
         result = sweep(best.swimmer, axes)
-        result.drop_attrs().to_netcdf(out / "map.nc")
-        plots_design.design_map(result, shown, optimum=best).savefig(out / "map.png")
+        with _files.appearing(out / "map.nc") as scratch:
+            result.drop_attrs().to_netcdf(scratch)
+        _save(plots_design.design_map(result, shown, optimum=best), out / "map.png")
+
+
+def _save(figure: Any, path: Path) -> None:
+    with _files.appearing(path) as scratch:
+        figure.savefig(scratch)
 
 
 def _front(given: Given, over: Any, asked: dict[str, Any], out: Path | None) -> dict[str, Any]:
@@ -140,9 +158,9 @@ def _front(given: Given, over: Any, asked: dict[str, Any], out: Path | None) -> 
     if out is not None:
         from microswim.output.plots.design import front
 
-        out.mkdir(parents=True, exist_ok=True)
-        result.to_netcdf(out / "front.nc")
-        front(result, given.swimmer).savefig(out / "front.png")
+        with _files.appearing(out / "front.nc") as scratch:
+            result.to_netcdf(scratch)
+        _save(front(result, given.swimmer), out / "front.png")
     columns = {str(k): v.values.tolist() for k, v in result.variables.items() if v.ndim}
     return {"objectives": result.attrs["objectives"], "front": columns}
 
@@ -162,8 +180,9 @@ def _robust(given: Given, over: Any, asked: dict[str, Any], out: Path | None) ->
 
         _pictures(given, best, out)
         merit = best.objective if best.objective in made else "speed"
-        plots_design.robustness(made, merit, best.quantities[merit]).savefig(out / "yield.png")
-        plots_design.indices(blame).savefig(out / "indices.png")
+        picture = plots_design.robustness(made, merit, best.quantities[merit])
+        _save(picture, out / "yield.png")
+        _save(plots_design.indices(blame), out / "indices.png")
     shares = {
         str(n): {"first": float(a), "total": float(b)}
         for n, a, b in zip(blame.name.values, blame.first.values, blame.total.values)

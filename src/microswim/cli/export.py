@@ -9,12 +9,14 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
+from microswim.cli import _files
 from microswim.cli._options import (
     Given,
     example,
     force_option,
     json_option,
     level_option,
+    leveled,
     model_option,
     print_json,
     swimmer_options,
@@ -92,14 +94,17 @@ def command(
 
     The files need no Python; their heads say conventions, units and where the numbers come from.
     """
+    from microswim.cli._progress import bar
     from microswim.control.export import compiler
     from microswim.control.export.cmodel import c_model
     from microswim.control.stepper import Stepper
 
     name = name or _identifier(given.name)
     files = [f"{name}.h", f"{name}.c"] if kind == "c" else [f"{name}.fmu"]
-    _check(out, files, force)
-    gait = given.swimmer.gait(model, **({} if level is None else {"level": level}))
+    _files.check_files("--out", out, files, force)
+    options = leveled(model, level)
+    with bar(f"{model}, {given.name}"):
+        gait = given.swimmer.gait(model, **options)
     options = {"moment": _moment(moment), "locked": locked, "resolution": resolution}
     stepper = Stepper(gait, given.swimmer, **options)
     code = c_model(stepper, name, given.text)
@@ -140,14 +145,6 @@ def _written(
 def _identifier(name: str) -> str:
     made = re.sub(r"\W+", "_", name, flags=re.ASCII).strip("_")[:41]
     return made if made[:1].isalpha() else "swimmer"
-
-
-def _check(out: Path, files: list[str], force: bool) -> None:
-    if out.exists() and not out.is_dir():
-        raise SpecError("--out", str(out), "a folder", "this is a file")
-    there = [f for f in files if (out / f).exists()]
-    if there and not force:
-        raise SpecError(f"{out / there[0]} exists already; --force replaces it, --name avoids it")
 
 
 def _moment(text: str) -> tuple[float, ...]:

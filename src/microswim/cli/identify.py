@@ -7,15 +7,18 @@ from typing import Any
 
 import click
 
+from microswim.cli import _files
 from microswim.cli._options import (
     Given,
     example,
+    force_option,
     json_option,
     out_option,
     print_json,
     swimmer_options,
 )
 
+PICTURE = "track.png"
 EXAMPLES = example(
     "microswim identify track.csv sperm.toml",
     "microswim identify track.csv --preset tabak/helix --unknown tail.amplitude",
@@ -35,6 +38,7 @@ EXAMPLES = example(
 @click.option("--sigma-attitude", type=float, help="Noise of the attitude (rad); default 0.02.")
 @click.option("--starts", type=int, default=8, show_default=True, help="First guesses to follow.")
 @out_option
+@force_option
 @json_option
 def command(
     track: Path,
@@ -44,6 +48,7 @@ def command(
     sigma_attitude: float | None,
     starts: int,
     out: Path | None,
+    force: bool,
     as_json: bool,
 ) -> None:
     """Identify a swimmer from its TRACK: wave shape and rate, with uncertainty.
@@ -52,19 +57,27 @@ def command(
     (body to lab) of the body's centre. Two coordinates are the projection onto the image. SPEC or
     --preset says what is known of the swimmer; what is not unknown stays as it is.
     """
+    from microswim.cli._progress import bar
     from microswim.studies.identification.problem import SHAPE, identify_swimmer
     from microswim.studies.identification.track import Track
 
     swimmer = given.swimmer
+    if out is not None:
+        _files.check_files("--out", out, [PICTURE], force)
     read = Track.from_csv(track, si=swimmer.units == "SI")
-    found = identify_swimmer(
-        swimmer, read, unknowns or SHAPE, sigma=sigma, sigma_attitude=sigma_attitude, starts=starts
-    )
+    with bar(f"identify {track.name}"):
+        found = identify_swimmer(
+            swimmer,
+            read,
+            unknowns or SHAPE,
+            sigma=sigma,
+            sigma_attitude=sigma_attitude,
+            starts=starts,
+        )
     result = {"swimmer": given.name, "units": swimmer.units, **found.as_dict()}
     if out is not None:
-        out.mkdir(parents=True, exist_ok=True)
-        _draw(read, found.path, out / "track.png")
-        result["picture"] = str(out / "track.png")
+        _draw(read, found.path, out / PICTURE)
+        result["picture"] = str(out / PICTURE)
     if as_json:
         print_json(result)
     else:
@@ -93,4 +106,5 @@ def _draw(track: Any, path: Any, file: Path) -> None:
     axes.plot(*path[:, :2].T, color="#D55E00", lw=1.0, label="fit")
     axes.set(xlabel="x", ylabel="y", aspect="equal")
     axes.legend(frameon=False)
-    figure.savefig(file, dpi=200)
+    with _files.appearing(file) as scratch:
+        figure.savefig(scratch, dpi=200)

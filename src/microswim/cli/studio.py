@@ -7,7 +7,8 @@ from pathlib import Path
 
 import click
 
-from microswim.cli._options import example, read
+from microswim.cli import _files
+from microswim.cli._options import example, force_option, read
 from microswim.errors import MicroswimError
 
 
@@ -30,6 +31,7 @@ from microswim.errors import MicroswimError
     type=click.Path(path_type=Path, dir_okay=False),
     help="Write the page with this swimmer inside to one HTML file, and stop.",
 )
+@force_option
 def command(
     spec: Path | None,
     preset: str | None,
@@ -38,6 +40,7 @@ def command(
     port: int | None,
     no_browser: bool,
     snapshot: Path | None,
+    force: bool,
 ) -> None:
     """Open a page in the browser: see it swim, drag its numbers, ask the judge.
 
@@ -51,7 +54,8 @@ def command(
     if snapshot is not None:
         from microswim.studio import snapshot as page
 
-        snapshot.write_text(page(given.tables, given.name), encoding="utf-8")
+        _files.check_file("--snapshot", snapshot, force)
+        _files.write_text(snapshot, page(given.tables, given.name))
         click.echo(f"wrote {snapshot}")
         return
     try:
@@ -60,6 +64,11 @@ def command(
         raise MicroswimError(
             f"the studio needs {error.name}: pip install 'microswim[studio]'"
         ) from None
+    if host not in ("127.0.0.1", "::1", "localhost"):
+        click.echo(
+            f"--host {host}: anyone on the network of this machine can now compute on it",
+            err=True,
+        )
     serve(
         *(given.tables, given.name),
         host=host,

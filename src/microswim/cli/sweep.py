@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import re
+import shutil
 import time
 from collections import Counter
 from pathlib import Path
@@ -15,11 +17,15 @@ from microswim.cli._options import (
     example,
     json_option,
     level_option,
+    leveled,
     model_option,
     print_json,
     swimmer_options,
 )
-from microswim.errors import SpecError
+from microswim.errors import MicroswimError, SpecError
+
+#: Of a Dask scheduler: a name or number and a port, with or without a protocol.
+ADDRESS = r"(\w+://)?([^\s/:]+|\[[\da-fA-F:]+\]):\d{1,5}"
 
 
 @click.command(
@@ -83,11 +89,9 @@ def command(given: Given, out: Path, as_json: bool, level: str | None, **asked: 
     from microswim.studies.sweeps.sweep import sweep
 
     over = _over(asked.pop("over"), asked.pop("designs"))
-    if asked["scheduler"] and asked["cluster"]:
-        raise SpecError("--scheduler and --cluster: one of the two")
+    _check_places(asked["scheduler"], asked["cluster"])
     options = dict(change(text) for text in asked.pop("options"))
-    if level is not None and asked["model"] != "rft":
-        options["level"] = level
+    options |= leveled(asked["model"], level)
     begun = time.perf_counter()
     with bar(f"sweep {given.name}") as progress:
         result = sweep(
@@ -96,6 +100,7 @@ def command(given: Given, out: Path, as_json: bool, level: str | None, **asked: 
     report = _report(result, out, time.perf_counter() - begun)
     if as_json:
         print_json(report)
+        _fail_if_all_did(report)
         return
     click.echo(
         f"{report['designs']} designs, {report['failed']} failed, in {report['wall_seconds']:.1f} s"
@@ -103,6 +108,29 @@ def command(given: Given, out: Path, as_json: bool, level: str | None, **asked: 
     for reason, count in report["reasons"].items():
         click.echo(f"  {count} x {reason}")
     click.echo(f'{out}: read it with xarray.open_zarr("{out}")')
+    _fail_if_all_did(report)
+
+
+def _check_places(scheduler: str | None, cluster: str | None) -> None:
+    """Refuse a scheduler or a cluster that cannot be one, before any work."""
+    if scheduler and cluster:
+        raise SpecError("--scheduler and --cluster: one of the two")
+    if scheduler and not re.fullmatch(ADDRESS, scheduler):
+        raise SpecError("--scheduler", scheduler, "HOST:PORT, such as localhost:8786")
+    if cluster and shutil.which("sbatch") is None:
+        raise SpecError("--cluster", cluster, "used where Slurm is", "sbatch is not on the path")
+
+
+def _fail_if_all_did(report: dict[str, Any]) -> None:
+    """End with status 1 where every design failed, and say why the most of them did.
+
+    Raises
+    ------
+    MicroswimError
+        Then.
+    """
+    if report["failed"] == report["designs"]:
+        raise MicroswimError(f"every design failed: {next(iter(report['reasons']))}")
 
 
 def _over(over: tuple[str, ...], designs: Path | None) -> Any:

@@ -10,15 +10,19 @@ from typing import Any
 
 import click
 
+from microswim.cli import _files
 from microswim.cli._options import (
     Given,
     change,
     example,
+    force_option,
     json_option,
     out_option,
     print_json,
     swimmer_options,
 )
+
+FILES = ("errors.csv", "validation.json", "errors.png")
 
 
 @click.command(
@@ -40,8 +44,9 @@ from microswim.cli._options import (
     help='For the reference: level="fine".',
 )
 @out_option
+@force_option
 @json_option
-def command(given: Given, out: Path | None, as_json: bool, **asked: Any) -> None:
+def command(given: Given, out: Path | None, force: bool, as_json: bool, **asked: Any) -> None:
     """Errors of speed, lateral amplitude and body rate over a map, stage by stage.
 
     Writes a table (errors.csv), everything as JSON (validation.json) and contour maps with the 5 %
@@ -52,6 +57,8 @@ def command(given: Given, out: Path | None, as_json: bool, **asked: Any) -> None
     from microswim.cli._progress import bar
 
     begun = time.perf_counter()
+    if out is not None:
+        _files.check_files("--out", out, FILES, force)
     with bar(f"validate {given.name}") as progress:
         result = validate(
             given.swimmer,
@@ -78,15 +85,19 @@ def _write(out: Path, result: Any, report: dict[str, Any]) -> None:
     from microswim.numerics.plain import plain
     from microswim.output.plots.validation import error_maps
 
-    out.mkdir(parents=True, exist_ok=True)
     rows = result.rows()
-    with (out / "errors.csv").open("w", encoding="utf-8", newline="") as file:
+    table, text_file, picture = (out / name for name in FILES)
+    with (
+        _files.appearing(table) as scratch,
+        scratch.open("w", encoding="utf-8", newline="") as file,
+    ):
         writer = csv.DictWriter(file, list(rows[0]))
         writer.writeheader()
         writer.writerows(rows)
     text = json.dumps(plain(report), allow_nan=False, ensure_ascii=False, indent=1)
-    (out / "validation.json").write_text(text + "\n", encoding="utf-8")
-    error_maps(result).savefig(out / "errors.png", dpi=200)
+    _files.write_text(text_file, text + "\n")
+    with _files.appearing(picture) as scratch:
+        error_maps(result).savefig(scratch, dpi=200)
 
 
 def _print(report: dict[str, Any]) -> None:

@@ -6,7 +6,9 @@ from pathlib import Path
 
 import click
 
-from microswim.cli._options import example, json_option, print_json
+from microswim.cli import _files
+from microswim.cli._options import example, force_option, json_option, print_json
+from microswim.cli._progress import bar
 
 
 @click.command(epilog=example("microswim world --no-bem", "microswim world --out docs/world.md"))
@@ -16,8 +18,9 @@ from microswim.cli._options import example, json_option, print_json
     type=click.Path(path_type=Path),
     help="Markdown file to write; its picture goes to img/cells.png beside it.",
 )
+@force_option
 @json_option
-def command(bem: bool, out: Path | None, as_json: bool) -> None:
+def command(bem: bool, out: Path | None, force: bool, as_json: bool) -> None:
     """Compare with Vibrio, Rodenborn's helix, cells of BOSO-Micro and Table 3 of the paper."""
     from microswim.studies.world import cells
     from microswim.studies.world import page as world
@@ -36,8 +39,12 @@ def command(bem: bool, out: Path | None, as_json: bool) -> None:
         click.echo(world.page(bem))
         return
     picture = out.parent / "img" / "cells.png"
-    picture.parent.mkdir(parents=True, exist_ok=True)
-    found = world.boso(bem)
-    cells.picture(found).savefig(picture, dpi=150)
-    out.write_text(world.page(bem, "img/cells.png", found), encoding="utf-8")
+    for path in (out, picture):
+        _files.check_file("--out", path, force)
+    with bar("world"):
+        found = world.boso(bem)
+        text = world.page(bem, "img/cells.png", found)
+    with _files.appearing(picture) as scratch:
+        cells.picture(found).savefig(scratch, dpi=150)
+    _files.write_text(out, text)
     click.echo(f"{out}, {picture}")

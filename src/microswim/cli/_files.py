@@ -1,0 +1,93 @@
+"""Files that a command writes: refused before the work, whole or not at all afterwards."""
+
+from __future__ import annotations
+
+import os
+import tempfile
+from collections.abc import Iterable, Iterator
+from contextlib import contextmanager
+from pathlib import Path
+
+from microswim.errors import MicroswimError, SpecError
+
+
+def check_file(option: str, path: Path, force: bool) -> None:
+    """Refuse a file that cannot be written, before any work is done.
+
+    Raises
+    ------
+    SpecError
+        If it is a folder, stands in no place that can be written, or is there and `force` is not
+        given.
+    """
+    if path.is_dir():
+        raise SpecError(option, str(path), "a file", "this is a folder")
+    _check_place(option, path.parent)
+    if path.exists() and not force:
+        raise SpecError(option, str(path), "a new file", "--force replaces the one that is there")
+
+
+def check_files(option: str, folder: Path, names: Iterable[str], force: bool) -> None:
+    """Refuse a folder in which the files `names` cannot be written, before any work is done.
+
+    Raises
+    ------
+    SpecError
+        If it is a file, cannot be written, or holds one of them and `force` is not given.
+    """
+    if folder.exists() and not folder.is_dir():
+        raise SpecError(option, str(folder), "a folder", "this is a file")
+    _check_place(option, folder)
+    there = [name for name in names if (folder / name).exists()]
+    if there and not force:
+        raise SpecError(
+            option, str(folder), f"a folder without {there[0]}", "--force replaces what is there"
+        )
+
+
+def _check_place(option: str, folder: Path) -> None:
+    """Refuse a folder that neither can be written in nor made."""
+    while not folder.exists():
+        folder = folder.parent
+    if not folder.is_dir():
+        raise SpecError(option, str(folder), "a folder", "this is a file")
+    if not os.access(folder, os.W_OK | os.X_OK):
+        raise SpecError(option, str(folder), "a folder that you may write in")
+
+
+@contextmanager
+def appearing(path: Path) -> Iterator[Path]:
+    """A scratch file that takes the name `path` once it is written; nothing is left otherwise.
+
+    Raises
+    ------
+    MicroswimError
+        If it cannot be written, with the name of the file.
+    """
+    try:
+        path.parent.mkdir(parents=True, exist_ok=True)
+        handle, name = tempfile.mkstemp(prefix=".", suffix=path.suffix, dir=path.parent)
+    except OSError as error:
+        raise MicroswimError(f"{path}: not written: {error.strerror}") from None
+    os.close(handle)
+    scratch = Path(name)
+    try:
+        yield scratch
+        scratch.chmod(0o666 & ~_mask())
+        scratch.replace(path)
+    except OSError as error:
+        raise MicroswimError(f"{path}: not written: {error.strerror or error}") from None
+    finally:
+        scratch.unlink(missing_ok=True)
+
+
+def write_text(path: Path, text: str) -> None:
+    """Write a text file, whole or not at all."""
+    with appearing(path) as scratch:
+        scratch.write_text(text, encoding="utf-8")
+
+
+def _mask() -> int:
+    mask = os.umask(0)
+    os.umask(mask)
+    return mask

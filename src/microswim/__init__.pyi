@@ -12,7 +12,7 @@ from .control.export.cmodel import CModel as CModel
 from .control.export.cmodel import c_model as c_model
 from .control.export.fmu import export_fmu as export_fmu
 from .control.sensor import Sensor as Sensor
-from .control.stepper import State as State
+from .control.state import State as State
 from .control.stepper import Stepper as Stepper
 from .errors import MicroswimError as MicroswimError
 from .errors import SpecError as SpecError

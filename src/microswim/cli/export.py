@@ -30,8 +30,9 @@ if TYPE_CHECKING:
 @click.command(
     epilog=example(
         "microswim export robot.toml --format c",
-        "microswim export --preset goto/C --format fmu --out units",
-        'microswim export robot.toml --format fmu --fmi 2.0 --moment "[0, 2e-5, 0]" --name robot',
+        "microswim export --preset goto/C --format fmu --out units/cell.fmu",
+        'microswim export robot.toml --format fmu --fmi 2.0 --moment "0, 0.02 mA m^2, 0"',
+        "microswim export robot.toml --format c --precision float --steps 4",
     )
 )
 @swimmer_options
@@ -55,7 +56,8 @@ if TYPE_CHECKING:
     metavar="LIST",
     default="[0, 0, 0]",
     show_default=True,
-    help="Magnetic moment in the body frame s, q, r (A m^2, or the spec's own units).",
+    help="Magnetic moment in the body frame s, q, r: with a unit, or in A m^2; a spec without "
+    "units takes numbers.",
 )
 @click.option("--locked", is_flag=True, help="The motor is locked: a rigid magnetised robot.")
 @click.option(
@@ -65,14 +67,35 @@ if TYPE_CHECKING:
     show_default=True,
     help="Internal steps per turn of tail, field or body.",
 )
+@click.option(
+    "--steps",
+    type=int,
+    metavar="N",
+    help="Internal steps of every step, for a fixed time; by default as many as it takes.",
+)
+@click.option(
+    "--most-steps",
+    type=int,
+    default=100_000,
+    show_default=True,
+    metavar="N",
+    help="Internal steps that a step may take; more is an error of the step.",
+)
+@click.option(
+    "--precision",
+    type=click.Choice(["double", "float"]),
+    default="double",
+    show_default=True,
+    help="Numbers of the C; float for a processor without double.",
+)
 @model_option
 @level_option
 @click.option(
     "--out",
-    metavar="DIR",
+    metavar="PATH",
     type=click.Path(path_type=Path, file_okay=True),
     default=Path(),
-    help="Folder for the files; by default the current one.",
+    help="Folder for the files, by default the current one; or the file: robot.fmu.",
 )
 @force_option
 @json_option
@@ -84,6 +107,9 @@ def command(
     moment: str,
     locked: bool,
     resolution: float,
+    steps: int | None,
+    most_steps: int,
+    precision: str,
     model: str,
     level: str | None,
     out: Path,
@@ -100,14 +126,21 @@ def command(
     from microswim.control.stepper import Stepper
 
     name = name or _identifier(given.name)
+    if precision == "float" and kind == "fmu":
+        raise SpecError("--precision", precision, "double for an FMU, whose standard has it so")
     files = [f"{name}.h", f"{name}.c"] if kind == "c" else [f"{name}.fmu"]
+    if kind == "fmu" and out.suffix == ".fmu":
+        out, files = out.parent, [out.name]
+    elif out.suffix in (".c", ".h", ".fmu"):
+        raise SpecError("--out", str(out), "a folder", "header and source are written into it")
     _files.check_files("--out", out, files, force)
-    options = leveled(model, level)
+    options = {"moment": _moment(moment, given.swimmer.units), "locked": locked}
+    options |= {"resolution": resolution, "steps": steps, "most_steps": most_steps}
+    solver = leveled(model, level)
     with bar(f"{model}, {given.name}"):
-        gait = given.swimmer.gait(model, **options)
-    options = {"moment": _moment(moment), "locked": locked, "resolution": resolution}
+        gait = given.swimmer.gait(model, **solver)
     stepper = Stepper(gait, given.swimmer, **options)
-    code = c_model(stepper, name, given.text)
+    code = c_model(stepper, name, given.text, precision)
     found: dict[str, Any] = {"format": kind, "name": name, "units": gait.units, "model": gait.model}
     found |= compiler.measured(code)
     found |= _written(stepper, code, given.text, out, files, fmi)
@@ -143,18 +176,43 @@ def _written(
 
 
 def _identifier(name: str) -> str:
-    made = re.sub(r"\W+", "_", name, flags=re.ASCII).strip("_")[:41]
+    from microswim.control.export.cmodel import reserved
+
+    made = re.sub(r"\W+", "_", name, flags=re.ASCII).strip("_")[:32]
+    if reserved(made):
+        return f"{made}_swimmer"
     return made if made[:1].isalpha() else "swimmer"
 
 
-def _moment(text: str) -> tuple[float, ...]:
+def _moment(text: str, units: str) -> tuple[float, ...]:
+    """Three components, with or without units: ``[0, 2e-5, 0]``, ``0 0.02 mA m^2 0``."""
+    inside = text.strip("[]() ")
+    parts = inside.split(",") if "," in inside else _three(inside)
+    if len(parts) != 3:
+        raise SpecError(
+            "--moment", text, 'three numbers, such as "[0, 2e-5, 0]" or "0, 0.02 mA m^2, 0"'
+        )
+    return tuple(_component(part.strip(" '\""), text, units) for part in parts)
+
+
+def _three(text: str) -> list[str]:
+    """Parts that begin with a number, where there are no commas."""
+    return re.findall(r"(?:^|(?<=\s))[+-]?(?:\d|\.\d|nan|inf)\S*(?:\s+[^\d\s+.-]\S*)*", text)
+
+
+def _component(part: str, text: str, units: str) -> float:
+    from microswim.spec.units import to_si
+
     try:
-        values = tuple(float(v) for v in text.strip("[]() ").split(","))
+        return float(part)
     except ValueError:
-        values = ()
-    if len(values) != 3:
-        raise SpecError("--moment", text, 'three numbers, such as "[0, 2e-5, 0]"')
-    return values
+        pass
+    if units != "SI":
+        raise SpecError("--moment", text, "three numbers, as the spec is without units")
+    try:
+        return to_si(part, "A m^2")
+    except ValueError as error:
+        raise SpecError(f"--moment = {part!r}: {error}") from None
 
 
 def _say(found: dict[str, Any]) -> None:

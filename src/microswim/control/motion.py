@@ -215,21 +215,39 @@ def substep(
 
 @compiled
 def size(u: Any, first: int, n: int) -> float:
-    """Euclidean norm of n inputs."""
-    return np.sqrt(np.sum(u[first : first + n].real ** 2))
+    """Euclidean norm of n inputs, of any size."""
+    top = np.max(np.abs(u[first : first + n].real))
+    return top * np.sqrt(np.sum((u[first : first + n].real / top) ** 2)) if top > 0.0 else 0.0
 
 
 @compiled
-def internal_steps(limits: Any, u: Any, dt: float) -> int:
-    """Steps that turn the tail, the field and the body by at most ``limits[0]`` radians each.
+def fastest(limits: Any, u: Any) -> float:
+    """Bound of what turns fastest: tail, field and body (rad per time).
 
     The body's rotation is bounded by ``limits[1:] = (per motor rate, per force, per torque, by
     torque of the field per field)``.
     """
     body = limits[1] * abs(u[0].real) + limits[2] * size(u, 1, 3) + limits[3] * size(u, 4, 3)
     body += limits[4] * size(u, 7, 3) + size(u, 16, 9)
-    fastest = max(abs(u[0].real), size(u, 10, 3), body)
-    return max(1, int(np.ceil(fastest * abs(dt) / limits[0] - 1e-6)))
+    return max(abs(u[0].real), size(u, 10, 3), body)
+
+
+@compiled
+def fastest_of_all(limits: Any, U: Any) -> float:
+    """The largest of `fastest`; not finite if one is not."""
+    top = 0.0
+    for i in range(U.shape[0]):
+        one = fastest(limits, U[i])
+        top = one if not one <= top else top
+        if not np.isfinite(top):
+            break
+    return top
+
+
+@compiled
+def internal_steps(limits: Any, u: Any, dt: float) -> int:
+    """Steps that turn the tail, the field and the body by at most ``limits[0]`` radians each."""
+    return max(1, int(np.ceil(fastest(limits, u) * abs(dt) / limits[0] - 1e-6)))
 
 
 @compiled

@@ -62,13 +62,19 @@ def response(gait: Gait, swimmer: Swimmer | None = None) -> Response:
     Raises
     ------
     MicroswimError
-        If the resistance matrix is singular.
+        If the resistance matrix is singular, or the response is not finite.
     """
     n = 16
     while True:
-        samples = _samples(gait, swimmer, n)
+        with np.errstate(over="ignore", invalid="ignore"):
+            samples = _samples(gait, swimmer, n)
+        if not all(np.isfinite(x).all() for x in samples):
+            raise MicroswimError(
+                "the response of the gait is not finite: viscosity or lengths are too near to "
+                "zero or too large; take other units"
+            )
         series = [series_of(x) for x in samples]
-        scales = [_scale(x) for x in samples]
+        scales = [scale(x) for x in samples]
         felt = [np.abs(x / s) for x, s in zip(series, scales)]
         if n >= FINEST or max(f[-4:].max() for f in felt) < 1e-13:
             return Response(*(_trimmed(x, f) for x, f in zip(series, felt)))
@@ -99,7 +105,7 @@ def _samples(gait: Gait, swimmer: Swimmer | None, n: int) -> list[np.ndarray]:
     ]
 
 
-def _scale(samples: np.ndarray) -> np.ndarray:
+def scale(samples: np.ndarray) -> np.ndarray:
     """Size of each column's kind: linear and angular parts differ by powers of the length."""
     kinds = {
         27: [3 * (i // 3) + j // 3 for i, j in LOWER] + [10 + i // 3 for i in range(6)],

@@ -11,7 +11,7 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from microswim import checks
-from microswim.control.stepper import State
+from microswim.control.state import State
 from microswim.numerics.rigid_motion import multiply
 
 

@@ -1,7 +1,8 @@
 """Stepper: a swimmer sample by sample, for a controller's loop.
 
 Inputs are held over a step; only the field may turn within it. Inside, a step is divided so that
-tail, field and body turn little (`motion.internal_steps`), each part of order 4.
+tail, field and body turn little (`motion.internal_steps`), each part of order 4. A step that would
+take too many parts, or turn too far in one, is refused: its time is bounded, whatever the inputs.
 """
 
 from __future__ import annotations
@@ -15,82 +16,16 @@ import numpy as np
 from microswim import checks
 from microswim.control import motion, readout
 from microswim.control.response import Response, response
-from microswim.errors import SpecError
+from microswim.control.state import State
+from microswim.errors import MicroswimError, SpecError
 from microswim.gait.gait import Gait
 from microswim.swimmer.swimmer import Swimmer
 
 _SHAPES = {name: (3, 3) if name == "gradient" else (3,) for name in motion.INPUTS}
 _SHAPES["motor_rate"] = ()
 _NO_LOAD = np.zeros(6)
-
-
-@dataclass(frozen=True, eq=False)
-class State:
-    """Pose and phase of one swimmer or of many.
-
-    Parameters
-    ----------
-    values
-        Position of the body's centre (lab), quaternion ``wxyz`` body to lab, phase: (8,) or
-        (n, 8).
-
-    Examples
-    --------
-    >>> import microswim as ms
-    >>> ms.State.at(position=[1.0, 0.0, 0.0]).position
-    array([1., 0., 0.])
-    """
-
-    values: np.ndarray
-
-    @classmethod
-    def at(
-        cls, position: Any = (0, 0, 0), quaternion: Any = (1, 0, 0, 0), phase: Any = 0.0
-    ) -> State:
-        """State from its parts, which broadcast over swimmers.
-
-        Raises
-        ------
-        SpecError
-            If a part has the wrong shape, is not finite, or the quaternion is not a unit one.
-        """
-        parts = {"position": (position, 3), "quaternion": (quaternion, 4), "phase": (phase, 0)}
-        arrays = []
-        for name, (value, width) in parts.items():
-            try:
-                a = np.asarray(value, dtype=float)
-            except (TypeError, ValueError):
-                raise SpecError(name, value, "made of numbers") from None
-            if a.ndim > 1 + (width > 0) or (width and a.shape[-1:] != (width,)):
-                raise SpecError(name, value, f"{width} numbers, or as many rows as swimmers")
-            if not np.isfinite(a).all():
-                raise SpecError(name, value, "finite")
-            arrays.append(a if width else a[..., None])
-        norm = np.linalg.norm(arrays[1], axis=-1, keepdims=True)
-        if (abs(norm - 1.0) > 0.01).any():
-            raise SpecError("quaternion", quaternion, "a unit quaternion wxyz")
-        arrays[1] = arrays[1] / norm
-        try:
-            n = np.broadcast_shapes(*(a.shape[:-1] for a in arrays))
-        except ValueError:
-            raise SpecError("position, quaternion and phase: give as many rows of each") from None
-        full = [np.broadcast_to(a, (*n, a.shape[-1])) for a in arrays]
-        return cls(np.concatenate(full, axis=-1))
-
-    @property
-    def position(self) -> np.ndarray:
-        """Position of the body's centre, lab frame, (..., 3)."""
-        return self.values[..., :3]
-
-    @property
-    def quaternion(self) -> np.ndarray:
-        """Attitude ``wxyz``, body to lab, (..., 4)."""
-        return self.values[..., 3:7]
-
-    @property
-    def phase(self) -> np.ndarray:
-        """Phase of the tail relative to the body (rad), (...)."""
-        return self.values[..., 7]
+#: Largest turn (rad) of an internal step whose number is fixed; beyond 2.8 order 4 is not stable.
+WIDEST = np.pi / 2.0
 
 
 @dataclass(frozen=True, eq=False)
@@ -113,7 +48,10 @@ class Stepper:
     resolution
         Internal steps per turn of tail, field or body; the error falls with its fourth power.
     steps
-        Internal steps per step, if they shall be the same always.
+        Internal steps per step, if they shall be the same always; a step in which something
+        would turn by more than a right angle in one of them is refused.
+    most_steps
+        Internal steps that a step may take; one that would take more is refused.
 
     Raises
     ------
@@ -137,14 +75,18 @@ class Stepper:
     locked: bool = False
     resolution: float = 64.0
     steps: int | None = None
+    most_steps: int = 100_000
 
     def __post_init__(self) -> None:
         checks.numbers("moment", self.moment, 3, "three finite numbers, in the body frame")
         checks.number("resolution", self.resolution, "4 or more steps per turn", least=4)
-        if self.steps is not None:
-            checks.number("steps", self.steps, "a whole number from 1 on", least=1)
-            if int(self.steps) != self.steps:
-                raise SpecError("steps", self.steps, "a whole number from 1 on")
+        allowed = "a whole number from 1 to 10000000"
+        for name in ("steps", "most_steps"):
+            if (value := getattr(self, name)) is not None or name == "most_steps":
+                checks.number(name, value, allowed, least=1, most=1e7)
+                if int(value) != value:
+                    raise SpecError(name, value, allowed)
+                object.__setattr__(self, name, int(value))
 
     @classmethod
     def of(cls, swimmer: Swimmer, model: str = "rft", **options: Any) -> Stepper:
@@ -205,7 +147,10 @@ class Stepper:
         Raises
         ------
         SpecError
-            If an input is unknown, of the wrong shape or not finite.
+            If an input is unknown, of the wrong shape or not finite, or the step would take more
+            than `most_steps` internal steps.
+        MicroswimError
+            If the state would not be finite.
         """
         try:
             fits = 0.0 < dt < np.inf
@@ -215,9 +160,25 @@ class Stepper:
             raise SpecError("dt", dt, "a positive time")
         Y = state.values.reshape(-1, motion.STATE).copy()
         U = self.held(Y.shape[0], inputs)
+        self._check_turn(U, dt)
         run = motion.advance_all.over(len(Y))
         run(*self._model, Y, U, dt, self.steps or 0, self._work)
+        _check_finite(Y)
         return State(Y.reshape(state.values.shape))
+
+    def _check_turn(self, U: np.ndarray, dt: float) -> None:
+        """Refuse inputs under which a step would take too long or go too wide."""
+        turn = motion.fastest_of_all(self.limits, U) * dt
+        widest = self.steps * WIDEST if self.steps else self.most_steps * self.limits[0]
+        if not turn <= widest:
+            n = self.steps or self.most_steps
+            raise SpecError(
+                "dt",
+                dt,
+                f"short enough that tail, field and body turn by at most {widest:.3g} rad, what "
+                f"{n} internal steps can follow",
+                "shorten it or lower the inputs",
+            )
 
     def held(self, n: int, inputs: dict[str, Any]) -> np.ndarray:
         """The inputs as an array, one row for all or (n, 25); checked."""
@@ -261,6 +222,7 @@ class Stepper:
         U = self.held(Y.shape[0], inputs)
         out = np.empty((Y.shape[0], 7))
         readout.outputs(*self._model[:3], self.response.motor, Y, U, self._work[0], out)
+        _check_finite(out)
         out = out.reshape(*state.values.shape[:-1], 7)
         return out[..., :6], out[..., 6]
 
@@ -292,8 +254,17 @@ class Stepper:
         u = self.held(1, inputs)[0]
         if not set(wrt) <= set(motion.INPUTS):
             raise SpecError("wrt", wrt, "some of the inputs " + ", ".join(motion.INPUTS))
+        self._check_turn(u[None], dt)
         columns = np.concatenate([np.arange(25)[motion.INPUTS[name]] for name in wrt])
         return readout.derivatives(*self._model, state.values, u, dt, self.steps or 0, columns)
+
+
+def _check_finite(values: np.ndarray) -> None:
+    if not np.isfinite(values).all():
+        raise MicroswimError(
+            "the state or the velocity would not be finite: state and inputs must be finite, and "
+            "not so large that their products overflow"
+        )
 
 
 def step_limits(solved: Response, resolution: float, magnet: np.ndarray) -> np.ndarray:

@@ -161,10 +161,13 @@ def test_c_refuses_and_leaves_the_state_alone(build, where, value, word):
 
 
 def test_c_needs_libm_alone(build, tmp_path):
-    """No memory, no files, no other library: only functions of math.h and string.h."""
+    """No memory, no files, no other library: functions of math.h and string.h, one type."""
     model = ms.c_model(stepper(), "robot")
     includes = {line for line in model.source.splitlines() if line.startswith("#include")}
-    assert includes == {'#include "robot.h"', "#include <math.h>", "#include <string.h>"}
+    assert includes == {
+        '#include "robot.h"',
+        *(f"#include <{h}.h>" for h in ("math", "stdint", "string")),
+    }
     assert "malloc" not in model.source
     for word in ("qw, qx, qy, qz", "body to lab", "microswim " + ms.__version__, "sha256:"):
         assert word in model.header

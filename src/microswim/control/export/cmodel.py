@@ -12,7 +12,8 @@ from importlib.resources import files
 
 import numpy as np
 
-from microswim import __version__
+from microswim import __version__, checks
+from microswim.control.export.precision import FIGURES, PRECISIONS, check_range, single
 from microswim.control.stepper import Stepper
 from microswim.errors import SpecError
 
@@ -40,7 +41,8 @@ BANNER = """\
    Phase in radians, of the tail relative to the body; a positive motor rate sends the wave away
    from the body{hand}.
    Torque of a magnetic field: m x B, m fixed in the body. Stokes flow: no inertia.
-   A step needs no memory, calls nothing but libm, allocates nothing, keeps no static state. */"""
+   A step takes {steps};
+   it calls nothing but libm, allocates nothing, keeps no static state. */"""
 
 
 @dataclass(frozen=True)
@@ -70,22 +72,28 @@ class CModel:
     banner: str
 
 
-def c_model(stepper: Stepper, name: str = "swimmer", spec: str = "") -> CModel:
-    """C99 of a stepper: `name`.h and `name`.c.
+def c_model(
+    stepper: Stepper, name: str = "swimmer", spec: str = "", precision: str = "double"
+) -> CModel:
+    """Return C99 of a stepper: `name`.h and `name`.c.
 
     Parameters
     ----------
     stepper
-        The stepper; its moment and the motor's rate become defaults, its resolution stays.
+        The stepper; its moment and the motor's rate become defaults, its resolution and its
+        numbers of steps stay.
     name
-        A C identifier.
+        A C identifier, and no word of C.
     spec
         Text of the specification, for the digest in the files.
+    precision
+        ``"double"``, or ``"float"`` for a processor without double: six digits, and the phase is
+        kept between 0 and 2 pi, where it has them.
 
     Raises
     ------
     SpecError
-        If the name is no C identifier, or the stepper has a fixed number of steps.
+        If the name is no C identifier, or the model's numbers do not fit the precision.
 
     Examples
     --------
@@ -96,15 +104,26 @@ def c_model(stepper: Stepper, name: str = "swimmer", spec: str = "") -> CModel:
     """
     if not re.fullmatch(r"[A-Za-z][A-Za-z0-9_]{0,40}", name):
         raise SpecError("name", name, "letters, digits and underscores, a letter first")
-    if stepper.steps is not None:
-        raise SpecError("steps", stepper.steps, "left out for an export", "use resolution")
-    if not np.isrealobj(stepper.response.twist) or not np.isfinite(stepper.response.twist).all():
-        raise SpecError("the gait holds numbers that are not finite and real; check the swimmer")
-    values = _values(stepper, name, spec)
+    if reserved(name):
+        raise SpecError("name", name, "no word of C", f'take another, such as "{name}_robot"')
+    checks.choice("precision", precision, PRECISIONS)
+    if not np.isrealobj(stepper.response.twist):
+        raise SpecError("the gait holds numbers that are not real; check the swimmer")
+    values = _values(stepper, name, spec) | PRECISIONS[precision]
     texts = [
         (files(__package__) / "c" / f).read_text("utf-8") for f in ("model.h.in", "model.c.in")
     ]
+    if precision == "float":
+        check_range(stepper, viscosity(stepper))
+        texts = [single(t) for t in texts]
+        values |= {k: single(values[k]) for k in FIGURES}
     return CModel(name, *(filled(t, values) for t in texts), values["banner"])
+
+
+def reserved(name: str) -> bool:
+    """Whether a name is a word of C or C++, or of a file that an include could mean."""
+    words = (files(__package__) / "c" / "reserved.txt").read_text("utf-8").split()
+    return name.lower() in words
 
 
 def filled(template: str, values: dict[str, str]) -> str:
@@ -127,6 +146,9 @@ def _values(stepper: Stepper, name: str, spec: str) -> dict[str, str]:
         "locked": "1.0" if stepper.locked else "0.0",
         "viscosity_value": repr(viscosity(stepper)),
         "moment_values": numbers(stepper.magnet),
+        "steps": str(stepper.steps or 0),
+        "most_steps": str(stepper.most_steps),
+        "bound": _about_steps(stepper),
         "rate_value": repr(0.0 if stepper.locked else float(gait.rate)),
         "tables": "".join(
             table(n, t) for n, t in zip(("TWIST", "STRAIN", "MOTOR"), stepper.response.tables)
@@ -140,8 +162,15 @@ def _values(stepper: Stepper, name: str, spec: str) -> dict[str, str]:
         units=gait.units + " (" + ", ".join(f"{k} {v}" for k, v in units.items()) + ")",
         strain=_about_strain(stepper),
         hand=_about_hand(stepper),
+        steps=_about_steps(stepper),
     )
     return values
+
+
+def _about_steps(stepper: Stepper) -> str:
+    if stepper.steps:
+        return f"{stepper.steps} internal steps, always; what turns too far for them is refused"
+    return f"at most {stepper.most_steps} internal steps; what would take more is refused"
 
 
 def _about_strain(stepper: Stepper) -> str:

@@ -1,8 +1,8 @@
 """The model as a Functional Mock-up Unit for co-simulation, FMI 3.0 or 2.0, no Python inside.
 
-An FMU is a zip: modelDescription.xml, the C sources and their binary for this platform. The C of
-the interface (``c/fmu.c.in``, ``c/fmi2.c.in``, ``c/fmi3.c.in``) stands on the C of cmodel. Depends
-on cmodel, compiler.
+An FMU is a zip: modelDescription.xml, the C sources with their CMakeLists.txt, so that it can be
+built for another platform, and their binary for this one. The C of the interface (``c/fmu.c.in``,
+``c/fmi2.c.in``, ``c/fmi3.c.in``) stands on the C of cmodel.
 """
 
 from __future__ import annotations
@@ -137,6 +137,7 @@ def export_fmu(
             f"sources/{name}.h": model.header,
             f"sources/{name}.c": model.source,
             "sources/fmu.c": wrapper,
+            "sources/CMakeLists.txt": _cmake(model),
             "documentation/index.html": f"<!DOCTYPE html><title>{name}</title>"
             f"<pre>{escape(model.banner)}</pre>\n",
             f"binaries/{folder(fmi)}/{name}{_suffix()}": binary.read_bytes(),
@@ -249,6 +250,13 @@ def _build(model: cmodel.CModel) -> str:
         f'<BuildConfiguration modelIdentifier="{name}"><SourceFileSet language="C99">'
         f'<SourceFile name="{name}.c"/><SourceFile name="fmu.c"/></SourceFileSet>'
         "</BuildConfiguration></fmiBuildDescription>\n"
+    )
+
+
+def _cmake(model: cmodel.CModel) -> str:
+    values = {"name": model.name, "banner": model.banner.strip("/* \n").replace("\n", "\n# ")}
+    return cmodel.filled(
+        (files(__package__) / "c" / "CMakeLists.txt.in").read_text("utf-8"), values
     )
 
 

@@ -1,0 +1,79 @@
+"""State: pose and phase of a swimmer, or of many."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from microswim.errors import SpecError
+
+
+@dataclass(frozen=True, eq=False)
+class State:
+    """Pose and phase of one swimmer or of many.
+
+    Parameters
+    ----------
+    values
+        Position of the body's centre (lab), quaternion ``wxyz`` body to lab, phase: (8,) or
+        (n, 8).
+
+    Examples
+    --------
+    >>> import microswim as ms
+    >>> ms.State.at(position=[1.0, 0.0, 0.0]).position
+    array([1., 0., 0.])
+    """
+
+    values: np.ndarray
+
+    @classmethod
+    def at(
+        cls, position: Any = (0, 0, 0), quaternion: Any = (1, 0, 0, 0), phase: Any = 0.0
+    ) -> State:
+        """State from its parts, which broadcast over swimmers.
+
+        Raises
+        ------
+        SpecError
+            If a part has the wrong shape, is not finite, or the quaternion is not a unit one.
+        """
+        parts = {"position": (position, 3), "quaternion": (quaternion, 4), "phase": (phase, 0)}
+        arrays = []
+        for name, (value, width) in parts.items():
+            try:
+                a = np.asarray(value, dtype=float)
+            except (TypeError, ValueError):
+                raise SpecError(name, value, "made of numbers") from None
+            if a.ndim > 1 + (width > 0) or (width and a.shape[-1:] != (width,)):
+                raise SpecError(name, value, f"{width} numbers, or as many rows as swimmers")
+            if not np.isfinite(a).all():
+                raise SpecError(name, value, "finite")
+            arrays.append(a if width else a[..., None])
+        norm = np.linalg.norm(arrays[1], axis=-1, keepdims=True)
+        if (abs(norm - 1.0) > 0.01).any():
+            raise SpecError("quaternion", quaternion, "a unit quaternion wxyz")
+        arrays[1] = arrays[1] / norm
+        try:
+            n = np.broadcast_shapes(*(a.shape[:-1] for a in arrays))
+        except ValueError:
+            raise SpecError("position, quaternion and phase: give as many rows of each") from None
+        full = [np.broadcast_to(a, (*n, a.shape[-1])) for a in arrays]
+        return cls(np.concatenate(full, axis=-1))
+
+    @property
+    def position(self) -> np.ndarray:
+        """Position of the body's centre, lab frame, (..., 3)."""
+        return self.values[..., :3]
+
+    @property
+    def quaternion(self) -> np.ndarray:
+        """Attitude ``wxyz``, body to lab, (..., 4)."""
+        return self.values[..., 3:7]
+
+    @property
+    def phase(self) -> np.ndarray:
+        """Phase of the tail relative to the body (rad), (...)."""
+        return self.values[..., 7]

@@ -1,4 +1,4 @@
-"""The two errors a user meets.
+"""The errors a user meets: of a specification, of a solution, of the machine.
 
 Every message is one sentence: the field and its value, what is allowed, how to mend it.
 """
@@ -56,6 +56,21 @@ class SpecError(MicroswimError, ValueError):
     def __reduce__(self) -> tuple:
         """Pickle by the four parts, so that the error survives a trip through a process pool."""
         return type(self), (self.field, self.value, self.allowed, self.mend)
+
+
+class MachineError(MicroswimError):
+    """The machine is at fault, not the design: no memory, a full disk, a killed process.
+
+    What was solved is kept where it is kept at all, and nothing is noted against the design: the
+    same call goes on from there once the machine can.
+
+    Examples
+    --------
+    >>> raise MachineError("run.nc: cannot be written: No space left on device")
+    Traceback (most recent call last):
+        ...
+    microswim.errors.MachineError: run.nc: cannot be written: No space left on device
+    """
 
 
 def _shown(value: Any) -> str:

@@ -16,7 +16,6 @@ from click.testing import CliRunner
 
 from microswim import Swimmer
 from microswim.cli import main
-from microswim.errors import MicroswimError
 
 pytest.importorskip("ngsolve", reason="needs the extra fem")
 
@@ -107,17 +106,6 @@ def test_what_does_not_fit_into_memory_is_refused(spec, monkeypatch):
     monkeypatch.setattr(memory, "available", lambda: 3e8)
     line = refusal(call("run", spec, "--model", "fem", "--level", "coarse"), status=1)
     assert "GB of memory and 0.3 GB are free" in line
-
-
-def test_memory_of_a_container_counts(tmp_path):
-    (tmp_path / "memory.max").write_text("3000\n")
-    (tmp_path / "memory.current").write_text("1000\n")
-    assert memory._free_of_container(tmp_path) == 2000
-    (tmp_path / "memory.max").write_text("max\n")
-    assert memory._free_of_container(tmp_path) == float("inf")
-    assert 1e8 < memory.available() < 1e14
-    with pytest.raises(MicroswimError, match="100,000,000 unknowns need"):
-        memory.check(100_000_000, 3)
 
 
 def test_flow_files_that_no_checkpoint_vouches_for_are_removed(tmp_path):

@@ -486,21 +486,9 @@ def test_the_judge_judges_reports_and_can_be_sent_away(app):
 
 
 def test_a_job_that_fails_says_why():
-    messages = []
-
-    asked = [("judge", {"tables": CUSTOM})]
-
-    class Pipe:
-        def recv(self):
-            if not asked:
-                raise EOFError
-            return asked.pop()
-
-        send = messages.append
-
-    work.loop(Pipe())
-    assert messages[0][0] == "failed"
-    assert "custom" in messages[0][1]
+    outcome, why = work.answer("judge", {"tables": CUSTOM}, lambda value: None)
+    assert outcome == "failed"
+    assert "custom" in why
 
 
 def test_the_flow_ends_at_the_wall_and_is_refused_in_a_channel(monkeypatch):

@@ -64,7 +64,7 @@ from microswim.errors import MicroswimError, SpecError
 )
 @click.option("--region", multiple=True, metavar="NAME=LOW:HIGH", help="Calibrate over a region.")
 @click.option("--solves", type=click.IntRange(6), default=100, show_default=True)
-@click.option("--workers", type=click.IntRange(0), help="Processes (default: all cores).")
+@click.option("--workers", type=click.IntRange(0, 1024), help="Processes (default: all cores).")
 @click.option(
     "--option",
     "options",

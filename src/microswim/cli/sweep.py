@@ -68,9 +68,9 @@ ADDRESS = r"(\w+://)?([^\s/:]+|\[[\da-fA-F:]+\]):\d{1,5}"
 @click.option("--resume", is_flag=True, help="Go on with the store if it is there.")
 @click.option(
     "--workers",
-    type=click.IntRange(1),
+    type=click.IntRange(0, 1024),
     metavar="N",
-    help="Local processes for bem and fem (default: all cores), or jobs of the cluster.",
+    help="Local processes, 0 for none (default: all cores for bem and fem), or cluster jobs.",
 )
 @click.option("--scheduler", metavar="ADDRESS", help="Solve on the workers of a Dask scheduler.")
 @click.option(
@@ -155,7 +155,7 @@ def _over(over: tuple[str, ...], designs: Path | None) -> Any:
 
 
 def _report(result: Any, out: Path, seconds: float) -> dict[str, Any]:
-    from microswim.studies.sweeps.store import FAILED
+    from microswim.studies.sweeps.layout import FAILED
 
     failed = result["status"].values == FAILED
     reasons = Counter(map(str, result["reason"].values[failed]) if failed.any() else ())

@@ -35,7 +35,7 @@ FILES = ("errors.csv", "validation.json", "errors.png")
 @click.option("--against", type=click.Choice(["bem", "fem"]), default="bem", show_default=True)
 @click.option("--over", multiple=True, required=True, metavar="NAME=A:B:N", help="Axes of the map.")
 @click.option("--quantity", multiple=True, metavar="NAMES", help="Velocities to compare.")
-@click.option("--workers", type=click.IntRange(0), help="Processes (default: all cores).")
+@click.option("--workers", type=click.IntRange(0, 1024), help="Processes (default: all cores).")
 @click.option(
     "--option",
     "options",

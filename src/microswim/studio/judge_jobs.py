@@ -33,24 +33,18 @@ ROWS = (
 )
 
 
-def loop(pipe: Any) -> None:
-    """Answer jobs until the other end is closed."""
-    while True:
-        try:
-            kind, question = pipe.recv()
-        except EOFError:
-            return
-        try:
-            with warnings.catch_warnings():
-                warnings.simplefilter("ignore")
-                answer = KINDS[kind](question, lambda i, n: pipe.send(("progress", (i, n))))
-            pipe.send(("done", answer))
-        except MicroswimError as error:
-            pipe.send(("failed", str(error)))
-        except MemoryError:
-            pipe.send(("failed", "the boundary elements of this design need more memory"))
-        except Exception as error:  # a worker must outlive whatever happens in one job
-            pipe.send(("failed", f"the judge failed: {type(error).__name__}: {error}"))
+def answer(kind: str, question: dict[str, Any], tell: Callable[[Any], None]) -> tuple[str, Any]:
+    """Return ``"done"`` and the answer to a question, or ``"failed"`` and why; tell progress."""
+    try:
+        with warnings.catch_warnings():
+            warnings.simplefilter("ignore")
+            return "done", KINDS[kind](question, lambda i, n: tell((i, n)))
+    except MicroswimError as error:
+        return "failed", str(error)
+    except MemoryError:
+        return "failed", "the boundary elements of this design need more memory"
+    except Exception as error:  # a worker must outlive whatever happens in one job
+        return "failed", f"the judge failed: {type(error).__name__}: {error}"
 
 
 def check(kind: Any, question: dict[str, Any]) -> None:

@@ -6,35 +6,19 @@ worker waits for the next job after it is done; one that is cancelled or forgott
 
 from __future__ import annotations
 
-import multiprocessing as mp
+import queue
 import secrets
 import threading
 import time
 from typing import Any
 
 from microswim.errors import MicroswimError
+from microswim.jobs.worker import Lost, Worker
 from microswim.studio import judge_jobs as work
 
 MOST_RUNNING = 2
 MOST_KEPT = 40
 FORGOTTEN = 60.0  #: seconds after which a job that nobody asks about is ended
-
-
-class Worker:
-    """A process that does one job after the other."""
-
-    def __init__(self) -> None:
-        context = mp.get_context("spawn")
-        self.pipe, theirs = context.Pipe()
-        self.process = context.Process(target=work.loop, args=(theirs,), daemon=True)
-        self.process.start()
-        theirs.close()
-
-    def end(self) -> None:
-        """End the process, whatever it is doing."""
-        self.process.kill()
-        self.process.join()
-        self.pipe.close()
 
 
 class Job:
@@ -69,7 +53,7 @@ class Judge:
 
     def warm(self) -> None:
         """Have one worker ready."""
-        worker = Worker()
+        worker = hired()
         with self._lock:
             self._idle.append(worker)
 
@@ -112,25 +96,18 @@ class Judge:
         for token in tokens:
             self.cancel(token)
         for worker in idle:
-            worker.end()
+            worker.stop()
 
     def _follow(self, job: Job) -> None:
         with self._lock:
             worker = self._idle.pop() if self._idle else None
-        worker = worker or Worker()
-        try:
-            worker.pipe.send((job.kind, job.question))
-            finished = self._listen(job, worker)
-        except (EOFError, OSError):
-            finished = False
-            if job.state == "running":
-                job.answer = "the judge's process ended unexpectedly, perhaps for lack of memory"
-                job.state = "failed"
-        if finished:
+        worker = worker or hired()
+        worker.ask(job.kind, job.question)
+        if self._listen(job, worker):
             with self._lock:
                 self._idle.append(worker)
         else:
-            worker.end()
+            worker.stop()
 
     def _listen(self, job: Job, worker: Worker) -> bool:
         """Take messages until the job is over; whether the worker can go on."""
@@ -138,14 +115,28 @@ class Judge:
             if time.monotonic() - job.asked > FORGOTTEN:
                 job.state = "cancelled"
                 return False
-            if not worker.pipe.poll(0.05):
+            try:
+                _, what, value = worker.heard.get(timeout=0.05)
+            except queue.Empty:
                 continue
-            what, value = worker.pipe.recv()
-            if what == "progress":
+            if what == "told":
                 job.done, job.total = value
-                continue
-            job.answer = value
-            if not job.cancelled.is_set():
-                job.state = what
-            return True
+            elif what in ("done", "failed", "died"):
+                outcome, job.answer = _outcome(what, value)
+                if not job.cancelled.is_set():
+                    job.state = outcome
+                return what != "died"
         return False
+
+
+def hired() -> Worker:
+    """Return a process of the judge, which may use all cores."""
+    return Worker(work.answer, tells=True, threads=None)
+
+
+def _outcome(what: str, value: Any) -> tuple[str, Any]:
+    if what == "done" and not isinstance(value, Lost):
+        return value
+    if what == "died":
+        return "failed", "the judge's process ended unexpectedly, perhaps for lack of memory"
+    return "failed", value.reason if isinstance(value, Lost) else str(value)

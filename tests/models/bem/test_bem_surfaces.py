@@ -202,5 +202,5 @@ def test_memory_is_refused_in_a_sentence():
     surface = bem.ellipsoid((1.0, 1.0, 1.0), 1, 2)
     many = np.broadcast_to(surface.controls[:1], (200_000, *surface.controls.shape[1:]))
     huge = Surface(many, many, np.zeros(len(many), bool), 2)
-    with pytest.raises(MicroswimError, match=r"unknowns need .* GiB"):
+    with pytest.raises(MicroswimError, match=r"unknowns need .* GB"):
         system.require_memory(huge.unknowns)

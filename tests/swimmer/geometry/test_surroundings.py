@@ -10,7 +10,7 @@ from click.testing import CliRunner
 
 import microswim as ms
 from microswim.cli import main
-from microswim.jobs import references
+from microswim.jobs import store
 
 SPEC = """
 [fluid]
@@ -108,7 +108,7 @@ def test_numbers_of_the_surroundings_can_vary(tmp_path):
     assert swimmer.numbers["wall.distance"] == 2.0
     assert swimmer.with_({"wall.distance": 3.0}).wall.distance == 3.0
     paths = {
-        references._path(Path(), s, "bem", {}) for s in (swimmer, swimmer.with_({"wall.tilt": 0.1}))
+        store.place(Path(), s, "bem", {}) for s in (swimmer, swimmer.with_({"wall.tilt": 0.1}))
     }
     assert len(paths) == 2  # a solve beside one wall is not found for another
 

@@ -28,9 +28,10 @@ from microswim.calibration.region.fit import (
     set_aside,
 )
 from microswim.calibration.region.kriging import Kriging, Surfaces
-from microswim.errors import MicroswimError, SpecError
+from microswim.errors import MachineError, MicroswimError, SpecError
 from microswim.gait.gait import Gait
 from microswim.jobs import references
+from microswim.jobs.processes import counted
 from microswim.swimmer.swimmer import Swimmer
 
 POOL = 512  #: Sobol points of a region
@@ -68,7 +69,7 @@ def calibrate_region(
     folder
         Where solves are kept, so that a killed run goes on where it was.
     workers
-        Processes, each with one thread; all cores by default.
+        Processes, each with one thread; all cores by default, 0 to solve in this process.
     seed
         Of the choice of designs.
     progress
@@ -87,6 +88,8 @@ def calibrate_region(
         If the region makes no sense.
     MicroswimError
         If too few designs could be solved.
+    MachineError
+        If the machine could not solve a design: not enough memory, a process killed.
 
     Examples
     --------
@@ -98,6 +101,7 @@ def calibrate_region(
     []
     """
     _check(swimmer, region, solves)
+    counted(workers)
     pool = _pool(swimmer, region, seed)
     chosen = list(range(min(max(8, round(FIRST * solves)), solves, len(pool))))
     solved: list[Solved] = []
@@ -116,6 +120,7 @@ def calibrate_region(
             progress=_shifted(progress, len(solved), solves),
             **options,
         )
+        _require_machine(found)
         for i, g in zip(chosen, found):
             reason = _doubt(g)
             if isinstance(g, Gait) and not reason:
@@ -147,6 +152,16 @@ def calibrate_region(
         made = _correction(swimmer, region, solved, doubtful + unresolved, fitted, about)
     about["options"] = {k: getattr(v, "name", v) for k, v in options.items()}
     return replace(swimmer, region=made)
+
+
+def _require_machine(found: list[Gait | str]) -> None:
+    """Refuse to go on without designs that the machine, not the reference, could not solve."""
+    unsolved = [g for g in found if isinstance(g, references.Unsolved)]
+    if unsolved:
+        raise MachineError(
+            f"{len(unsolved)} of {len(found)} designs could not be solved here ({unsolved[0]}); "
+            "what is solved is kept where a folder is given: run it again"
+        )
 
 
 def _doubt(gait: Gait | str) -> str:

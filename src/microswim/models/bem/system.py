@@ -11,7 +11,6 @@ of the density.
 
 from __future__ import annotations
 
-import os
 import time
 from collections.abc import Iterator
 from concurrent.futures import ThreadPoolExecutor
@@ -22,7 +21,7 @@ from numba import get_num_threads
 from numpy.typing import NDArray
 from scipy.linalg import lu_factor, lu_solve
 
-from microswim.errors import MicroswimError
+from microswim.models import memory
 from microswim.models.bem.assembly import layer_blocks, own_blocks, stress_sums
 from microswim.models.bem.element import cell_tables, own_rule
 from microswim.models.bem.surface import Surface
@@ -153,31 +152,10 @@ class Layer:
         return result / (8.0 * np.pi * self.viscosity)
 
 
-def bytes_needed(unknowns: int) -> int:
-    """Memory of the dense solve: the matrix is factorised in place, a tenth for the rest."""
-    return int(1.1 * 8 * (unknowns + 1) ** 2)
-
-
-def bytes_free() -> int:
-    """Memory that the machine can give now, in bytes (Linux); a generous guess elsewhere."""
-    try:
-        with open("/proc/meminfo", encoding="ascii") as lines:
-            for line in lines:
-                if line.startswith("MemAvailable"):
-                    return 1024 * int(line.split()[1])
-        return os.sysconf("SC_PAGE_SIZE") * os.sysconf("SC_PHYS_PAGES")
-    except (OSError, ValueError, AttributeError):
-        return 8 * 2**30
-
-
 def require_memory(unknowns: int) -> None:
     """Refuse a system that does not fit."""
-    need, free = bytes_needed(unknowns), bytes_free()
-    if need > free:
-        raise MicroswimError(
-            f"{unknowns} unknowns need {need / 2**30:.1f} GiB and {free / 2**30:.1f} GiB are free; "
-            "choose a coarser level or a smaller order"
-        )
+    need = memory.of_dense(unknowns)
+    memory.require(need, unknowns, "choose a coarser level or a smaller order")
 
 
 def rigid_modes(points: Array, centre: Array) -> Array:

@@ -8,7 +8,7 @@ from __future__ import annotations
 from importlib.util import find_spec
 from typing import TYPE_CHECKING, Any
 
-from microswim.errors import SpecError
+from microswim.errors import MachineError
 from microswim.swimmer.geometry.surroundings import Channel
 
 if TYPE_CHECKING:
@@ -21,7 +21,7 @@ __all__ = ["Channel", "body_resistance", "channel_gait", "last_period", "require
 
 def _require() -> None:
     if find_spec("ngsolve") is None:
-        raise SpecError('model = "fem" needs NGSolve: pip install "microswim[fem]"')
+        raise MachineError('model = "fem" needs NGSolve: pip install "microswim[fem]"')
 
 
 def channel_gait(swimmer: Any, **options: Any) -> Gait:

@@ -115,7 +115,9 @@ class Stokes:
         memory foreseen is not there.
         """
         if self.inverse is None:
-            memory.check(self.unknowns, self.order)
+            need = memory.of_sparse(self.unknowns, self.order)
+            mend = "take a coarser level, a smaller channel or a larger machine"
+            memory.require(need, self.unknowns, mend)
         self._viscosity.Set(viscosity)
         self._inertia.Set(inertia)
         start = time.perf_counter()

@@ -6,18 +6,18 @@ interrupted run resumes.
 
 from __future__ import annotations
 
-import hashlib
 from collections.abc import Callable
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from functools import cached_property
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
-from microswim import __version__
 from microswim.gait.gait import Gait
+from microswim.jobs import store
 from microswim.models.rft.batch import evaluate
+from microswim.swimmer.motion import Motion
 from microswim.swimmer.swimmer import Swimmer
 
 TAILS = ("helix", "plane_wave")
@@ -25,7 +25,6 @@ SETS = ("constant", "sbt")
 AMPLITUDE, WAVES = "tail.amplitude", "tail.waves"
 # Section 5: amplitude 0.01 to 0.15; wavelength 0.5 to 1, so 4 to 2 waves on a tail of length 2.
 PAPER_RANGE = {AMPLITUDE: (0.01, 0.15), WAVES: (2.0, 4.0)}
-_KEPT = ("resistance", "propulsion", "activity", "body_resistance", "body_propulsion")
 
 
 def swimmer(tail: str, coefficients: str, changes: dict[str, Any] | None = None) -> Swimmer:
@@ -88,39 +87,33 @@ class Context:
         return self._memory[name]
 
     def reference(self, who: Swimmer) -> Gait:
-        """Gait by boundary elements, from the store if it was solved before."""
-        key = _key(who, self.level)
-        if key not in self._memory:
-            self._memory[key] = self._recall(key) or self._solve(key, who)
-        made = self._memory[key]
-        return Gait(**made, rate=who.tail.rate, free=who.motion.mask, model="bem")
+        """Gait by boundary elements, from the store if it was solved before.
 
-    def _solve(self, key: str, who: Swimmer) -> dict[str, np.ndarray]:
+        What the motion is free to do, and the surrogate's coefficients, do not matter to R and F_p.
+
+        Raises
+        ------
+        MicroswimError
+            If it cannot be solved.
+        """
+        plain = replace(who, motion=Motion())
+        key = ("reference", who.body, who.tail, who.fluid, self.level)
+        gait = self.once(key, lambda: self._recall(plain))
+        return replace(gait, rate=who.tail.rate, free=who.motion.mask)
+
+    def _recall(self, who: Swimmer) -> Gait:
+        place = self.store and store.place(self.store, who, "bem", {"level": self.level})
+        found = store.find(place) if place else None
+        if isinstance(found, Gait):
+            return found
         if self.progress:
             self.progress(
                 f"{who.tail.kind} b = {who.tail.amplitude:g}, N = {who.tail.number_of_waves:g}"
             )
         made = who.gait("bem", level=self.level)
-        series = {f"{name}_series": getattr(made, f"{name}_series") for name in _KEPT}
-        if self.store is not None:
-            self.store.mkdir(parents=True, exist_ok=True)
-            part = self.store / f"{key}.part.npz"
-            np.savez(part, **series)
-            part.replace(self.store / f"{key}.npz")  # whole or not at all
-        return series
-
-    def _recall(self, key: str) -> dict[str, np.ndarray] | None:
-        path = None if self.store is None else self.store / f"{key}.npz"
-        if path is None or not path.exists():
-            return None
-        with np.load(path) as kept:
-            return {name: kept[name] for name in kept.files}
-
-
-def _key(who: Swimmer, level: str) -> str:
-    """Name of a solution: what the reference solver sees of the swimmer, its level, our version."""
-    seen = repr((__version__, level, who.body, who.tail, who.fluid.viscosity))
-    return hashlib.sha256(seen.encode()).hexdigest()[:20]
+        if place:
+            store.keep(place, made)
+        return made
 
 
 def lines(who: Swimmer, values: dict[str, np.ndarray]) -> np.ndarray:

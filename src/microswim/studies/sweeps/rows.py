@@ -1,6 +1,7 @@
 """Solve the rows of a sweep: the same function in this process, a worker or a Dask cluster.
 
-A design that cannot be solved becomes a row with its reason.
+A design that cannot be solved becomes a row with its reason; one that this machine could not solve
+stays unsolved, with the machine's reason.
 """
 
 from __future__ import annotations
@@ -12,10 +13,11 @@ from typing import Any
 
 import numpy as np
 
-from microswim.errors import MicroswimError, SpecError
+from microswim.errors import MachineError, MicroswimError, SpecError
 from microswim.gait.screw import screw
+from microswim.jobs.worker import in_words
 from microswim.numerics.compiled import settled
-from microswim.studies.sweeps.store import DONE, FAILED, NUMBERS, VECTORS, blank
+from microswim.studies.sweeps.layout import DONE, FAILED, NUMBERS, VECTORS, blank
 from microswim.swimmer.swimmer import Swimmer
 from microswim.swimmer.variants import vary
 
@@ -51,7 +53,8 @@ def solve_rows(job: Job, columns: Mapping[str, np.ndarray]) -> dict[str, np.ndar
     Returns
     -------
     dict
-        As `sweepstore.blank`, every row solved or failed.
+        As `microswim.studies.sweeps.layout.blank`: every row solved, failed or, for the machine's
+        sake, left unsolved.
     """
     with settled(job.pays):
         return _solved(job, columns)
@@ -97,9 +100,9 @@ def _solve_one(job: Job, values: dict[str, Any], out: dict[str, np.ndarray], row
         with warnings.catch_warnings():
             warnings.simplefilter("ignore")
             results = outputs(vary(job.swimmer, values).gait(job.model, **job.options))
-    except SpecError as error:
-        _fail(out, row, str(error))
-    except MicroswimError as error:
+    except (MachineError, MemoryError, OSError) as error:  # not the design's fault: row unsolved
+        out["reason"][row] = in_words(error)
+    except (SpecError, MicroswimError) as error:
         _fail(out, row, str(error))
     except Exception as error:  # a lost solve must not lose the sweep
         _fail(out, row, f"{type(error).__name__}: {error}")
@@ -109,6 +112,13 @@ def _solve_one(job: Job, values: dict[str, Any], out: dict[str, np.ndarray], row
         out["status"][row] = DONE
         if not np.all(np.isfinite(out["mean_velocity"][row])):
             _fail(out, row, "the result is not finite")
+
+
+def unsolved(rows: int, why: str) -> dict[str, np.ndarray]:
+    """Return rows that are left for another time, and why."""
+    out = blank(rows)
+    out["reason"][:] = why
+    return out
 
 
 def _fail(out: dict[str, np.ndarray], row: int, reason: str) -> None:

@@ -2,169 +2,122 @@
 
 Every file of the store is replaced atomically, the status of a block after its results; a design
 whose status is not written is solved again. Plain ``xarray.open_zarr`` reads the store at any
-moment. Why so: docs/decisions/sweep-store.md.
+moment.
+
+Nothing on disk is believed: every chunk carries a checksum, and every row one over its number and
+all its values. Why so: docs/decisions/sweep-store.md.
 """
 
 from __future__ import annotations
 
 import contextlib
 import json
-import os
 import shutil
-import socket
-import time
+import zlib
 from collections.abc import Iterator, Mapping
+from math import prod
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
-from microswim.errors import MicroswimError, SpecError
-from microswim.gait.gait import DEGREES_OF_FREEDOM
+from microswim.errors import MachineError, SpecError
+from microswim.studies.sweeps.layout import (
+    DONE,
+    FAILED,
+    LONG_NAMES,
+    MARKS,
+    NUMBERS,
+    VECTORS,
+    WAITING,
+    blank,
+    built,
+    mend,
+)
 from microswim.studies.sweeps.space import Space
 
-VECTORS = ("mean_velocity", "velocity_amplitude")
-NUMBERS = ("swimming_speed", "mean_power", "mean_torque", "efficiency", "expected_error")
-WAITING, DONE, FAILED = 0, 1, 2
-
-# A row holds every output, NaN where it is not known; a failed row says why.
-LONG_NAMES = {
-    "mean_velocity": "twist averaged over the period, body frame, about the body's centre",
-    "velocity_amplitude": "half of peak to peak of each component over the period",
-    "swimming_speed": "net displacement along the screw axis per time",
-    "mean_power": "power of the motor, averaged over the period",
-    "mean_torque": "mean power over the phase rate",
-    "efficiency": "hydrodynamic efficiency, Eq. (24)",
-    "expected_error": "expected relative error of a calibrated surrogate; NaN if not known",
-    "status": "0 not solved yet, 1 solved, 2 failed",
-    "reason": "why a design failed; empty if it did not",
-}
+IDENTITY = ("store_format", "microswim_version", "spec", "calibration", "model", "options", "over")
+KEPT = ("created", "machine", "libraries")  # of the run that began a store
+_PRIME = np.uint64(0x9E3779B97F4A7C15)
+_NOT_A_NUMBER = np.array([np.nan]).view(np.uint64)[0]
 
 
-def blank(rows: int) -> dict[str, np.ndarray]:
-    """Rows that hold nothing yet."""
-    out: dict[str, np.ndarray] = {name: np.full((rows, 6), np.nan) for name in VECTORS}
-    out |= {name: np.full(rows, np.nan) for name in NUMBERS}
-    out["status"] = np.zeros(rows, dtype=np.int8)
-    out["reason"] = np.full(rows, "", dtype=object)
-    return out
+def marks(block: Mapping[str, np.ndarray], first: int) -> np.ndarray:
+    """Return the checksum of each row of a block whose first row has the number `first`.
 
-
-@contextlib.contextmanager
-def locked(path: Path) -> Iterator[None]:
-    """Hold the lock of a store; the operating system frees it when its process dies, however.
-
-    Raises
-    ------
-    MicroswimError
-        If another sweep holds it.
+    Over the row's number and all its values. Each step, ``h = (h ^ word) * odd``, can be undone, so
+    that one changed word always changes the result.
     """
-    lock = path.parent / (path.name + ".lock")
-    lock.parent.mkdir(parents=True, exist_ok=True)
-    while True:
-        handle = lock.open("a+", encoding="utf-8")
-        if not _seize(handle):
-            handle.seek(0)
-            holder = handle.read().strip() or "another process"
-            handle.close()
-            raise MicroswimError(
-                f"{path}: another sweep is writing it ({holder}); wait for it or stop it, "
-                "or give another --out"
-            )
-        if _same_file(handle, lock):
-            break
-        handle.close()  # the former holder removed it between our opening and our locking
-    handle.truncate(0)
-    since = time.strftime("%Y-%m-%d %H:%M:%S")
-    handle.write(f"process {os.getpid()} on {socket.gethostname()}, since {since}\n")
-    handle.flush()
-    try:
-        yield
-    finally:
-        lock.unlink(missing_ok=True)
-        handle.close()
-
-
-def _seize(handle: Any) -> bool:
-    """Take an exclusive lock that dies with this process; whether it was free."""
-    try:
-        import fcntl
-    except ModuleNotFoundError:  # Windows
-        import msvcrt
-
-        try:
-            handle.seek(1 << 20)  # away from the text, which others may read
-            msvcrt.locking(handle.fileno(), msvcrt.LK_NBLCK, 1)  # type: ignore[attr-defined]
-        except OSError:
-            return False
-        return True
-    try:
-        fcntl.flock(handle, fcntl.LOCK_EX | fcntl.LOCK_NB)
-    except OSError:
-        return False
-    return True
-
-
-def _same_file(handle: Any, path: Path) -> bool:
-    try:
-        return os.path.samestat(os.fstat(handle.fileno()), path.stat())
-    except FileNotFoundError:
-        return False
+    h = (np.arange(len(block["status"]), dtype=np.uint64) + np.uint64(first + 1)) * _PRIME
+    words = [block[name].reshape(len(h), -1).T for name in (*VECTORS, *NUMBERS)]
+    for column in np.concatenate(words):
+        bits = np.where(np.isnan(column), _NOT_A_NUMBER, column.view(np.uint64))
+        h = (h ^ bits) * _PRIME
+        h ^= h >> np.uint64(29)
+    said = [zlib.crc32(str(r).encode()) if r else 0 for r in block["reason"]]
+    h = (h ^ block["status"].astype(np.uint64)) * _PRIME
+    return (h ^ np.array(said, dtype=np.uint64)) * _PRIME
 
 
 class SweepStore:
-    """Results of a sweep on disk. Use `create` or `resume` inside `locked`.
+    """Results of a sweep on disk. Use `create` or `resume` inside `microswim.jobs.lock.locked`.
 
     Parameters
     ----------
-    group
-        The Zarr group.
+    path
+        The store.
     space
         The designs.
     """
 
-    def __init__(self, group: Any, space: Space) -> None:
-        self.space = space
+    def __init__(self, path: Path, space: Space) -> None:
+        import zarr
+
+        self.path, self.space = path, space
+        group = zarr.open_group(path, mode="r+")
         self._arrays = {name: group[name] for name in LONG_NAMES}
+        self._marks: Any = group[MARKS]
 
     @classmethod
     def create(cls, path: Path, space: Space, attributes: Mapping[str, Any]) -> SweepStore:
-        """A new, empty store: built beside its place and moved there whole."""
-        import zarr
+        """Return a new, empty store: built beside its place and moved there whole.
 
-        fresh = path.with_name(f"{path.name}.{os.getpid()}.new")
-        shutil.rmtree(fresh, ignore_errors=True)
-        group = zarr.create_group(fresh, zarr_format=2, attributes=dict(attributes))
-        _add_arrays(group, space)
-        zarr.consolidate_metadata(fresh)
-        fresh.rename(path)
-        return cls(zarr.open_group(path, mode="r+"), space)
+        Raises
+        ------
+        MachineError
+            If the disk is full or the place cannot be written.
+        """
+        with _writing(path):
+            built(path, space, attributes).rename(path)
+        return cls(path, space)
 
     @classmethod
     def resume(cls, path: Path, space: Space, attributes: Mapping[str, Any]) -> SweepStore:
-        """The store of the same sweep.
+        """Return the store of the same sweep, what is damaged mended or left to be solved again.
 
         Raises
         ------
         SpecError
             If it holds another sweep, or none.
+        MachineError
+            If it cannot be read or written.
         """
-        import zarr
-
-        try:
-            group = zarr.open_group(path, mode="r+")
-            there = dict(group.attrs)
-        except Exception:  # whatever this version of zarr raises for what is not a store
-            raise SpecError(f"{path}: not the store of a sweep; give another --out") from None
-        for key in ("microswim_version", "spec", "calibration", "model", "options", "over"):
+        there = _attributes(path)
+        for key in IDENTITY:
             if there.get(key) != attributes[key]:
                 raise SpecError(
                     f"{path}: it holds another sweep ({_difference(key, there, attributes)}); "
                     "resume with the same, or give another --out"
                 )
-        for left in path.rglob("*.partial"):  # half a file of a killed process, never in place
-            left.unlink(missing_ok=True)
-        return cls(group, space)
+        with _writing(path):
+            for left in path.rglob("*.partial"):  # half a file of a killed process, never in place
+                left.unlink(missing_ok=True)
+            kept = {k: v for k in KEPT if isinstance(v := there.get(k), str)}
+            mend(path, built(path, space, {**attributes, **kept}))
+            store = cls(path, space)
+            for place, start, _ in space.blocks():
+                store._check(place, start)
+        return store
 
     def status(self, place: tuple[slice, ...]) -> np.ndarray:
         """Status of the designs of a block."""
@@ -179,48 +132,76 @@ class SweepStore:
             block[name] = values.reshape(-1, *values.shape[len(place) :])
         return block
 
-    def write(self, place: tuple[slice, ...], block: Mapping[str, np.ndarray]) -> None:
-        """Write a block, its status last."""
+    def write(self, place: tuple[slice, ...], first: int, block: Mapping[str, np.ndarray]) -> None:
+        """Write a block, its status last.
+
+        Raises
+        ------
+        MachineError
+            If the disk is full, or the store is gone.
+        """
         shape = tuple(s.stop - s.start for s in place)
-        for name, array in self._arrays.items():
-            if name != "status":
-                array[place] = block[name].reshape(*shape, *block[name].shape[1:])
-        self._arrays["status"][place] = block["status"].reshape(shape)
+        with _writing(self.path):
+            self._require()
+            self._marks[place] = marks(block, first).reshape(shape)
+            for name, array in self._arrays.items():
+                if name != "status":
+                    array[place] = block[name].reshape(*shape, *block[name].shape[1:])
+            self._arrays["status"][place] = block["status"].reshape(shape)
+            self._require()
+
+    def _require(self) -> None:
+        """Refuse to write where the store was removed meanwhile, and leave nothing there."""
+        if not (self.path / ".zgroup").exists():
+            shutil.rmtree(self.path, ignore_errors=True)
+            raise MachineError(f"{self.path}: it vanished while the sweep wrote it; start again")
+
+    def _check(self, place: tuple[slice, ...], first: int) -> None:
+        """Leave to be solved again what is damaged in a block."""
+        rows = prod(s.stop - s.start for s in place)
+        try:
+            block, marked = self.read(place), np.asarray(self._marks[place]).reshape(-1)
+            bad = (marked != marks(block, first)) & (block["status"] != WAITING)
+            bad |= ~np.isin(block["status"], (WAITING, DONE, FAILED))
+        except Exception:  # whatever zarr and its codecs raise for a damaged chunk
+            block, bad = blank(rows), np.ones(rows, dtype=bool)
+            self._forget(place)
+        if bad.any():
+            for name, values in blank(rows).items():
+                block[name][bad] = values[bad]
+            self.write(place, first, block)
+
+    def _forget(self, place: tuple[slice, ...]) -> None:
+        """Remove the files of a block, so that nothing damaged is read when it is written."""
+        key = ".".join(str(s.start // n) for s, n in zip(place, self.space.chunks))
+        for name in (*LONG_NAMES, MARKS):
+            file = self.path / name / (f"{key}.0" if name in VECTORS else key)
+            file.unlink(missing_ok=True)
 
 
-def _add_arrays(group: Any, space: Space) -> None:
-    dims, shape, chunks = space.dims, space.shape, space.chunks
-    for name, note in LONG_NAMES.items():
-        vector = name in VECTORS
-        kind, fill = {"status": ("i1", None), "reason": (str, None)}.get(name, ("f8", np.nan))
-        group.create_array(
-            name,
-            shape=(*shape, 6) if vector else shape,
-            chunks=(*chunks, 6) if vector else chunks,
-            dtype=kind,
-            fill_value=fill,
-            attributes={
-                "long_name": note,
-                "_ARRAY_DIMENSIONS": [*dims, "component"] if vector else list(dims),
-            },
-        )
-    # A fill value would make xarray read 0 and "" as missing; so every status is written.
-    group["status"][...] = 0
-    _add_coordinate(group, "component", ("component",), np.array(DEGREES_OF_FREEDOM))
-    for name, values in zip(space.names, space.values):
-        _add_coordinate(group, name, (name,) if space.grid else ("design",), values)
-    group.attrs["coordinates"] = " ".join(space.names) if not space.grid else "component"
+@contextlib.contextmanager
+def _writing(path: Path) -> Iterator[None]:
+    """Say in one sentence why the store cannot be written."""
+    try:
+        yield
+    except OSError as error:
+        for left in path.rglob("*.partial"):
+            left.unlink(missing_ok=True)
+        raise MachineError(
+            f"{path}: cannot be written: {error.strerror or error}; "
+            "what is there stays, and --resume goes on with it"
+        ) from error
 
 
-def _add_coordinate(group: Any, name: str, dims: tuple[str, ...], values: np.ndarray) -> None:
-    words = values.dtype.kind == "U"
-    array = group.create_array(
-        name,
-        shape=values.shape,
-        dtype=str if words else values.dtype,
-        attributes={"_ARRAY_DIMENSIONS": list(dims)},
-    )
-    array[...] = values.astype(object) if words else values
+def _attributes(path: Path) -> dict[str, Any]:
+    try:
+        there = json.loads((path / ".zattrs").read_text(encoding="utf-8"))
+        json.loads((path / ".zgroup").read_text(encoding="utf-8"))
+    except (OSError, ValueError, RecursionError):
+        there = None
+    if not isinstance(there, dict):
+        raise SpecError(f"{path}: not the store of a sweep, or damaged; give another --out")
+    return there
 
 
 def _difference(key: str, there: Mapping[str, Any], wanted: Mapping[str, Any]) -> str:
@@ -235,6 +216,6 @@ def _difference(key: str, there: Mapping[str, Any], wanted: Mapping[str, Any]) -
                 was, now = old.get(part, {}).get(field), new[part][field]
                 if was != now:
                     return f"{part}.{field} = {was} there, {now} here"
-    if key in ("model", "microswim_version"):
+    if key in ("model", "microswim_version", "store_format"):
         return f"{key.replace('_', ' ')} {there.get(key)} there, {wanted[key]} here"
     return "its designs differ" if key == "over" else f"its {key} differ"

@@ -7,8 +7,10 @@ import json
 import os
 import platform
 import time
+import warnings
 from collections.abc import Callable, Iterable, Iterator
 from concurrent.futures import Future, ThreadPoolExecutor
+from dataclasses import dataclass
 from importlib.metadata import version
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -17,19 +19,22 @@ import numpy as np
 
 from microswim import __version__
 from microswim.calibration.region.text import pack
-from microswim.errors import SpecError
+from microswim.errors import MachineError, SpecError
 from microswim.gait.gait import DEGREES_OF_FREEDOM
-from microswim.studies.sweeps.engines import Rows, Task, connected, dask, here, processes
-from microswim.studies.sweeps.rows import Job
-from microswim.studies.sweeps.space import Space
-from microswim.studies.sweeps.store import (
+from microswim.jobs.cluster import connected
+from microswim.jobs.lock import locked
+from microswim.jobs.processes import counted
+from microswim.studies.sweeps.engines import Rows, Task, solved
+from microswim.studies.sweeps.layout import (
+    FORMAT,
     LONG_NAMES,
     VECTORS,
     WAITING,
-    SweepStore,
     blank,
-    locked,
 )
+from microswim.studies.sweeps.rows import Job
+from microswim.studies.sweeps.space import Space
+from microswim.studies.sweeps.store import SweepStore
 from microswim.swimmer.swimmer import Swimmer
 from microswim.swimmer.variants import check_names, spec_json
 
@@ -37,6 +42,7 @@ if TYPE_CHECKING:
     import xarray as xr
 
 BLOCK = {"rft": 65536, "custom": 64, "bem": 64, "fem": 16}  # designs in a chunk of the store
+HOPELESS = 20  # designs left unsolved with none solved, and a sweep ends
 Progress = Callable[[int, int], None]
 Engine = Callable[[Iterable[Task]], Iterator[tuple[Task, Rows]]]
 
@@ -72,8 +78,9 @@ def sweep(
     resume
         Go on with the store at `out` if it is there.
     workers
-        Local processes, each with one thread; by default all cores for the reference solvers and
-        none for the surrogate, whose kernel uses all cores itself. Jobs with `cluster`.
+        Local processes, each with one thread, or 0 to solve in this process; by default all cores
+        for the reference solvers and 0 for the surrogate, whose kernel uses all cores itself. Jobs
+        with `cluster`.
     scheduler, cluster
         Address of a Dask scheduler, or ``"slurm"``.
     progress
@@ -87,15 +94,20 @@ def sweep(
         ``mean_velocity``, ``velocity_amplitude`` (with dimension ``component``),
         ``swimming_speed``, ``mean_power``, ``mean_torque``, ``efficiency``, ``expected_error``,
         ``status`` and ``reason`` over the dotted names (or ``design`` for a list). A failed
-        design is NaN with its reason. Provenance in the attributes.
+        design is NaN with its reason. Provenance in the attributes. A design that this machine
+        could not solve (not enough memory, a worker process killed twice) stays unsolved, with the
+        machine's reason.
 
     Raises
     ------
     SpecError
         If a name is no field of the swimmer, or `out` is there and is not to be resumed, or holds
         another sweep.
+    MachineError
+        If another sweep is writing `out`, `out` cannot be written, or designs were left unsolved in
+        it; `resume` takes them up.
     MicroswimError
-        If another sweep is writing `out`, or no cluster answers.
+        If no cluster answers.
 
     Examples
     --------
@@ -107,20 +119,22 @@ def sweep(
     """
     if model not in BLOCK:
         raise SpecError("model", model, 'one of "rft", "bem", "fem"')
+    count = counted(workers)
+    if count == 0 and (scheduler is not None or cluster is not None):
+        raise SpecError("workers", workers, "at least 1 on a cluster")
     space = Space.of(over, BLOCK["custom" if swimmer.tail.kind == "custom" else model])
     check_names(swimmer, space.names)
     job = Job(swimmer, model, options, space.size)
     attributes = _provenance(job, space)
 
+    here = model == "rft" and workers is None  # its kernel uses all cores itself
+
     def engine(tasks: Iterable[Task]) -> Iterator[tuple[Task, Rows]]:
-        count = workers or _cores()
         if scheduler is not None or cluster is not None:
             with connected(scheduler, cluster, count) as client:
-                yield from dask(job, list(tasks), client)
-        elif model == "rft" and workers is None:
-            yield from here(job, tasks)
+                yield from solved(job, tasks, count, client)
         else:
-            yield from processes(job, list(tasks), count)
+            yield from solved(job, tasks, 0 if here else count)
 
     if out is None:
         return _in_memory(job, space, engine, attributes, progress)
@@ -131,12 +145,6 @@ def sweep(
     import xarray as xr
 
     return xr.open_zarr(path, chunks=None)
-
-
-def _cores() -> int:
-    if hasattr(os, "sched_getaffinity"):
-        return len(os.sched_getaffinity(0))
-    return os.cpu_count() or 1
 
 
 def _open(path: Path, space: Space, attributes: dict[str, Any], resume: bool) -> SweepStore:
@@ -153,6 +161,7 @@ def _provenance(job: Job, space: Space) -> dict[str, Any]:
     return {
         "title": f"sweep of {space.size} designs over {', '.join(space.names)}",
         "microswim_version": __version__,
+        "store_format": FORMAT,
         "model": job.model,
         "options": json.dumps(job.options, sort_keys=True, default=str),
         "units": job.swimmer.units,
@@ -186,6 +195,35 @@ def _tasks(job: Job, space: Space, rows: np.ndarray) -> Iterator[Task]:
         yield Task(space, int(rows[0]), int(rows[-1]) + 1)
 
 
+class UnsolvedWarning(UserWarning):
+    """Some designs are not solved, and nothing is wrong with them: the machine could not."""
+
+
+@dataclass
+class Left:
+    """Rows that were left unsolved for the machine's sake, and the first reason."""
+
+    solved: int = 0
+    rows: int = 0
+    why: str = ""
+
+    def count(self, results: Rows) -> None:
+        """Take note of results as they come.
+
+        Raises
+        ------
+        MachineError
+            If nothing at all can be solved here.
+        """
+        waiting = results["status"] == WAITING
+        self.solved += int(np.sum(~waiting))
+        self.rows += int(np.sum(waiting))
+        if waiting.any():
+            self.why = self.why or str(results["reason"][waiting][0])
+        if not self.solved and self.rows >= HOPELESS:
+            raise MachineError(f"nothing can be solved here: {self.why}")
+
+
 def _fill(job: Job, space: Space, engine: Engine, store: SweepStore, progress: Any) -> None:
     """Solve what the store does not hold yet, and write it as it comes.
 
@@ -197,6 +235,7 @@ def _fill(job: Job, space: Space, engine: Engine, store: SweepStore, progress: A
     waiting = [np.flatnonzero(store.status(p) == WAITING) + a for p, a, _ in places]
     solved = space.size - sum(map(len, waiting))
     filling: dict[int, Rows] = {}
+    left = Left(solved)
     if progress:
         progress(solved, space.size)
     with ThreadPoolExecutor(1) as writer:  # a whole block is written while the next is solved
@@ -211,16 +250,22 @@ def _fill(job: Job, space: Space, engine: Engine, store: SweepStore, progress: A
                 filling[i][name][task.start - start : task.stop - start] = values
             if pending is not None:
                 pending.result()
-            pending = writer.submit(store.write, place, filling[i])
+            pending = writer.submit(store.write, place, start, filling[i])
             if not whole:
                 pending.result()
             if np.all(filling[i]["status"] != WAITING):
                 del filling[i]
             solved += task.stop - task.start
+            left.count(results)
             if progress:
                 progress(solved, space.size)
         if pending is not None:
             pending.result()
+    if left.rows:
+        raise MachineError(
+            f"{store.path}: {left.rows} of {space.size} designs are not solved ({left.why}); "
+            "--resume takes them up"
+        )
 
 
 def _in_memory(job: Job, space: Space, engine: Engine, attributes: Any, progress: Any) -> Any:
@@ -228,13 +273,20 @@ def _in_memory(job: Job, space: Space, engine: Engine, attributes: Any, progress
 
     whole = blank(space.size)
     blocks = (np.arange(start, stop) for _, start, stop in space.blocks())
-    solved = 0
+    solved, left = 0, Left()
     for task, results in engine(t for rows in blocks for t in _tasks(job, space, rows)):
         for name, values in results.items():
             whole[name][task.start : task.stop] = values
         solved += task.stop - task.start
+        left.count(results)
         if progress:
             progress(solved, space.size)
+    if left.rows:
+        warnings.warn(
+            f"{left.rows} of {space.size} designs are not solved: {left.why}",
+            UnsolvedWarning,
+            stacklevel=3,
+        )
     data = {
         name: (
             (*space.dims, "component") if name in VECTORS else space.dims,

@@ -1,0 +1,108 @@
+"""Solves on disk: a file each, named by what was solved and by the code that solved it.
+
+A file is written whole or not at all, and read only if its checksum holds; one that is damaged, or
+of another version of the model, counts as not there.
+"""
+
+from __future__ import annotations
+
+import ast
+import hashlib
+import re
+import sys
+from functools import cache
+from importlib.resources import files
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from microswim import __version__
+from microswim.gait.gait import Gait
+from microswim.numerics import archive
+from microswim.numerics.files import write
+from microswim.swimmer.swimmer import Swimmer
+
+_SERIES = (
+    "resistance_series",
+    "propulsion_series",
+    "activity_series",
+    "body_resistance_series",
+    "body_propulsion_series",
+)
+
+
+def place(folder: Path, swimmer: Swimmer, model: str, options: dict[str, Any]) -> Path | None:
+    """Return the file of a solve; None for what has no name that lasts, such as a function.
+
+    The name is a digest of all that the model sees of the swimmer, its options, and its code.
+    """
+    seen = [swimmer.body, swimmer.tail, swimmer.fluid, swimmer.motion, swimmer.wall]
+    seen += [swimmer.channel, model, sorted(options.items()), __version__, version(model)]
+    if model == "rft":
+        seen += [swimmer.coefficients, swimmer.interaction]
+        if swimmer.region is not None:
+            return None
+    with np.printoptions(threshold=sys.maxsize, floatmode="unique"):
+        text = repr(seen)
+    if re.search(r" at 0x[0-9a-f]+", text):
+        return None
+    return folder / f"{hashlib.sha256(text.encode()).hexdigest()[:20]}.npz"
+
+
+@cache
+def version(model: str) -> str:
+    """Return a digest of a model's own code; comments and docstrings do not count."""
+    whole = hashlib.sha256()
+    above = files("microswim.models")
+    for folder in (above, above / model):
+        for file in sorted(folder.iterdir(), key=lambda f: f.name):
+            if file.name.endswith(".py"):
+                whole.update(ast.dump(_Bare().visit(ast.parse(file.read_text("utf-8")))).encode())
+    return whole.hexdigest()[:16]
+
+
+class _Bare(ast.NodeTransformer):
+    """Code without the texts that only people read."""
+
+    def visit_Expr(self, node: ast.Expr) -> ast.Expr | None:
+        text = isinstance(node.value, ast.Constant) and isinstance(node.value.value, str)
+        return None if text else node
+
+
+def keep(path: Path, result: Gait | str) -> None:
+    """Write a gait, or the reason why there is none, at once or not at all."""
+    notes: dict[str, Any] = {"key": path.stem}
+    arrays = {}
+    if isinstance(result, str):
+        notes["reason"] = result
+    else:
+        arrays = {n: v for n in _SERIES if (v := getattr(result, n)) is not None}
+        notes |= {"rate": float(result.rate), "free": list(map(bool, result.free))}
+        notes |= {"model": result.model, "units": result.units, "info": _plain(result.info)}
+    path.parent.mkdir(parents=True, exist_ok=True)
+    write(path, archive.pack(notes, arrays))
+
+
+def find(path: Path) -> Gait | str | None:
+    """Read a solve; None if there is none, or none that is whole."""
+    try:
+        notes, arrays = archive.unpack(path.read_bytes())
+        if notes.pop("key") != path.stem:
+            return None
+        if "reason" in notes:
+            return str(notes["reason"])
+        return Gait(**arrays, **notes | {"free": tuple(notes["free"])})
+    except (OSError, KeyError, TypeError, ValueError):
+        return None
+
+
+def _plain(value: Any) -> Any:
+    """Return the part of a model's notes that JSON can hold."""
+    if isinstance(value, dict):
+        return {str(k): _plain(v) for k, v in value.items()}
+    if isinstance(value, (list, tuple)):
+        return [_plain(v) for v in value]
+    if isinstance(value, (np.ndarray, np.generic)):
+        return value.tolist()
+    return value if isinstance(value, (str, int, float, bool, type(None))) else str(value)

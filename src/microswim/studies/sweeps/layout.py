@@ -1,0 +1,122 @@
+"""How a sweep lies on disk: the arrays of its Zarr group, built empty, mended where damaged."""
+
+from __future__ import annotations
+
+import glob
+import os
+import shutil
+from collections.abc import Mapping
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from microswim.gait.gait import DEGREES_OF_FREEDOM
+from microswim.studies.sweeps.space import Space
+
+VECTORS = ("mean_velocity", "velocity_amplitude")
+NUMBERS = ("swimming_speed", "mean_power", "mean_torque", "efficiency", "expected_error")
+WAITING, DONE, FAILED = 0, 1, 2
+FORMAT = 2
+MARKS = "checks/rows"  # in a group of its own, so that xarray does not show it
+
+# A row holds every output, NaN where it is not known; a failed row says why.
+LONG_NAMES = {
+    "mean_velocity": "twist averaged over the period, body frame, about the body's centre",
+    "velocity_amplitude": "half of peak to peak of each component over the period",
+    "swimming_speed": "net displacement along the screw axis per time",
+    "mean_power": "power of the motor, averaged over the period",
+    "mean_torque": "mean power over the phase rate",
+    "efficiency": "hydrodynamic efficiency, Eq. (24)",
+    "expected_error": "expected relative error of a calibrated surrogate; NaN if not known",
+    "status": "0 not solved yet, 1 solved, 2 failed",
+    "reason": "why a design failed; empty if it did not",
+}
+
+
+def blank(rows: int) -> dict[str, np.ndarray]:
+    """Rows that hold nothing yet."""
+    out: dict[str, np.ndarray] = {name: np.full((rows, 6), np.nan) for name in VECTORS}
+    out |= {name: np.full(rows, np.nan) for name in NUMBERS}
+    out["status"] = np.zeros(rows, dtype=np.int8)
+    out["reason"] = np.full(rows, "", dtype=object)
+    return out
+
+
+def built(path: Path, space: Space, attributes: Mapping[str, Any]) -> Path:
+    """Return an empty store beside its place; a former one of a killed process is removed."""
+    import zarr
+
+    for left in path.parent.glob(f"{glob.escape(path.name)}.*.new"):
+        shutil.rmtree(left, ignore_errors=True)
+    fresh = path.with_name(f"{path.name}.{os.getpid()}.new")
+    try:
+        group = zarr.create_group(fresh, zarr_format=2, attributes=dict(attributes))
+        _add_arrays(group, space)
+        zarr.consolidate_metadata(fresh)
+    except BaseException:
+        shutil.rmtree(fresh, ignore_errors=True)
+        raise
+    return fresh
+
+
+def mend(path: Path, template: Path) -> None:
+    """Put back the files of a store that do not depend on results, where they differ."""
+    results = {template / name for name in (*LONG_NAMES, MARKS)}
+    try:
+        for file in template.rglob("*"):
+            if file.is_dir() or (file.parent in results and not file.name.startswith(".z")):
+                continue
+            place = path / file.relative_to(template)
+            if not place.is_file() or place.read_bytes() != file.read_bytes():
+                place.parent.mkdir(parents=True, exist_ok=True)
+                file.replace(place)
+    finally:
+        shutil.rmtree(template, ignore_errors=True)
+
+
+def _add_arrays(group: Any, space: Space) -> None:
+    dims, shape, chunks = space.dims, space.shape, space.chunks
+    for name, note in LONG_NAMES.items():
+        vector = name in VECTORS
+        kind, fill = {"status": ("i1", None), "reason": (str, None)}.get(name, ("f8", np.nan))
+        group.create_array(
+            name,
+            shape=(*shape, 6) if vector else shape,
+            chunks=(*chunks, 6) if vector else chunks,
+            dtype=kind,
+            fill_value=fill,
+            compressors=_codec(),
+            attributes={
+                "long_name": note,
+                "_ARRAY_DIMENSIONS": [*dims, "component"] if vector else list(dims),
+            },
+        )
+    group.create_array(
+        MARKS, shape=shape, chunks=chunks, dtype="u8", fill_value=0, compressors=_codec()
+    )
+    # A fill value would make xarray read 0 and "" as missing; so every status is written.
+    group["status"][...] = 0
+    _add_coordinate(group, "component", ("component",), np.array(DEGREES_OF_FREEDOM))
+    for name, values in zip(space.names, space.values):
+        _add_coordinate(group, name, (name,) if space.grid else ("design",), values)
+    group.attrs["coordinates"] = " ".join(space.names) if not space.grid else "component"
+
+
+def _codec() -> Any:
+    """Return the compressor of all arrays; with a checksum, so that damage is not read."""
+    from numcodecs import Zstd
+
+    return Zstd(level=1, checksum=True)
+
+
+def _add_coordinate(group: Any, name: str, dims: tuple[str, ...], values: np.ndarray) -> None:
+    words = values.dtype.kind == "U"
+    array = group.create_array(
+        name,
+        shape=values.shape,
+        dtype=str if words else values.dtype,
+        compressors=_codec(),
+        attributes={"_ARRAY_DIMENSIONS": list(dims)},
+    )
+    array[...] = values.astype(object) if words else values

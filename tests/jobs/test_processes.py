@@ -1,5 +1,6 @@
 """The pool of worker processes: it survives its workers, and they do not survive it."""
 
+import importlib
 import os
 import signal
 import subprocess
@@ -59,9 +60,7 @@ def calls(tmp_path, monkeypatch):
     (tmp_path / "calls_of_a_user.py").write_text(CALLS)
     monkeypatch.syspath_prepend(tmp_path)
     sys.modules.pop("calls_of_a_user", None)
-    import calls_of_a_user
-
-    return calls_of_a_user
+    return importlib.import_module("calls_of_a_user")
 
 
 def found(call, jobs, workers=2):

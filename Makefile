@@ -3,6 +3,7 @@
 # make slow    the long checks as well
 # make bench   timings, written to benchmarks/results and to docs/performance.md
 # make docs    the documentation, into site/; examples in docstrings run, links checked
+# make site    the same without the docstrings' examples, which `make test` runs too
 # make studio  the page of `microswim studio`, built anew: no difference to what is committed (wants Node 20)
 # make clean   away with all that
 PYTHON ?= python3
@@ -14,7 +15,7 @@ INSTALL := $(BIN)/python -m pip install --quiet --disable-pip-version-check --no
 # pip compiles on one core, and the tests of every package too; this is quicker.
 COMPILE := $(BIN)/python -m compileall -q -j 0 -x '/tests?/' $(VENV)/lib >/dev/null || true
 
-.PHONY: demo test lint slow bench docs studio clean
+.PHONY: demo test lint slow bench docs site studio clean
 
 demo: $(VENV)/.core
 	@$(BIN)/microswim demo
@@ -35,8 +36,11 @@ bench: $(VENV)/.test
 	@set -e; for script in benchmarks/bench_*.py; do $(BIN)/python "$$script"; done
 	@$(BIN)/python benchmarks/report.py
 
-docs: $(VENV)/.docs $(VENV)/.test
+docs: $(VENV)/.test
 	@$(BIN)/pytest --quiet -n 2 src
+	@$(MAKE) --no-print-directory site
+
+site: $(VENV)/.docs $(VENV)/.test
 	@NO_MKDOCS_2_WARNING=1 $(BIN)/mkdocs build --strict
 	@echo "documentation: site/index.html"
 

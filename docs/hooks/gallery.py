@@ -1,5 +1,7 @@
 """The gallery: runs every script of examples/ and makes its page; one that fails ends the build.
 
+Scripts run beside each other, each in a process of its own with one thread: `gallery.py SCRIPT`
+prints what `run` makes of it as JSON.
 Each figure is saved twice, for the light and for the dark page: blacks and greys are inverted,
 colours stay.
 """
@@ -8,9 +10,14 @@ import ast
 import colorsys
 import importlib.util
 import io
+import json
 import logging
+import os
 import re
+import subprocess
+import sys
 import time
+from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 
 from mkdocs.structure.files import File, InclusionLevel
@@ -19,6 +26,7 @@ log = logging.getLogger("mkdocs.hooks.gallery")
 ROOT = Path(__file__).parents[2]
 KEPT = re.compile(r'(<image\b.*?/>|<g id="Quad\w+">.*?</g>)', re.DOTALL)
 COLOUR = re.compile(r"#[0-9a-fA-F]{6}\b")
+ONE_THREAD = dict.fromkeys(("OMP_NUM_THREADS", "MKL_NUM_THREADS", "NUMBA_NUM_THREADS"), "1")
 
 
 def scripts():
@@ -120,16 +128,31 @@ def run(path):
     return files, card(path, title, names)
 
 
+def made(path):
+    """What `run` makes of a script, in a process of its own."""
+    start = time.perf_counter()
+    command = [sys.executable, __file__, str(path)]
+    done = subprocess.run(
+        command, env=os.environ | ONE_THREAD, capture_output=True, text=True, check=False
+    )
+    if done.returncode:
+        raise RuntimeError(f"{path.relative_to(ROOT)} failed:\n{done.stderr}")
+    log.info("gallery: %s in %.1f s", path.name, time.perf_counter() - start)
+    return json.loads(done.stdout)
+
+
 def on_files(files, config):
-    made, cards = {}, {}
-    for path in scripts():
-        start = time.perf_counter()
-        content, entry = run(path)
-        made |= content
-        cards.setdefault(path.parent.name, []).append(entry)
-        log.info("gallery: %s in %.1f s", path.name, time.perf_counter() - start)
-    made["index.md"] = index(cards)
-    for uri, content in made.items():
+    pages, cards, paths = {}, {}, scripts()
+    with ThreadPoolExecutor(os.cpu_count()) as side_by_side:
+        for path, (content, entry) in zip(paths, side_by_side.map(made, paths)):
+            pages |= content
+            cards.setdefault(path.parent.name, []).append(entry)
+    pages["index.md"] = index(cards)
+    for uri, content in pages.items():
         level = InclusionLevel.INCLUDED if uri == "index.md" else InclusionLevel.NOT_IN_NAV
         files.append(File.generated(config, f"gallery/{uri}", content=content, inclusion=level))
     return files
+
+
+if __name__ == "__main__":
+    json.dump(run(Path(sys.argv[1]).resolve()), sys.stdout)

@@ -18,7 +18,8 @@ import numpy as np
 from matplotlib.figure import Figure
 
 import microswim as ms
-from microswim.control.environments.reach import MOMENT, robot
+from microswim.control.environments.reach import MOMENT
+from microswim.control.environments.world import robot
 
 KNOTS, HOLD, DT = 10, 0.1, 0.01
 TOP, FIELD = 16 * np.pi, 4e-3
@@ -81,8 +82,8 @@ def improved(model, state, controls, last, t, flow):
 
 
 def main(seconds=10.0):
-    gait, moment = robot().gait(), (-MOMENT, 0.0, 0.0)
-    plant = ms.Stepper(gait, robot(), moment=moment, resolution=48)
+    gait, moment = robot("reach").gait(), (-MOMENT, 0.0, 0.0)
+    plant = ms.Stepper(gait, robot("reach"), moment=moment, resolution=48)
     model = ms.Stepper(gait, moment=moment, resolution=8)  # coarse and quick
     forward = path(0.1) - path(0.0)
     forward /= np.linalg.norm(forward)

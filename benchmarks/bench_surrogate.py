@@ -201,6 +201,8 @@ def main():
         "C over microswim": micro.get("C", np.nan) / micro["microswim"],
         "million designs per second, all cores, by the clock": 1e-6 * on_all_cores(),
         "microseconds per gait from Python": 1e6 * least(helix.gait, 9, 300),
+        "microseconds with mean velocity": 1e6 * least(lambda: helix.gait().mean_velocity, 9, 300),
+        "milliseconds with summary": 1e3 * least(lambda: ms.summary(helix.gait()), 5, 20),
         "seconds per 200 x 200 map": least(lambda: ms.evaluate(helix, grid), 3),
     }
     folder = HERE / "results"

@@ -2,8 +2,10 @@
 
 import numpy as np
 import pytest
+from click.testing import CliRunner
 
 import microswim as ms
+from microswim.cli import main
 from microswim.calibration.observations import from_series
 from microswim.models.rft.gait import body_resistance
 
@@ -139,3 +141,15 @@ def test_mistakes_are_told_in_a_sentence(change, words):
     given = {"data": {"mean.us": -0.038, "mean.os": -0.4, "amplitude.uq": 0.015}} | change
     with pytest.raises(ms.SpecError, match=words):
         ms.calibrate(HELIX, **given)
+
+
+def test_an_uncertainty_that_nobody_gave_is_named():
+    """Half the data with a sigma of their own: the other half is said to be assumed."""
+    data = {"mean.us": (-0.038, 0.001), "mean.os": -0.4}
+    report = ms.calibrate(HELIX, data, ["translation.s", "rotation.s"]).as_dict()
+    assert report["assumed_uncertainty"] == {"mean.os": 0.01}
+    asked = ["calibrate", "--preset", "tabak/helix", "--unknown", "translation.s,rotation.s"]
+    measured = ["--measured", "mean.us=-0.038:0.001,mean.os=-0.4"]
+    run = CliRunner().invoke(main, [*asked, *measured])
+    assert run.exit_code == 0, run.output
+    assert "an assumed 1 % of mean.os;" in run.output

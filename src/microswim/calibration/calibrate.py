@@ -17,7 +17,7 @@ from scipy.stats import norm
 
 from microswim.calibration import observations as observe
 from microswim.calibration.identifiability import Direction, determined, physical_warnings
-from microswim.calibration.observations import Observation
+from microswim.calibration.observations import ASSUMED, Observation
 from microswim.calibration.unknowns import Unknown, resolve
 from microswim.errors import SpecError
 from microswim.gait.gait import Gait
@@ -99,6 +99,7 @@ class Calibration:
             "method": self.method,
             "coefficients": self.coefficients,
             "uncertainty": dict(zip(self.names, finite)),
+            "assumed_uncertainty": {o.quantity: ASSUMED for o in self.observations if o.assumed},
             "rank": self.rank,
             "singular_values": [d.singular_value for d in self.directions],
             "directions": [d.as_dict() for d in self.directions],

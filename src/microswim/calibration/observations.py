@@ -18,7 +18,7 @@ All are analytic in the numbers of the swimmer, so the complex step differentiat
 from __future__ import annotations
 
 from collections.abc import Iterable
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import Any
 
 import numpy as np
@@ -103,6 +103,10 @@ def _of_part(gait: Gait, kind: str, index: tuple[int, ...]) -> Any:
     return part[index]
 
 
+#: Standard uncertainty of what is given without one, of its largest value.
+ASSUMED = 0.01
+
+
 @dataclass(frozen=True, kw_only=True, eq=False)
 class Observation:
     """A measured quantity of one swimmer.
@@ -116,7 +120,7 @@ class Observation:
     value
         Measured value, an array for a time series.
     sigma
-        Standard uncertainty; 1 % of the largest value if left out.
+        Standard uncertainty; 1 % of the largest value if left out, which `assumed` then says.
     phase
         Phases of a time series (rad).
 
@@ -138,6 +142,7 @@ class Observation:
     value: Any
     sigma: Any = None
     phase: Any = None
+    assumed: bool = field(default=False, init=False)
 
     def __post_init__(self) -> None:
         parse(self.quantity)
@@ -148,7 +153,8 @@ class Observation:
             raise SpecError(f"{self.quantity}: as many phases as values must be given")
         sigma = self.sigma
         if sigma is None:
-            sigma = 0.01 * np.abs(value).max() or 1.0
+            sigma = ASSUMED * np.abs(value).max() or 1.0
+            object.__setattr__(self, "assumed", True)
         if not np.all(np.isfinite(sigma)) or np.any(np.asarray(sigma) <= 0):
             raise SpecError(f"uncertainty of {self.quantity}", self.sigma, "positive")
         object.__setattr__(self, "sigma", sigma)

@@ -267,6 +267,13 @@ def _print_coefficients(report: dict[str, Any]) -> None:
         click.echo(
             f"  {name:20s} {value:12.6g}  +- {'not known' if sigma is None else f'{sigma:.2g}'}"
         )
+    if report.get("assumed_uncertainty"):
+        assumed = report["assumed_uncertainty"]
+        share, names = next(iter(assumed.values())), ", ".join(assumed)
+        click.echo(
+            f"  +- from an assumed {100 * share:g} % of {names}; measurements can say their own "
+            "(NAME=VALUE:SIGMA, a column NAME_sigma)"
+        )
     click.echo(f"  {report['rank']} of {len(report['coefficients'])} combinations determined")
     for row in report["data"][:12]:
         click.echo(f"  {row['quantity']:20s} {row['measured']:12.6g}  model {row['predicted']:.6g}")

@@ -6,8 +6,10 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from click.testing import CliRunner
 
 import microswim as ms
+from microswim.cli import main
 from microswim.studies.paper import ITEMS, item
 from microswim.studies.paper.claims import KINDS, Judgement, judge, load
 from microswim.studies.paper.context import AMPLITUDE, WAVES, Context, lines, observed, swimmer
@@ -70,7 +72,8 @@ def test_claims_say_all_that_they_must():
         assert claim.kind in KINDS
         assert claim.ours or claim.kind.startswith("cannot"), claim.id
         assert np.all(np.asarray(claim.tolerance) >= 0), claim.id
-        assert claim.kind == "agrees" or len(claim.verdict) > len(claim.kind) + 10, claim.id
+        assert (claim.kind == "sign agrees") == bool(claim.side), claim.id
+        assert claim.kind in ("agrees", "sign agrees") or len(claim.verdict) > len(claim.kind) + 10, claim.id
         if claim.shows:
             assert claim.evidence, claim.id
 
@@ -100,9 +103,22 @@ def test_a_verdict_breaks_when_the_numbers_move():
     assert Judgement(claim=differs, ours=9.42, evidence=3.0).holds
     assert not Judgement(claim=differs, ours=3.0, evidence=3.0).holds
     assert not Judgement(claim=differs, ours=9.42, evidence=4.0).holds
+    sign = replace(agrees, value=1.0, tolerance=0.0, side="below", verdict="sign agrees")
+    assert Judgement(claim=sign, ours=0.99).holds
+    assert not Judgement(claim=sign, ours=1.01).holds
+    assert not Judgement(claim=sign, ours=float("nan")).holds
     brackets = replace(differs, shows="brackets")
     assert Judgement(claim=brackets, ours=9.42, evidence=[2.0, 4.0]).holds
     assert not Judgement(claim=brackets, ours=9.42, evidence=[4.0, 5.0]).holds
+
+
+def test_what_the_level_cannot_decide_is_said():
+    fine = next(c for c in CLAIMS if c.fine)
+    open_ = Judgement(claim=fine, ours=fine.value + 2 * fine.tolerance, too_coarse=True)
+    assert open_.holds
+    assert open_.kind == "not judged"
+    assert "coarse level" in open_.sentence
+    assert not replace(open_, too_coarse=False).holds
 
 
 @pytest.mark.parametrize("name", [n for n in ITEMS if n not in ("fig6", "table4")])
@@ -161,6 +177,19 @@ def test_the_report_stands_alone(tmp_path):
     assert {c["id"] for c in claims} >= {"appendix-limit", "table2-frequency"}
     ids = re.findall(r' id="([^"]+)"', page)
     assert len(ids) == len(set(ids))
+
+
+@pytest.mark.slow
+def test_the_quick_reproduction_holds_as_a_whole(tmp_path):
+    """`microswim reproduce --quick` from the command line: exit 0, every table and figure there."""
+    out = tmp_path / "paper"
+    run = CliRunner().invoke(main, ["reproduce", "--quick", "--out", str(out), "--json"])
+    assert run.exit_code == 0, run.output[-500:]
+    result = json.loads(run.stdout)
+    assert result["broken"] == []
+    assert len(result["claims"]) == len(CLAIMS)
+    assert result["verdicts"]["not judged"] == sum(c.fine for c in CLAIMS)
+    assert {f.stem for f in out.glob("*.svg")} == set(ITEMS)
 
 
 def test_an_unknown_item_is_named(tmp_path):

@@ -33,6 +33,12 @@ from microswim.models.fem.remesh import Laid, filled
 from microswim.models.fem.stokes import FOLDED, Stokes
 from microswim.swimmer.geometry.surroundings import Channel
 
+#: What level coarse is off, measured (docs/accuracy-fem.md and random designs in tubes).
+LOOKING = (
+    "level coarse is for looking: about 3 % off in u_s in a wide channel, 3 to 10 % in a tube; "
+    "level standard is 0.3 % off"
+)
+
 
 @dataclass(frozen=True)
 class Snapshot:
@@ -244,6 +250,7 @@ def gait(
         "level": level if isinstance(level, str) else asdict(level),
         "mesh": "filled in anew at each phase" if anew else "displaced",
         **mesh_info,
+        "remarks": [LOOKING] if level == "coarse" else [],
         "channel": asdict(channel),
         "wall_seconds": time.perf_counter() - start,
     }

@@ -4,10 +4,14 @@ A verdict is one of
 
 - ``agrees``: ours lies within the tolerance of the paper's value,
 - ``agrees under reading X``: ours, computed under the reading that is named, does,
+- ``sign agrees``: the statement has no number of its own; ours lies on the stated `side` of a bound,
+- ``arithmetic``: numbers of the paper follow from others of its numbers; nothing of ours is in it,
+- ``transcription``: our copy of the paper's numbers is what it prints,
 - ``differs, because ...``: ours does not; the sentence names the cause, `evidence` its number,
 - ``cannot be checked, because ...``.
 
-`Judgement.holds` compares the verdict with the numbers of today. The tolerance of a claim comes
+`Judgement.holds` compares the verdict with the numbers of today. A claim whose tolerance is finer
+than what the coarse level of the reference reaches is not judged there, and says so. The tolerance of a claim comes
 from the digits that the paper prints (and the rounding of what goes in), never from our result.
 """
 
@@ -24,7 +28,16 @@ import numpy as np
 
 from microswim.studies.paper.context import Context
 
-KINDS = ("agrees under reading", "agrees", "differs, because", "cannot be checked, because")
+KINDS = (
+    "agrees under reading",
+    "agrees",
+    "sign agrees",
+    "arithmetic",
+    "transcription",
+    "differs, because",
+    "cannot be checked, because",
+)
+OPEN = "not judged"
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -48,9 +61,11 @@ class Claim:
     arguments
         What it is called with, besides the context.
     verdict
-        One of the four, in a sentence; may hold ``{ours}`` and ``{evidence}``.
+        One of `KINDS`, in a sentence; may hold ``{ours}`` and ``{evidence}``.
     evidence, evidence_arguments
         Function whose value shows the cause of a difference.
+    side
+        Of a ``sign agrees``: ours lies ``"above"`` or ``"below"`` the value.
     shows
         What the evidence must do: ``"matches"`` the paper's value within the tolerance, or
         ``"brackets"`` it along its first axis; empty: it is printed only.
@@ -58,6 +73,8 @@ class Claim:
         Whether it needs our reference solver.
     slow
         Whether it takes more than a few reference solutions.
+    fine
+        Whether the coarse level of the reference is too coarse for the tolerance.
     """
 
     id: str
@@ -72,13 +89,15 @@ class Claim:
     arguments: dict[str, Any] = field(default_factory=dict)
     evidence: str = ""
     evidence_arguments: dict[str, Any] = field(default_factory=dict)
+    side: str = ""
     shows: str = ""
     reference: bool = False
     slow: bool = False
+    fine: bool = False
 
     @property
     def kind(self) -> str:
-        """Which of the four verdicts."""
+        """Which of the verdicts."""
         return next(k for k in KINDS if self.verdict.startswith(k))
 
     @property
@@ -94,6 +113,12 @@ class Judgement:
     claim: Claim
     ours: Any = None
     evidence: Any = None
+    too_coarse: bool = False
+
+    @property
+    def kind(self) -> str:
+        """Which of the verdicts; `OPEN` where the level cannot decide."""
+        return OPEN if self.too_coarse else self.claim.kind
 
     @property
     def within(self) -> bool:
@@ -103,12 +128,9 @@ class Judgement:
     @property
     def holds(self) -> bool:
         """Whether the verdict still matches the numbers."""
-        kind = self.claim.kind
-        if kind.startswith("agrees"):
-            return self.within
-        if kind.startswith("differs"):
+        if self.kind.startswith("differs"):
             return not self.within and self._evidence_shows()
-        return True
+        return self.within or self.kind in (OPEN, "cannot be checked, because")
 
     def _evidence_shows(self) -> bool:
         if self.claim.shows == "matches":
@@ -122,6 +144,8 @@ class Judgement:
     @property
     def sentence(self) -> str:
         """The verdict with its numbers filled in."""
+        if self.too_coarse:
+            return "not judged at the coarse level, which does not reach the tolerance of the claim"
         return self.claim.verdict.replace("{ours}", shown(self.ours)).replace(
             "{evidence}", shown(self.evidence)
         )
@@ -139,7 +163,8 @@ def judge(claim: Claim, context: Context) -> Judgement:
     evidence = None
     if claim.evidence:
         evidence = _call(claim.evidence, claim.evidence_arguments, context)
-    return Judgement(claim=claim, ours=mine, evidence=evidence)
+    too_coarse = claim.fine and context.quick
+    return Judgement(claim=claim, ours=mine, evidence=evidence, too_coarse=too_coarse)
 
 
 def judge_all(context: Context, claims: Iterable[Claim] | None = None) -> list[Judgement]:
@@ -159,6 +184,8 @@ def _within(claim: Claim, ours: Any) -> bool:
     value, mine = np.asarray(claim.value, float), np.asarray(ours, float)
     if mine.shape != value.shape:
         return False
+    if claim.side:
+        return bool(np.all(mine > value if claim.side == "above" else mine < value))
     return bool(np.all(np.abs(mine - value) <= np.asarray(claim.tolerance, float) * (1 + 1e-12)))
 
 

@@ -21,7 +21,12 @@ from microswim.studies.paper.claims import Judgement, judge_all, load, shown
 from microswim.studies.paper.context import Context
 from microswim.studies.paper.style import look
 
-_COLOURS = {"agrees under reading": "under", "agrees": "yes", "differs, because": "no"}
+_COLOURS = {
+    "agrees under reading": "under",
+    "agrees": "yes",
+    "sign agrees": "yes",
+    "differs, because": "no",
+}
 _STYLE = """
 body{font:15px/1.5 system-ui,sans-serif;max-width:62rem;margin:2rem auto;
   padding:0 1rem;color:#1a1a1a}
@@ -96,7 +101,8 @@ def as_dict(judgement: Judgement) -> dict[str, Any]:
     return {
         "id": claim.id, "where": claim.where, "says": claim.says, "paper": claim.value,
         "unit": claim.unit, "tolerance": claim.tolerance, "reason": claim.reason, "ours": mine,
-        "verdict": judgement.sentence, "kind": claim.kind, "holds": judgement.holds,
+        "side": claim.side or None,
+        "verdict": judgement.sentence, "kind": judgement.kind, "holds": judgement.holds,
     }  # fmt: skip
 
 
@@ -104,7 +110,7 @@ def counts(judged: Iterable[Judgement]) -> dict[str, int]:
     """How many claims have which verdict."""
     out: dict[str, int] = {}
     for j in judged:
-        key = j.claim.kind.removesuffix(", because")
+        key = j.kind.removesuffix(", because")
         out[key] = out.get(key, 0) + 1
     return out
 
@@ -174,9 +180,10 @@ solutions (level {context.level}) in place of the paper's CFD. microswim {__vers
 
 def _row(judgement: Judgement) -> str:
     claim = judgement.claim
-    colour = _COLOURS.get(claim.kind, "open")
-    tolerance = f"allowed: ±{shown(claim.tolerance)} ({claim.reason})"
-    paper = f"{shown(claim.value)}<br>{html.escape(claim.unit)}"
+    colour = _COLOURS.get(judgement.kind, "open")
+    allowed = claim.side or f"±{shown(claim.tolerance)}"
+    tolerance = f"allowed: {allowed} ({claim.reason})"
+    paper = f"{claim.side} {shown(claim.value)}<br>{html.escape(claim.unit)}"
     cells = [
         f"<td>{html.escape(claim.where)}</td>",
         f"<td>{html.escape(claim.says)}</td>",

@@ -5,8 +5,8 @@ import pytest
 from click.testing import CliRunner
 
 import microswim as ms
-from microswim.cli import main
 from microswim.calibration.observations import from_series
+from microswim.cli import main
 from microswim.models.rft.gait import body_resistance
 
 HELIX = ms.Swimmer.preset("tabak/helix")

@@ -21,6 +21,7 @@ pytest.importorskip("ngsolve", reason="needs the extra fem")
 
 from microswim.models import fem, memory
 from microswim.models.fem import picture
+from microswim.models.fem.gait import LOOKING
 from microswim.models.fem.swimming import forget_flows_after
 
 pytestmark = pytest.mark.fem
@@ -76,6 +77,7 @@ def test_march_without_density_is_the_gait(spec, tmp_path):
     steps = ("--periods", 0.25, "--steps-per-period", 8, "--out", tmp_path / "swum")
     march, seen = numbers("swim", spec, *still, *steps), []
     gait = Swimmer.from_toml(spec).gait("fem", level="coarse", progress=lambda *n: seen.append(n))
+    assert gait.info["remarks"] == [LOOKING]
     assert seen == [(i, 9) for i in range(1, 10)]  # mesh, one phase: factorisation, seven flows
     assert gait.info["channel"]["diameter"] == 4.0
     assert march["unknowns"] == gait.info["unknowns"]

@@ -73,7 +73,9 @@ def test_claims_say_all_that_they_must():
         assert claim.ours or claim.kind.startswith("cannot"), claim.id
         assert np.all(np.asarray(claim.tolerance) >= 0), claim.id
         assert (claim.kind == "sign agrees") == bool(claim.side), claim.id
-        assert claim.kind in ("agrees", "sign agrees") or len(claim.verdict) > len(claim.kind) + 10, claim.id
+        assert (
+            claim.kind in ("agrees", "sign agrees") or len(claim.verdict) > len(claim.kind) + 10
+        ), claim.id
         if claim.shows:
             assert claim.evidence, claim.id
 

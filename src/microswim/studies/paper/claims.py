@@ -4,15 +4,16 @@ A verdict is one of
 
 - ``agrees``: ours lies within the tolerance of the paper's value,
 - ``agrees under reading X``: ours, computed under the reading that is named, does,
-- ``sign agrees``: the statement has no number of its own; ours lies on the stated `side` of a bound,
+- ``sign agrees``: the statement has no number; ours lies on the stated `side` of a bound,
 - ``arithmetic``: numbers of the paper follow from others of its numbers; nothing of ours is in it,
 - ``transcription``: our copy of the paper's numbers is what it prints,
 - ``differs, because ...``: ours does not; the sentence names the cause, `evidence` its number,
 - ``cannot be checked, because ...``.
 
 `Judgement.holds` compares the verdict with the numbers of today. A claim whose tolerance is finer
-than what the coarse level of the reference reaches is not judged there, and says so. The tolerance of a claim comes
-from the digits that the paper prints (and the rounding of what goes in), never from our result.
+than what the coarse level of the reference reaches is not judged there, and says so. The tolerance
+of a claim comes from the digits that the paper prints (and the rounding of what goes in), never
+from our result.
 """
 
 from __future__ import annotations

@@ -21,12 +21,14 @@ from microswim.gait.stepping import pack
 from microswim.models.rft.batch import evaluate, is_regular
 from microswim.numerics.plain import plain
 from microswim.studio import bounds as around
+from microswim.studio import budget
 from microswim.studio.spec_tables import canonical, swimmer_of, to_toml, units_of
 from microswim.swimmer.swimmer import Swimmer
 
 MAP_OUTPUTS = ("swimming_speed", "efficiency", "mean_power", "mean_torque", "body_rate")
 MOST_DESIGNS = 4000
 MOST_SINGLY = (12, 9)  #: values along the sides where symmetry does not help and each design counts
+PIECE = 500  #: designs between two looks at the budget
 TOLERANCE = 1e-3  #: of the quadrature of a map
 PHASES = 16  #: over half a period of a plane wave, as in maps
 FELT = 1e-9  #: harmonics below this share of the largest do not travel
@@ -199,8 +201,12 @@ def _calibrated(swimmer: Swimmer, field: str) -> list[float] | None:
 def _grid(swimmer: Swimmer, fx: str, X: Any, fy: str, Y: Any) -> dict[str, np.ndarray]:
     """Outputs over the grid, y by rows, flattened."""
     gx, gy = (g.ravel() for g in np.meshgrid(X, Y))
-    with KERNELS:
-        made = evaluate(swimmer, {fx: gx, fy: gy}, tolerance=TOLERANCE)
+    pieces = []
+    for rows in np.array_split(np.arange(gx.size), -(-gx.size // PIECE)):
+        budget.check()
+        with KERNELS:
+            pieces.append(evaluate(swimmer, {fx: gx[rows], fy: gy[rows]}, tolerance=TOLERANCE))
+    made = {name: np.concatenate([piece[name] for piece in pieces]) for name in pieces[0]}
     return {**made, "body_rate": made["mean_velocity"][:, 3] / (2.0 * np.pi)}
 
 

@@ -6,14 +6,17 @@ by a token that only its owner has.
 
 from __future__ import annotations
 
+import asyncio
 import contextlib
 import json
 import logging
 import threading
 import time
 from collections.abc import AsyncIterator, Callable
+from functools import partial
 from typing import Any
 
+import numpy as np
 from starlette.applications import Starlette
 from starlette.concurrency import run_in_threadpool
 from starlette.middleware import Middleware
@@ -26,10 +29,13 @@ from microswim.spec import presets
 from microswim.studio import answers, page
 from microswim.studio import judge_jobs as work
 from microswim.studio import spec_tables as tables
+from microswim.studio.budget import Budget
 from microswim.studio.hosts import LOCAL, Hosts
 from microswim.studio.judge_processes import Judge
 
 LARGEST_BODY = 512 * 1024  #: bytes
+SLOWEST_BODY = 30.0  #: seconds until it is here
+LARGEST = 1e100  #: number in a request; its inverse the smallest
 KINDS = {"html": "text/html", "js": "text/javascript", "css": "text/css", "txt": "text/plain"}
 SAFE = {
     "content-security-policy": "default-src 'self'; style-src 'self' 'unsafe-inline'; "
@@ -38,6 +44,8 @@ SAFE = {
     "referrer-policy": "no-referrer",
     "cache-control": "no-cache",
 }
+#: What numbers at the edge of the floating point make of a formula.
+BEYOND = (OverflowError, FloatingPointError, MemoryError, np.linalg.LinAlgError)
 log = logging.getLogger("microswim.studio")
 
 
@@ -130,10 +138,18 @@ def post(answer: Callable[[Any], Any], as_text: bool = False) -> Callable[[Reque
 
     async def endpoint(request: Request) -> Response:
         try:
-            ask = await _body(request, as_text)
+            async with asyncio.timeout(SLOWEST_BODY):
+                ask = await _body(request, as_text)
+        except TimeoutError:
+            return JSONResponse({"error": "the request did not come to its end"}, 408)
         except Refused as refused:
             return JSONResponse({"error": str(refused)}, refused.status)
-        return await _answered(request, answer, ask)
+        budget = Budget()
+        watch = asyncio.create_task(_gone(request, budget))
+        try:
+            return await _answered(request, partial(budget.within, answer), ask)
+        finally:
+            watch.cancel()
 
     return endpoint
 
@@ -152,20 +168,50 @@ async def _body(request: Request, as_text: bool) -> Any:
             raise Refused(413, f"more than {LARGEST_BODY // 1024} KiB; a spec is much smaller")
     try:
         text = body.decode("utf-8")
-        return text if as_text else json.loads(text, parse_constant=_no_constant)
+        read = {
+            "parse_constant": _no_constant,
+            "parse_float": _finite,
+            "parse_int": _finite_integer,
+        }
+        return text if as_text else json.loads(text, **read)
     except UnicodeDecodeError:
         raise Refused(422, "the file is not UTF-8 text") from None
     except (ValueError, RecursionError):
-        raise Refused(422, "the request is not valid JSON") from None
+        raise Refused(
+            422, "the request is not valid JSON, or has a number beyond all sizes"
+        ) from None
 
 
 def _no_constant(name: str) -> float:
     raise ValueError(f"{name} is no number")
 
 
+def _finite(text: str) -> float:
+    value = float(text)
+    if value and not 1.0 / LARGEST <= abs(value) <= LARGEST:
+        raise ValueError(f"{text[:20]} is beyond all sizes")
+    return value
+
+
+def _finite_integer(text: str) -> int:
+    _finite(text)
+    return int(text)
+
+
+async def _gone(request: Request, budget: Budget) -> None:
+    """Stop the work for a request when who asked no longer waits for it."""
+    while not await request.is_disconnected():
+        await asyncio.sleep(0.1)
+    budget.stop()
+
+
 async def _answered(request: Request, answer: Callable[[Any], Any], ask: Any) -> Response:
     try:
         made = await run_in_threadpool(answer, ask)
+        text = None if isinstance(made, Response) else json.dumps(made, allow_nan=False)
+    except BEYOND:
+        sentence = "these numbers are too large or too small to be computed with; change them"
+        return JSONResponse({"error": sentence}, 422)
     except SpecError as error:
         return JSONResponse({"error": str(error), "field": error.field}, 422)
     except MicroswimError as error:
@@ -176,7 +222,7 @@ async def _answered(request: Request, answer: Callable[[Any], Any], ask: Any) ->
         return JSONResponse({"error": sentence}, 500)
     if isinstance(made, Response):
         return made
-    return Response(json.dumps(made, allow_nan=False), media_type="application/json", headers=SAFE)
+    return Response(text, media_type="application/json", headers=SAFE)
 
 
 def _presets(_: Any) -> Any:

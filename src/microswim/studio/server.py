@@ -10,12 +10,27 @@ from collections.abc import Callable
 from typing import Any
 
 import uvicorn
+from uvicorn.protocols.http.h11_impl import H11Protocol
 
 from microswim.errors import MicroswimError
 from microswim.studio.app import create_app
 from microswim.studio.hosts import LOCAL
 
 PORT = 8642
+PATIENCE = 30.0  #: seconds that a connection may stay open without a whole request
+MOST_CONNECTIONS = 200
+
+
+class Patient(H11Protocol):
+    """HTTP connections that are closed when no request comes, or only half of one."""
+
+    def connection_made(self, transport: Any) -> None:
+        super().connection_made(transport)
+        self.loop.call_later(PATIENCE, self._close_if_silent)
+
+    def _close_if_silent(self) -> None:
+        if self.cycle is None and not self.transport.is_closing():
+            self.transport.close()
 
 
 def listen(host: str, port: int | None) -> socket.socket:
@@ -76,7 +91,14 @@ def serve(
     listener = listen(host, port)
     where = address(host, listener)
     app = create_app(tables, name, hosts=LOCAL if host in LOCAL else ("*", host))
-    config = uvicorn.Config(app, log_level="warning", access_log=False, lifespan="on")
+    config = uvicorn.Config(
+        app,
+        log_level="warning",
+        access_log=False,
+        lifespan="on",
+        http=Patient,
+        limit_concurrency=MOST_CONNECTIONS,
+    )
     if ready is not None:
         ready(where)
     if browser:

@@ -30,7 +30,7 @@ export class SpeedMap {
 
   constructor(private store: Store, private controls: Controls) {
     this.latest = new Latest(
-      (a) => call<MapAnswer>("/api/map", { tables: a.tables, ...a.ask }),
+      (a, signal) => call<MapAnswer>("/api/map", { tables: a.tables, ...a.ask }, "POST", signal),
       (made, a) => this.take(made, a),
       (error) => {
         this.answer = null;

@@ -4,7 +4,9 @@ export class Refusal extends Error {
   field?: string;
 }
 
-export async function call<T>(path: string, ask?: unknown, method?: string): Promise<T> {
+export async function call<T>(
+  path: string, ask?: unknown, method?: string, signal?: AbortSignal,
+): Promise<T> {
   const isText = typeof ask === "string";
   let response: Response;
   try {
@@ -12,8 +14,10 @@ export async function call<T>(path: string, ask?: unknown, method?: string): Pro
       method: method ?? (ask === undefined ? "GET" : "POST"),
       headers: ask === undefined ? {} : { "content-type": isText ? "text/plain" : "application/json" },
       body: ask === undefined ? undefined : isText ? (ask as string) : JSON.stringify(ask),
+      signal,
     });
-  } catch {
+  } catch (error) {
+    if (signal?.aborted) throw error;
     throw new Refusal("The server does not answer; is microswim studio still running?");
   }
   const kind = response.headers.get("content-type") ?? "";
@@ -26,15 +30,20 @@ export async function call<T>(path: string, ask?: unknown, method?: string): Pro
   return body as T;
 }
 
-/** Sends the newest request once the one under way has come back; those between are dropped. */
+/** How long (ms) the newest wish waits for the one under way before that is given up. */
+const PATIENCE = 400;
+
+/** Sends the newest request once the one under way has come back or has taken too long. */
 export class Latest<A, T> {
   private busy = false;
+  private since = 0;
+  private stop = new AbortController();
   private next: A | null = null;
   sent = 0;
   most = 0;
 
   constructor(
-    private ask: (a: A) => Promise<T>,
+    private ask: (a: A, signal: AbortSignal) => Promise<T>,
     private done: (answer: T, asked: A, newest: boolean) => void,
     private failed: (error: Error, asked: A) => void,
   ) {}
@@ -42,13 +51,18 @@ export class Latest<A, T> {
   send(a: A): void {
     if (this.busy) {
       this.next = a;
+      const left = this.since + PATIENCE - performance.now();
+      const { stop } = this;
+      setTimeout(() => stop.abort(), Math.max(0, left));
       return;
     }
     this.busy = true;
     this.sent += 1;
-    this.ask(a)
+    this.since = performance.now();
+    const stop = (this.stop = new AbortController());
+    this.ask(a, stop.signal)
       .then((answer) => this.done(answer, a, this.next === null))
-      .catch((error: Error) => this.failed(error, a))
+      .catch((error: Error) => stop.signal.aborted || this.failed(error, a))
       .finally(() => {
         this.busy = false;
         const next = this.next;

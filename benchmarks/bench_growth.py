@@ -26,6 +26,7 @@ from microswim.jobs import references
 from microswim.models.rft import gait as rft
 from microswim.models.rft import plane_wave as planarwave
 from microswim.models.rft import segment as kernels
+from microswim.numerics.quadrature import gauss
 
 RESULTS = Path(__file__).parent / "results" / "growth.json"
 HELIX, WAVE = (ms.Swimmer.preset(f"tabak/{name}") for name in ("helix", "plane_wave"))
@@ -33,9 +34,9 @@ HELIX, WAVE = (ms.Swimmer.preset(f"tabak/{name}") for name in ("helix", "plane_w
 
 def nodes():
     """The plain quadrature of one helix."""
-    p, ramp = rft.parameters(HELIX), kernels.gauss(8)
+    p, ramp = rft.parameters(HELIX), gauss(8)
     for n in (8, 16, 32, 64, 128, 256, 512):
-        rule = kernels.gauss(n)
+        rule = gauss(n)
         yield n, least(lambda r=rule: kernels.wave_tail(0, True, p, 0.0, ramp, r), 9, 300)
 
 
@@ -78,6 +79,7 @@ PARTS = {
 
 def main():
     """Run all, fit the exponent over the upper half, print and keep."""
+    ms.warm_up()
     results = {}
     for name, part in PARTS.items():
         x, seconds = np.array(list(part())).T

@@ -68,6 +68,7 @@ def measured(kind):
 def main():
     """Measure, print, store."""
     warnings.simplefilter("ignore")
+    ms.warm_up()
     results = {kind: measured(kind) for kind in ("helix", "plane_wave")}
     for kind, parts in results.items():
         for what, t in parts.items():

@@ -25,6 +25,7 @@ sys.path.insert(0, str(Path(__file__).parents[1] / "tests"))
 
 from test_studio import call  # a request through the ASGI interface, JSON included
 
+from microswim.models.rft.warm_up import warm_up
 from microswim.spec import presets
 from microswim.studio.app import create_app
 
@@ -56,6 +57,7 @@ def dragged(spec, n=40):
 
 
 def main():
+    warm_up()
     results = {}
     for name, axes in (("tabak/helix", WIDE), ("tabak/plane_wave", COARSE), ("goto/A", None)):
         spec = tomllib.loads(presets.read(name))

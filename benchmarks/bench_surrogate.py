@@ -31,6 +31,7 @@ from microswim.models.rft import gait as rft
 from microswim.models.rft import helix as rigidhelix
 from microswim.models.rft import loops_compiled as manydesigns
 from microswim.models.rft import segment as kernels
+from microswim.numerics.quadrature import gauss
 from microswim.numerics.solve6 import solve
 
 HERE = Path(__file__).parent
@@ -134,7 +135,7 @@ def on_all_cores():
 def throughput():
     """Microseconds per design: ours, and 32 nodes in plain Numba, NumPy and C."""
     p, body, free, counts = designs(DESIGNS)
-    rules = [kernels.gauss(n) for n in NODES]
+    rules = [gauss(n) for n in NODES]
     V = {}
 
     def closed(digits):
@@ -189,6 +190,7 @@ def throughput():
 
 def main():
     """Run all and print the table."""
+    ms.warm_up()
     micro = throughput()
     helix = ms.Swimmer.preset("tabak/helix")
     helix.gait()

@@ -20,6 +20,7 @@ from .gait.gait import Gait as Gait
 from .gait.quantities import summary as summary
 from .gait.screw import screw as screw
 from .models.rft.batch import evaluate as evaluate
+from .models.rft.warm_up import warm_up as warm_up
 from .numerics.rigid_motion import ScrewMotion as ScrewMotion
 from .output import io as io
 from .output import plots as plots

@@ -1,20 +1,23 @@
-"""Kernels that run as Python at first: the same numbers, and nothing heavy for a single gait."""
+"""Kernels as Python and compiled: the same numbers, and which way depends on the work alone."""
 
 import json
 import os
+import shutil
 import subprocess
 import sys
+import types
+from pathlib import Path
 
 import numpy as np
 import pytest
 
 import microswim as ms
-from microswim.gait.stepping import step
 from microswim.models.rft import helix as rigidhelix
 from microswim.models.rft import plane_wave as planarwave
 from microswim.models.rft import segment as kernels
 from microswim.models.rft.segment import HELIX, PLANE_WAVE
-from microswim.numerics.compiled import compiled
+from microswim.numerics.code_cache import digest
+from microswim.numerics.compiled import settled
 from microswim.numerics.quadrature import gauss
 from microswim.spec.units import _COMMON, _registry
 from microswim.swimmer.drag import lighthill
@@ -44,9 +47,8 @@ print(*sorted({{m.split(".")[0] for m in sys.modules}}))
 """
     printed, loaded = python(code).splitlines()
     assert not HEAVY & set(loaded.split())
-    swimmer = ms.Swimmer.preset(preset)
-    for _ in range(40):
-        gait = swimmer.gait()
+    with settled(True):
+        gait = ms.Swimmer.preset(preset).gait()
     assert json.loads(printed)["mean_velocity"] == pytest.approx(gait.mean_velocity, rel=1e-12)
 
 
@@ -79,11 +81,8 @@ def test_phases_side_by_side_are_those_in_a_row(p):
         assert np.allclose(one, other, rtol=1e-12, atol=1e-12 * np.abs(other).max())
 
 
-@pytest.mark.parametrize(
-    ("preset", "kernel"),
-    [("tabak/helix", rigidhelix.helix_tail), ("tabak/plane_wave", planarwave.in_a_row)],
-)
-def test_few_designs_side_by_side_are_those_of_the_compiled_loops(preset, kernel, monkeypatch):
+@pytest.mark.parametrize("preset", ["tabak/helix", "tabak/plane_wave"])
+def test_few_designs_side_by_side_are_those_of_the_compiled_loops(preset):
     """Of several ramps and numbers of nodes, and designs that are none."""
     swimmer = ms.Swimmer.preset(preset, {"coefficients.tip": True})
     designs = {
@@ -92,9 +91,9 @@ def test_few_designs_side_by_side_are_those_of_the_compiled_loops(preset, kernel
         "tail.ramp": np.repeat([0.0, 0.3, 1.0, -1.0], 10)[:37],
     }
     results = []
-    for left in (1, 0):
-        monkeypatch.setattr(kernel, "left", left)
-        results.append(ms.evaluate(swimmer, designs))
+    for compile_it in (False, True):
+        with settled(compile_it):
+            results.append(ms.evaluate(swimmer, designs))
     for name, values in results[0].items():
         size = np.nanmax(np.abs(values)) or 1.0
         assert values == pytest.approx(results[1][name], rel=1e-12, abs=1e-14 * size, nan_ok=True)
@@ -104,29 +103,97 @@ def test_few_designs_side_by_side_are_those_of_the_compiled_loops(preset, kernel
 
 
 @pytest.mark.parametrize("preset", ["tabak/helix", "tabak/plane_wave"])
-def test_the_screw_of_a_period_is_the_same_side_by_side_and_in_a_row(preset, monkeypatch):
+def test_the_screw_of_a_period_is_the_same_side_by_side_and_in_a_row(preset):
     """With an odd number of steps too; and its exact derivative."""
     swimmer = ms.Swimmer.preset(preset).lifted({"tail.amplitude": 0.1 + 1e-30j})
     for gait in (ms.Swimmer.preset(preset).gait(), swimmer.gait()):
         for steps in (256, 77):
-            monkeypatch.setattr(step, "left", 1)
-            beside, in_a_row = ms.screw(gait, steps), ms.screw(gait, steps)
-            assert step.left == -1
+            beside = ms.screw(gait, steps)
+            with settled(True):
+                in_a_row = ms.screw(gait, steps)
             for name in ("displacement", "quaternion"):
                 one, other = getattr(beside, name), getattr(in_a_row, name)
                 assert np.allclose(one.real, other.real, rtol=0, atol=1e-13)
                 assert np.allclose(one.imag, other.imag, rtol=0, atol=1e-13 * 1e-30)
 
 
-def test_a_kernel_is_compiled_when_it_is_called_often():
-    @compiled(first=2)
-    def double(x):
-        return 2.0 * x
+def test_a_custom_tail_at_all_phases_at_once_is_the_compiled_one():
+    def beat(s, phase):
+        q = 0.1 * s * np.cos(3 * s - phase)
+        return np.stack([s + 0 * q, q, 0.5 * q], axis=-1)
 
-    assert [double(1.0) for _ in range(2)] == [2.0, 2.0]
-    assert "dispatcher" not in vars(double)
-    assert double(1.0) == 2.0
-    assert double.dispatcher.signatures
+    tail = ms.CustomTail(shape=beat, length=2.0, radius=0.02, wavelength=2.0)
+    fluid = ms.Fluid(viscosity=1.0)
+    swimmer = ms.Swimmer(body=ms.Sphere(radius=0.5), tail=tail, fluid=fluid)
+    beside = swimmer.gait().resistance_series
+    with settled(True):
+        one_by_one = swimmer.gait().resistance_series
+    assert np.allclose(beside, one_by_one, rtol=0, atol=1e-12 * np.abs(beside).max())
+
+
+def answers():
+    """Bits of what a user may ask, of all kinds of tails and a few sizes of work."""
+    helix, wave = (ms.Swimmer.preset(f"tabak/{kind}") for kind in ("helix", "plane_wave"))
+    gaits = [s.gait(**o) for s in (helix, wave) for o in ({}, {"nodes": 12})]
+    found = [g.mean_velocity for g in gaits] + [ms.screw(g).displacement for g in gaits]
+    for s in (helix, wave):
+        batch = ms.evaluate(s, {"tail.amplitude": np.linspace(0.05, 0.1, 40)})
+        found += [batch["velocity_amplitude"], batch["swimming_speed"]]
+        found.append(s.gradient("efficiency", "tail.amplitude")["tail.amplitude"])
+    return [np.asarray(x).tobytes() for x in found]
+
+
+def test_an_answer_does_not_depend_on_what_was_asked_before():
+    """To the last bit; and no call wakes the compiler for the calls to come."""
+    first = answers()
+    swimmer = ms.Swimmer.preset("tabak/helix")
+    for _ in range(30):
+        swimmer.gait()
+    ms.evaluate(swimmer, {"tail.amplitude": np.linspace(0.05, 0.1, 9000)})
+    ms.trajectory(swimmer.gait(), [0.0, 0.3])
+    ms.calibrate(swimmer, swimmer.gait(), ["translation.s"])
+    assert answers() == first
+
+
+HUNDRED = """
+import sys
+import numpy as np, microswim as ms
+for preset in ("tabak/helix", "tabak/plane_wave", "goto/C"):
+    swimmer = ms.Swimmer.preset(preset)
+    for _ in range(100 if preset == "tabak/helix" else 12):
+        ms.summary(swimmer.gait())
+print("numba" in sys.modules)
+ms.evaluate(ms.Swimmer.preset("tabak/helix"), {"tail.amplitude": np.linspace(0.05, 0.1, 5000)})
+print("numba" in sys.modules)
+"""
+
+
+def test_a_hundred_gaits_in_a_row_never_stop_for_the_compiler_and_a_large_batch_does_at_once():
+    assert python(HUNDRED).split() == ["False", "True"]
+
+
+WARM = """
+import sys
+import numpy as np, microswim as ms
+from microswim.models.rft import helix, plane_wave, segment
+from microswim.gait import stepping
+ms.warm_up()
+kernels = [helix.helix_tail, plane_wave.in_a_row, segment.centreline_tail, stepping.integrate]
+before = [len(k.dispatcher.signatures) for k in kernels]
+def beat(s, phase):
+    return np.stack([s + 0 * phase, 0.1 * s * np.cos(3 * s - phase), 0 * (s + phase)], axis=-1)
+tail = ms.CustomTail(shape=beat, length=2.0, radius=0.02, wavelength=2.0)
+own = ms.Swimmer(body=ms.Sphere(radius=0.5), tail=tail, fluid=ms.Fluid(viscosity=1.0))
+for swimmer in (ms.Swimmer.preset("tabak/helix"), ms.Swimmer.preset("tabak/plane_wave"), own):
+    ms.summary(swimmer.gait())
+    swimmer.gradient("swimming_speed", "fluid.viscosity")
+print(min(before), before == [len(k.dispatcher.signatures) for k in kernels])
+"""
+
+
+def test_after_warming_up_nothing_is_left_to_compile():
+    """Numbers and complex steps: two kinds of each kernel, and no more afterwards."""
+    assert python(WARM).split() == ["2", "True"]
 
 
 AT_ONCE = """
@@ -155,6 +222,115 @@ def test_processes_that_compile_at_once_leave_a_cache_that_serves(tmp_path):
     script.write_text(AT_ONCE)
     code = f"import runpy; runpy.run_path({str(script)!r})"
     assert python(code, NUMBA_CACHE_DIR=str(tmp_path)).split() == ["2j", "1"]
+
+
+EDITED = """
+import numpy as np
+from microswim.calibration.region.kriging import predict
+from microswim.numerics.compiled import FAST
+z, one, none = np.zeros(1), np.ones((1, 1)), np.zeros((1, 4))
+out = np.zeros(1)
+tips, cut = np.array([[1.0], [0.0]]), np.array([0, 1])
+predict(out, z, 0.0, one, tips, one, none, cut, one, np.zeros(1), np.empty((2, 1)))
+print(out[0])
+"""
+
+
+def test_an_edited_kernel_gives_new_numbers_where_another_calls_it(tmp_path):
+    """The callee stands in another function, the caller's own text stays as it was."""
+    package = tmp_path / "microswim"
+    shutil.copytree(Path(ms.__file__).parent, package, ignore=shutil.ignore_patterns("*.nb?"))
+    callee = package / "calibration/region/kriging.py"
+    where = {"PYTHONPATH": str(tmp_path), "NUMBA_CACHE_DIR": str(tmp_path / "cache")}
+    before = float(python(EDITED, **where))
+    text = callee.read_text()
+    law = "return near * (1.0 + q"
+    assert law in text
+    moved = (package / "numerics/matern.py", "from microswim.numerics.matern import matern\n")
+    body = text[text.index("@njit") : text.index("def covariance")]
+    head = "import numpy as np\nfrom microswim.numerics.compiled import FAST, njit\n"
+    moved[0].write_text(head + "from typing import Any\n" + body)
+    callee.write_text(text.replace(body, moved[1]))
+    assert float(python(EDITED, **where)) == before
+    moved[0].write_text(moved[0].read_text().replace(law, "return 2.0 * near * (1.0 + q"))
+    assert float(python(EDITED, **where)) == 2.0 * before
+
+
+def test_numba_still_names_its_files_as_the_cache_expects():
+    """The private parts that `code_cache` renames: when this fails, read that module."""
+    stored = kernels.add_tip.dispatcher._cache._cache_file
+    known = digest(kernels.add_tip.py_func, kernels.add_tip.options | {"cache": True})
+    assert stored._index_name.endswith(f".{known}.nbi")
+    assert stored._index_path.endswith(stored._index_name)
+    assert callable(stored._data_name)
+    assert callable(type(stored).save)
+    assert hasattr(kernels.add_tip, "_numba_type_")
+
+
+def test_a_digest_knows_constants_options_and_callees():
+    def digest_of(scale, options=(), callee=1.0):
+        space = {
+            "SCALE": scale,
+            "inner": types.SimpleNamespace(py_func=eval(f"lambda x: {callee}")),
+        }
+        exec("def kernel(x):\n    return SCALE * inner(x)", space)
+        return digest(space["kernel"], dict(options))
+
+    whole = {
+        digest_of(1.0), digest_of(2.0), digest_of(1.0, {"fastmath": {"nsz"}}),
+        digest_of(1.0, callee=2.0),
+    }  # fmt: skip
+    assert len(whole) == 4
+    assert digest_of(2.0) in whole
+
+
+READ_ONLY = """
+import os, warnings
+import numpy as np
+with warnings.catch_warnings(record=True) as said:
+    warnings.simplefilter("always")
+    from microswim.calibration.region.kriging import matern
+    from microswim.numerics.solve6 import solve
+    solve.dispatcher(np.eye(6), np.ones(6), np.ones(6, dtype=bool))
+    matern(0.5)
+kept = [str(w.message) for w in said if "cannot be kept" in str(w.message)]
+print(len(kept), os.environ["NUMBA_CACHE_DIR"], os.listdir(os.environ["NUMBA_CACHE_DIR"]) != [])
+"""
+
+
+def test_a_package_and_a_home_that_cannot_be_written_still_compile(tmp_path):
+    """Said once, and the temporary folder is gone afterwards."""
+    package, home = tmp_path / "microswim", tmp_path / "home"
+    shutil.copytree(Path(ms.__file__).parent, package, ignore=shutil.ignore_patterns("__pycache__"))
+    home.write_text("a file: no folder can be made in it")
+    for folder in [package, *(p for p in package.rglob("*") if p.is_dir())]:
+        (folder / "__pycache__").write_text("a file: no folder can be made here")
+    where = {"PYTHONPATH": str(tmp_path), "HOME": str(home), "XDG_CACHE_HOME": str(home)}
+    said, folder, full = python(READ_ONLY, NUMBA_CACHE_DIR="", **where).split()
+    assert (said, full) == ("1", "True")
+    assert not Path(folder).exists()
+
+
+@pytest.mark.parametrize("threads", ["0", "-1", "two"])
+def test_a_number_of_threads_that_is_none_is_named(threads):
+    code = """
+import numpy as np, microswim as ms
+try:
+    ms.warm_up()
+except ms.MicroswimError as error:
+    print(error)
+"""
+    assert f"NUMBA_NUM_THREADS = {threads}: must be" in python(code, NUMBA_NUM_THREADS=threads)
+
+
+def test_without_the_compiler_all_runs_as_python():
+    code = """
+import numpy as np, microswim as ms
+swimmer = ms.Swimmer.preset("tabak/helix")
+print(ms.evaluate(swimmer, {"tail.amplitude": np.full(4000, 0.1)})["swimming_speed"][0])
+"""
+    speed = ms.screw(ms.Swimmer.preset("tabak/helix").gait()).speed
+    assert float(python(code, NUMBA_DISABLE_JIT="1")) == pytest.approx(speed, rel=1e-8)
 
 
 @pytest.mark.parametrize("unit", _COMMON)

@@ -22,10 +22,13 @@ from microswim.calibration.unknowns import Unknown, resolve
 from microswim.errors import SpecError
 from microswim.gait.gait import Gait
 from microswim.models.rft.gait import gait as surrogate
+from microswim.numerics.compiled import pays, settled
+from microswim.numerics.complex_step import STEP, derivative_from
+from microswim.numerics.fourier import half_range, series_of
 from microswim.numerics.gauss_newton import gauss_newton
 from microswim.swimmer.swimmer import Swimmer
 
-STEP = 1e-30
+ONE_STEP = 0.02  #: seconds of all gaits for one observation and one unknown as Python
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -174,8 +177,8 @@ def calibrate(
     observations = _observations(swimmer, data, quantities)
     chosen = resolve(swimmer, unknowns)
     problem = _Problem(swimmer, observations, chosen, positive)
-    x = problem.solve(start or {}, bounds or {})
-    return problem.outcome(x)
+    with settled(pays(ONE_STEP * len(observations) * (1 + len(chosen)))):
+        return problem.outcome(problem.solve(start or {}, bounds or {}))
 
 
 def _observations(swimmer: Swimmer, data: Any, quantities: Iterable[str]) -> tuple:
@@ -215,7 +218,7 @@ class _Problem:
         columns = []
         for j in range(len(values)):
             stepped = [complex(v, STEP * (i == j)) for i, v in enumerate(values)]
-            columns.append(np.imag(self.predict(stepped)) / STEP)
+            columns.append(derivative_from(self.predict(stepped)))
         return np.stack(columns, axis=-1)
 
     def solve(self, start: dict, bounds: dict) -> np.ndarray:
@@ -278,7 +281,7 @@ class _Problem:
 
         def slope(z: Any) -> np.ndarray:
             eye = np.eye(len(z)) * 1j * STEP
-            return np.stack([np.imag(back(z + e)) / STEP for e in eye], axis=-1)
+            return np.stack([derivative_from(back(z + e)) for e in eye], axis=-1)
 
         return to, back, slope
 
@@ -334,16 +337,14 @@ def _ratios(swimmer: Swimmer, reference: Any) -> Calibration:
     if not isinstance(reference, Gait):
         raise SpecError("method", "ratios", "used with a reference gait, which holds the forces")
     unknowns = resolve(swimmer, ())
-    phase = 2.0 * np.pi * np.arange(64) / 64
-    wrench, V = reference.body_wrench(phase), reference.velocity(phase)
+    wrench = series_of(reference.body_wrench(2.0 * np.pi * np.arange(64) / 64))
     drag = swimmer.body.diagonal(swimmer.fluid.viscosity)
     values = []
     for u in unknowns:
         i = u.direction
         whole = i == 0 or (i == 3 and swimmer.tail.kind == "helix")
-        size = (lambda x: -np.mean(x)) if whole else (lambda x: np.ptp(x) / 2.0)
-        velocity = np.mean(V[:, i]) if whole else np.ptp(V[:, i]) / 2.0
-        values.append(size(wrench[:, i]) / velocity / drag[i])
-    observations = _observations(swimmer, reference, ())
-    problem = _Problem(swimmer, observations, unknowns, False)
+        force = -wrench[0, i] if whole else half_range(wrench[:, i])
+        velocity = (reference.mean_velocity if whole else reference.velocity_amplitude)[i]
+        values.append(force / velocity / drag[i])
+    problem = _Problem(swimmer, _observations(swimmer, reference, ()), unknowns, False)
     return replace(problem.outcome(np.array(values)), method="ratios")

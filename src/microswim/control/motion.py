@@ -17,11 +17,10 @@ from __future__ import annotations
 from typing import Any
 
 import numpy as np
-from numba import prange
 
 from microswim.gait.stepping import LOWER as LOWER
 from microswim.gait.stepping import row
-from microswim.numerics.compiled import FAST, njit
+from microswim.numerics.compiled import FAST, njit, prange
 from microswim.numerics.cores import loop
 from microswim.numerics.rigid_motion import to_lab
 

@@ -18,6 +18,7 @@ from microswim.control.motion import (
     sheared,
     velocity,
 )
+from microswim.numerics.complex_step import STEP
 from microswim.numerics.rigid_motion import to_lab
 
 
@@ -68,16 +69,16 @@ def derivatives(
     """``dy'/dy`` (8, 8) and ``dy'/du`` (8, m) for some inputs, by complex steps."""
     n = steps if steps > 0 else internal_steps(limits, u, dt)
     J = np.empty((STATE, STATE + columns.size))
-    work, tiny = np.empty(WORK, dtype=np.complex128), 1e-40
+    work = np.empty(WORK, dtype=np.complex128)
     J[:, :3] = 0.0
     for k in range(3):
         J[k, k] = 1.0
     for k in range(0 if sheared(u) else 3, J.shape[1]):  # a uniform flow is the same everywhere
         z, w = y.astype(np.complex128), u.astype(np.complex128)
         if k < STATE:
-            z[k] += 1j * tiny
+            z[k] += 1j * STEP
         else:
-            w[columns[k - STATE]] += 1j * tiny
+            w[columns[k - STATE]] += 1j * STEP
         advance(twist, strain, moment, limits, z, w, dt, n, work)
-        J[:, k] = z.imag / tiny
+        J[:, k] = z.imag / STEP
     return J[:, :STATE], J[:, STATE:]

@@ -71,7 +71,7 @@ def tail_coupling(
         at = [np.ascontiguousarray(v[n], dtype=float) for v in (X, P_s, U)]
 
         def held(flow: np.ndarray, at: list[np.ndarray] = at) -> tuple[np.ndarray, float]:
-            _, F, G = centreline_tail(at[0], at[1], flow, length * w, arc, c, 0.0)
+            _, F, G = centreline_tail.dispatcher(at[0], at[1], flow, length * w, arc, c, 0.0)
             return F, G
 
         for k, A in enumerate(gradients):

@@ -17,7 +17,7 @@ import numpy as np
 from microswim.errors import MicroswimError
 from microswim.numerics.fourier import (
     evaluate,
-    extremes,
+    half_range,
     rotate,
     series_of,
 )
@@ -179,8 +179,7 @@ class Gait:
         size = np.abs(self.velocity_series).reshape(-1, 2, 3).max(axis=2)
         felt = np.flatnonzero((size > 1e-12 * size.max(axis=0)).any(axis=1))
         series = self.velocity_series[: 1 + 2 * ((felt.max(initial=0) + 1) // 2)]
-        tops = [extremes(series[:, i]) for i in range(6)]
-        return np.array([(high - low) / 2.0 for low, high in tops])
+        return half_range(series)
 
     def power(self, phase: Any) -> np.ndarray:
         """Power of the motor, ``rate (F_p . V + G rate)``: all that the fluid dissipates.

@@ -6,18 +6,23 @@ import numpy as np
 
 from microswim.gait.gait import Gait
 from microswim.gait.stepping import WORK, integrate, pack, step
+from microswim.numerics.compiled import pays
 from microswim.numerics.rigid_motion import ScrewMotion, multiply, rotation_matrix
 
+#: Seconds of a step as Python, side by side with the others.
+ONE_STEP = 1e-5
 
-def screw(gait: Gait, steps: int = 256) -> ScrewMotion:
-    """Rigid motion of a free swimmer over one period, by `steps` steps of order 4.
+
+def screw(gait: Gait, steps: int | None = None) -> ScrewMotion:
+    """Rigid motion of a free swimmer over one period, by steps of order 4.
 
     Parameters
     ----------
     gait
         Any gait; its series may be complex (complex-step derivatives).
     steps
-        Steps per period; the default is good to about 1e-9 of the displacement.
+        Steps per period; by default 256, or four for each term of the gait's series if that is
+        more: good to about 1e-9 of the displacement.
 
     Returns
     -------
@@ -31,10 +36,11 @@ def screw(gait: Gait, steps: int = 256) -> ScrewMotion:
     (4,)
     """
     packed, free = pack(gait), np.array(gait.free)
+    steps = steps or max(256, 4 * len(packed))
     kind = packed.dtype
     forward = 1.0 if np.real(gait.rate) >= 0 else -1.0
     rates, loads = np.array([forward], dtype=kind), np.zeros((1, 5, 3), dtype=kind)
-    if step.due():
+    if pays(steps * ONE_STEP):
         x, q, phase = (np.array(v, dtype=kind) for v in ([0, 0, 0], [1, 0, 0, 0], 0))
         times, counts = np.array([0.0, 2.0 * np.pi]), np.array([0, steps])
         X, Q, _ = integrate(packed, free, x, q, phase[()], times, counts, rates, loads)

@@ -122,7 +122,7 @@ def step(
     return end
 
 
-@compiled(first=0)
+@compiled(always=True)
 def integrate(
     packed: Any,
     free: Any,

@@ -1,92 +1,121 @@
-"""Kernels that are compiled when it pays: their first calls run as the Python they are written in.
+"""Kernels: functions that run as the Python they are written in, or compiled by Numba.
 
-To load what was compiled before takes numba most of a second, and to compile for the first time
-many; one gait in Python takes milliseconds. So a command that needs a single gait never imports
-numba, and whoever needs many compiles after a few calls. Both ways run the same lines and agree to
-rounding. Written so that each number may be an array, a kernel also takes many cases side by side
-(`Kernel.written`).
+Loading compiled code takes Numba most of a second, and compiling it for the first time many; one
+gait in Python takes a millisecond. Which way a call runs depends on the work in it, known before
+it starts, never on earlier calls (`pays`); `warm_up` of the surrogate chooses compiled code for
+the whole process. Both ways run the same lines and agree to rounding. Written so that each number
+may be an array, a kernel as Python also takes many cases side by side (`Kernel.written`).
 """
 
 from __future__ import annotations
 
-import hashlib
+import os
+import threading
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from contextvars import ContextVar
 from functools import cached_property, update_wrapper
+from importlib import import_module
 from typing import Any
 
 import numpy as np
 
+from microswim.errors import MicroswimError
+from microswim.numerics.code_cache import digest, keep
+
 #: Sums may be reordered and fused; NaN and infinity keep their meaning.
 FAST = {"reassoc", "contract", "arcp", "nsz"}
 
-#: First calls of a kernel that run as Python.
-FEW = 8
+#: Seconds of work as Python from which on compiled code is loaded.
+PATIENCE = 0.1
 
 _in_python: ContextVar[bool] = ContextVar("in_python", default=False)
 _settled: ContextVar[bool | None] = ContextVar("settled", default=None)
+_building = threading.RLock()
+
+
+_warm = False  # whether the process chose compiled code wherever nothing else is settled
+
+
+def much(seconds: float) -> bool:
+    """Return whether work that takes so long as Python is worth loading compiled code."""
+    return seconds > PATIENCE
+
+
+def pays(seconds: float) -> bool:
+    """Return whether work that takes so long as Python is to run compiled, here and now."""
+    settled_ = _settled.get()
+    return _warm or much(seconds) if settled_ is None else settled_
 
 
 @contextmanager
-def settled(pays: bool) -> Iterator[None]:
-    """Within, kernels are compiled (`pays`) or not, however often they have been called before.
-
-    So what is computed does not depend on the past, to the last bit.
-    """
-    token = _settled.set(pays)
+def settled(compile_it: bool) -> Iterator[None]:
+    """Within, kernels run compiled or as Python, as said, whatever the process has chosen."""
+    token = _settled.set(compile_it)
     try:
         yield
     finally:
         _settled.reset(token)
 
 
-def njit(**options: Any) -> Callable[[Callable[..., Any]], Any]:
-    """``numba.njit`` whose cache processes may fill at once.
+def choose_compiled() -> None:
+    """Run kernels compiled from now on, in the whole process, wherever nothing else is settled."""
+    global _warm
+    _warm = True
 
-    numba calls what it stores 1, 2, ... and keeps a list of which is for which types. Of two
-    processes that compile for different types one could overwrite what the other has listed, and
-    the list would lead to code for other types. Here each name is made of the types.
+
+def numba() -> Any:
+    """Return Numba, imported.
+
+    Raises
+    ------
+    MicroswimError
+        If the environment asks it for a number of threads that is none.
     """
-    import numba
+    threads = os.environ.get("NUMBA_NUM_THREADS", "1")
+    try:
+        enough = int(threads) >= 1
+    except ValueError:
+        enough = False
+    if not enough:
+        raise MicroswimError(
+            f"NUMBA_NUM_THREADS = {threads}: must be a whole number from 1 on, or not be set"
+        )
+    return import_module("numba")
+
+
+def __getattr__(name: str) -> Any:
+    if name == "prange":
+        return numba().prange
+    raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
+
+
+def njit(**options: Any) -> Callable[[Callable[..., Any]], Any]:
+    """Compile a function by Numba; the code is kept under names that no other source shares."""
 
     def decorate(function: Callable[..., Any]) -> Any:
-        made = numba.njit(**options)(function)
-        stored = getattr(made._cache, "_cache_file", None)  # none if it is not cached
-        if stored is not None:
-            _name_by_types(stored)
-        return made
+        with _building:
+            return keep(lambda: numba().njit(**options)(function), digest(function, options))
 
     return decorate
 
 
-def _name_by_types(stored: Any) -> None:
-    save = stored.save
-
-    def save_by_types(key: Any, data: Any) -> None:
-        types = hashlib.sha256(repr(key).encode()).hexdigest()[:16]
-        name = f"{stored._index_name.removesuffix('.nbi')}.{types}.nbc"
-        stored._data_name = lambda number: name
-        save(key, data)
-
-    stored.save = save_by_types
-
-
 class Kernel:
-    """A function that numba compiles on its call number `first` + 1; kernels may call kernels."""
+    """A function that runs as Python or compiled; kernels may call kernels."""
 
-    def __init__(self, function: Callable[..., Any], first: int, options: dict[str, Any]) -> None:
+    def __init__(self, function: Callable[..., Any], always: bool, options: dict[str, Any]) -> None:
         update_wrapper(self, function)
-        self.function, self.left, self.options = function, first, options
+        self.py_func, self.always, self.options = function, always, options
 
     @cached_property
     def dispatcher(self) -> Any:
-        """The function as numba has it."""
-        return njit(cache=True, **self.options)(self.function)
+        """The function as Numba has it."""
+        with _building:
+            return njit(cache=True, **self.options)(self.py_func)
 
     @property
     def _numba_type_(self) -> Any:
-        """By this numba knows the kernel where compiled code calls it."""
+        """Type by which Numba knows the kernel where compiled code calls it."""
         return self.dispatcher._numba_type_
 
     def written(self, *args: Any) -> Any:
@@ -94,26 +123,19 @@ class Kernel:
         token = _in_python.set(True)
         try:
             with np.errstate(all="ignore"):  # as compiled code does
-                return self.function(*args)
+                return self.py_func(*args)
         finally:
             _in_python.reset(token)
 
-    def due(self, calls: int = 1) -> bool:
-        """Count a call, or work worth several; whether it is time to compile."""
-        if (pays := _settled.get()) is not None:
-            return pays
-        self.left -= calls
-        return self.left < 0
-
     def __call__(self, *args: Any) -> Any:
         if _in_python.get():
-            return self.function(*args)
-        return self.dispatcher(*args) if self.due() else self.written(*args)
+            return self.py_func(*args)
+        return self.dispatcher(*args) if self.always or pays(0.0) else self.written(*args)
 
 
-def compiled(*, first: int = FEW, **options: Any) -> Callable[[Callable[..., Any]], Kernel]:
-    """Make a function a `Kernel`; `options` as of ``numba.njit``, results are always cached.
+def compiled(*, always: bool = False, **options: Any) -> Callable[[Callable[..., Any]], Kernel]:
+    """Make a function a `Kernel`; `options` as of ``numba.njit``, compiled code is always kept.
 
-    first : calls that run as Python; 0 for loops that are long in any case.
+    always : compiled whatever was chosen, for loops that are long in any case.
     """
-    return lambda function: Kernel(function, first, options)
+    return lambda function: Kernel(function, always, options)

@@ -10,8 +10,11 @@ from typing import Any
 
 import numpy as np
 
-#: Signs that a mirror image in q gives the entries of a six-vector.
+#: Signs that a six-vector ``[linear; angular]`` gets from a mirror image in q, in r, and from half
+#: a turn about s, which is both.
 MIRROR_Q = np.array([1.0, -1.0, 1.0, -1.0, 1.0, -1.0])
+MIRROR_R = np.array([1.0, 1.0, -1.0, -1.0, -1.0, 1.0])
+TURN_S = MIRROR_Q * MIRROR_R
 
 
 def basis(phase: Any, terms: int) -> np.ndarray:
@@ -102,20 +105,43 @@ def add(*series: np.ndarray) -> np.ndarray:
 
 
 def extremes(series: np.ndarray) -> tuple[Any, Any]:
-    """Least and greatest value of a scalar series: dense samples polished by Newton's method."""
+    """Least and greatest value of each series, shape series.shape[1:].
+
+    The best of dense samples, polished by Newton's method on the series itself.
+    """
     n = 8 * len(series)
     phase = 2.0 * np.pi * np.arange(n) / n
     values = evaluate(series, phase)
-    first, second = derivative(series), derivative(derivative(series))
+    flat = 1e-12 * np.abs(series).max(axis=0)
     out = []
-    for i in (np.argmin(values.real), np.argmax(values.real)):
-        x, best = phase[i], values[i]
+    for sense in (-1.0, 1.0):
+        at = np.argmax(sense * values.real, axis=0)
+        best = np.take_along_axis(values, at[None], axis=0)[0]
+        x = phase[at] + 0.0 * best
         for _ in range(4):
-            curvature = evaluate(second, x)
-            if abs(curvature) <= 1e-12 * np.abs(series).max():
-                break
-            x = x - evaluate(first, x) / curvature
-        top = evaluate(series, x)
-        better = top.real <= best.real if not out else top.real >= best.real
-        out.append(top if better else best)
+            _, slope, curvature = _around(series, x)
+            bent = np.abs(curvature) > flat
+            x = x - np.where(bent, slope, 0.0) / np.where(bent, curvature, 1.0)
+        top = _around(series, x)[0]
+        out.append(np.where(sense * top.real >= sense * best.real, top, best)[()])
     return out[0], out[1]
+
+
+def _around(series: np.ndarray, x: Any) -> tuple[Any, Any, Any]:
+    """Value, slope and curvature of each series at a phase of its own, by angle addition."""
+    c1, s1 = np.cos(x), np.sin(x)
+    c, s = c1, s1
+    value, slope, curvature = series[0] + 0.0 * x, 0.0 * x, 0.0 * x
+    for h in range(1, len(series) // 2 + 1):
+        a, b = series[2 * h - 1], series[2 * h]
+        term = a * c + b * s
+        value, curvature = value + term, curvature - h * h * term
+        slope = slope + h * (b * c - a * s)
+        c, s = c * c1 - s * s1, s * c1 + c * s1
+    return value, slope, curvature
+
+
+def half_range(series: np.ndarray) -> Any:
+    """Half of peak to peak of each series over the period: what is called an amplitude."""
+    low, high = extremes(series)
+    return (high - low) / 2.0

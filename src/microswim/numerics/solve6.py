@@ -38,7 +38,7 @@ def solve(A: Any, V: Any, free: Any) -> None:
             V[j] -= A[j, i] * V[i]
 
 
-@compiled(first=0, error_model="numpy")
+@compiled(always=True, error_model="numpy")
 def solve_lanes(A: Any, V: Any, free: Any, W: Any) -> None:
     """`solve` of as many systems as the last axis of A (6, 6, n) and V (6, n) is long.
 

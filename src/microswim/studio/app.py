@@ -25,6 +25,7 @@ from starlette.responses import JSONResponse, Response
 from starlette.routing import Route
 
 from microswim.errors import MicroswimError, SpecError
+from microswim.models.rft.warm_up import warm_up
 from microswim.spec import presets
 from microswim.studio import answers, page
 from microswim.studio import judge_jobs as work
@@ -277,6 +278,7 @@ def _warm(start: dict[str, Any], state: dict[str, Any], judge: Judge) -> None:
     """Run everything once, so that the first slider is as quick as the hundredth."""
     begun = time.perf_counter()
     try:
+        warm_up()
         for name in ("tabak/helix", "tabak/plane_wave"):
             given = tables.parse(presets.read(name))
             answers.solve(given)

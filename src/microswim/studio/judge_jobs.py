@@ -12,7 +12,7 @@ import numpy as np
 
 from microswim.errors import MicroswimError, SpecError
 from microswim.gait.gait import Gait
-from microswim.numerics.fourier import series_of
+from microswim.numerics.fourier import MIRROR_Q, series_of
 from microswim.studio import answers
 from microswim.studio.spec_tables import canonical, swimmer_of
 from microswim.swimmer.swimmer import Swimmer
@@ -21,7 +21,6 @@ Progress = Callable[[int, int], None]
 LEVELS = ("coarse", "standard", "fine")
 MOST_POINTS = 6000
 FLOW_PHASES = 8
-MIRROR_Q = np.array([1.0, -1.0, 1.0])
 ROWS = (
     "swimming_speed",
     "forward_velocity",
@@ -189,7 +188,7 @@ def _wave_flow(swimmer: Swimmer, points: np.ndarray, progress: Progress) -> list
         phase = 2.0 * np.pi * n / FLOW_PHASES
         made.append(solve(swimmer, phase, level="coarse").velocity(points))
         progress(n + 1, wanted)
-    return made + [u[::-1] * MIRROR_Q for u in made] if mirrored else made
+    return made + [u[::-1] * MIRROR_Q[:3] for u in made] if mirrored else made
 
 
 KINDS = {"judge": judge, "flow": flow}

@@ -4,14 +4,11 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING, Any
 
-import numpy as np
-
 from microswim.gait.quantities import output
+from microswim.numerics.complex_step import STEP, derivative_from
 
 if TYPE_CHECKING:
     from microswim.swimmer.swimmer import Swimmer
-
-STEP = 1e-30
 
 
 def gradient(swimmer: Swimmer, name: str = "mean_velocity", wrt: Any = None) -> dict[str, Any]:
@@ -21,5 +18,5 @@ def gradient(swimmer: Swimmer, name: str = "mean_velocity", wrt: Any = None) -> 
     for path in paths:
         values = {path: swimmer.numbers.get(path, 0.0) + 1j * STEP}
         value = output(swimmer.lifted(values).gait(), name)
-        out[path] = np.imag(value) / STEP
+        out[path] = derivative_from(value)
     return out

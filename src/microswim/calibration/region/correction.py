@@ -18,9 +18,9 @@ from microswim.calibration.region.evaluate import HALF, helices, twists, waves
 from microswim.calibration.region.kriging import Surfaces
 from microswim.errors import SpecError
 from microswim.gait.gait import Gait
+from microswim.numerics.fourier import MIRROR_R
 from microswim.swimmer.swimmer import Swimmer
 
-MIRROR_R = np.array([1.0, 1.0, -1.0, -1.0, -1.0, 1.0])
 NEAR = 0.7  #: spreads of the features over which left-out errors are averaged
 FEATURES = ("ln bk", "ln k r_t", "ln N", "ln r_s/r_t", "ln r_q/r_s", "ln r_r/r_s", "ramp")
 _FREELY = ("fluid.", "tail.frequency", "coefficients.", "interaction.")
@@ -238,7 +238,7 @@ class Correction:
         arrays = (np.ascontiguousarray(x, dtype=kind) for x in (p, D, mu, Z, N))
         *packed, mean = self.surfaces.packed
         turn = shaded.hand(many) > 0
-        run = helices if turn else waves
+        run = (helices if turn else waves).over(n)
         sizes = shaded.sizes(N)
         R, F, G, extra = run(*arrays, sizes, *shaded.rules(int(sizes.max())), *packed, mean)
         if turn and many.tail.sign < 0:

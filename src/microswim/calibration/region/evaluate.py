@@ -5,12 +5,12 @@ from __future__ import annotations
 from typing import Any
 
 import numpy as np
-from numba import prange
 
 from microswim.calibration.region import body_flow as shaded
 from microswim.calibration.region import positive_definite as blocks
 from microswim.calibration.region.kriging import predict
-from microswim.numerics.compiled import njit
+from microswim.numerics.compiled import njit, prange
+from microswim.numerics.cores import loop
 from microswim.numerics.fourier import MIRROR_Q
 from microswim.numerics.solve6 import solve
 
@@ -20,7 +20,7 @@ PHASES = tuple(np.pi * np.arange(HALF) / HALF)
 BLOCK = 16  #: designs that share scratch arrays
 
 
-@njit(cache=True, parallel=True)
+@loop()
 def helices(
     p: Any, D: Any, mu: Any, Z: Any, N: Any, sizes: Any, ramp_rule: Any, xi: Any, weight: Any,
     nodes: Any, tips: Any, lengths: Any, phasors: Any, cut: Any, alpha: Any, mean: Any,
@@ -76,7 +76,7 @@ def beat(y: Any, phase: float) -> Any:
     return out
 
 
-@njit(cache=True, parallel=True)
+@loop()
 def waves(
     p: Any, D: Any, mu: Any, Z: Any, N: Any, sizes: Any, ramp_rule: Any, xi: Any, weight: Any,
     nodes: Any, tips: Any, lengths: Any, phasors: Any, cut: Any, alpha: Any, mean: Any,

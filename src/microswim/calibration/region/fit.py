@@ -11,7 +11,7 @@ from threadpoolctl import threadpool_limits
 from microswim.calibration.region import body_flow as shaded
 from microswim.calibration.region import kriging
 from microswim.calibration.region import positive_definite as blocks
-from microswim.calibration.region.correction import MIRROR_R, Correction, features
+from microswim.calibration.region.correction import Correction, features
 from microswim.calibration.region.evaluate import (
     HALF,
     PHASES,
@@ -23,6 +23,7 @@ from microswim.calibration.region.evaluate import (
 )
 from microswim.calibration.region.kriging import Kriging
 from microswim.gait.gait import Gait
+from microswim.numerics.fourier import MIRROR_R, half_range, series_of
 from microswim.swimmer.swimmer import Swimmer
 
 CONTRADICTED = 12.0
@@ -186,7 +187,7 @@ def _velocities(R: Any, F: Any, swimmer: Swimmer, helix: bool) -> list[float]:
     V = twists(R(phase)[None], F(phase)[None], np.array(swimmer.motion.mask))[0]
     if helix:
         return [V[0, 0], float(np.hypot(V[0, 1], V[0, 2])), V[0, 3]]
-    return [V[:, 0].mean(), np.ptp(V[:, 1]) / 2.0, np.ptp(V[:, 5]) / 2.0]
+    return [V[:, 0].mean(), *half_range(series_of(V)[:, [1, 5]])]
 
 
 def _rebuilt(swimmer: Swimmer, y: np.ndarray) -> tuple[Any, Any]:
@@ -195,7 +196,7 @@ def _rebuilt(swimmer: Swimmer, y: np.ndarray) -> tuple[Any, Any]:
     D, mu = np.array(swimmer.body.diagonal(swimmer.fluid.viscosity)), swimmer.fluid.viscosity
     design = shaded.parameters(swimmer)[None], D[None], np.array([mu])
     none = np.zeros((1, 0)), np.zeros((2, 0)), np.zeros((1, 1)), np.zeros((1, 4)), np.array([0, 0])
-    run = helices if swimmer.tail.kind == "helix" else waves
+    run = (helices if swimmer.tail.kind == "helix" else waves).alone
     rules = shaded.rules(int(most[0]))
     far = np.zeros((1, 1)), np.zeros(1)
     R, F, _, _ = run(*design, *far, most, *rules, *none, np.zeros((len(y), 0)), y)

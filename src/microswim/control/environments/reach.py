@@ -11,7 +11,6 @@ from collections import namedtuple
 from typing import Any
 
 import numpy as np
-from numba import prange
 
 from microswim.control.environments.camera import (
     MM,
@@ -26,7 +25,7 @@ from microswim.control.environments.world import World, robot
 from microswim.control.motion import INPUT, substep
 from microswim.control.stepper import Stepper
 from microswim.errors import SpecError
-from microswim.numerics.compiled import FAST, njit
+from microswim.numerics.compiled import FAST, njit, prange
 from microswim.numerics.cores import loop
 
 MOMENT = 1e-4  # A m^2, along the body: the robot follows the field at 11 per second

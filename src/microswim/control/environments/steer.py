@@ -12,7 +12,6 @@ from collections import namedtuple
 from typing import Any
 
 import numpy as np
-from numba import prange
 
 from microswim.control.environments.camera import (
     MM,
@@ -27,7 +26,7 @@ from microswim.control.environments.random_streams import direction, normals, un
 from microswim.control.environments.world import World, robot
 from microswim.control.motion import INPUT, field_at, substep
 from microswim.control.stepper import Stepper
-from microswim.numerics.compiled import FAST, njit
+from microswim.numerics.compiled import FAST, njit, prange
 from microswim.numerics.cores import loop
 from microswim.numerics.rigid_motion import to_lab
 

@@ -16,12 +16,11 @@ from numpy.typing import NDArray
 from microswim.gait.gait import Gait
 from microswim.models.bem.levels import Level, coarser, get_level
 from microswim.models.bem.solution import Solution, solve
+from microswim.numerics.fourier import MIRROR_Q, TURN_S
 
 Array = NDArray[np.float64]
 
 # Signs of [U; Omega] under the half-period symmetry; Omega is a pseudovector.
-MIRROR_Q = np.array([1.0, -1.0, 1.0, -1.0, 1.0, -1.0])
-TURN_S = np.array([1.0, -1.0, -1.0, 1.0, -1.0, -1.0])
 
 
 def turns_as_a_whole(swimmer: Any) -> bool:

@@ -17,7 +17,6 @@ from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass, field
 
 import numpy as np
-from numba import get_num_threads
 from numpy.typing import NDArray
 from scipy.linalg import lu_factor, lu_solve
 
@@ -25,6 +24,7 @@ from microswim.models import memory
 from microswim.models.bem.assembly import layer_blocks, own_blocks, stress_sums
 from microswim.models.bem.element import cell_tables, own_rule
 from microswim.models.bem.surface import Surface
+from microswim.numerics.compiled import numba
 
 Array = NDArray[np.float64]
 
@@ -71,7 +71,7 @@ class Layer:
             s.controls, s.nodes, s.areas, t.value, t.slope, t.middle, t.middle_slope, t.basis,
             t.weight, t.half, out,
         )  # fmt: skip
-        threads = min(get_num_threads(), s.patches)
+        threads = min(numba().get_num_threads(), s.patches)
         if threads == 1:
             layer_blocks(0, 1, *common)
             return
@@ -122,7 +122,7 @@ class Layer:
         t = cell_tables(s.order, r.points)
         x, n = s.nodes.reshape(-1, 3), np.ascontiguousarray(s.normals.reshape(-1, 3))
         owner = np.repeat(np.arange(s.patches), s.order**2)
-        threads = min(get_num_threads(), s.patches)
+        threads = min(numba().get_num_threads(), s.patches)
         sums = np.zeros((threads, *x.shape))
         tables = (t.value, t.slope, t.middle, t.middle_slope, t.basis, t.weight, t.half)
         common = (x, n, owner, r.near, r.far, s.controls, s.nodes, s.areas, density, *tables)

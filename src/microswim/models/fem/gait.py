@@ -31,6 +31,7 @@ from microswim.models.fem.mesh import (
 )
 from microswim.models.fem.remesh import Laid, filled
 from microswim.models.fem.stokes import FOLDED, Stokes
+from microswim.numerics.fourier import MIRROR_Q
 from microswim.swimmer.geometry.surroundings import Channel
 
 #: What level coarse is off, measured (docs/accuracy-fem.md and random designs in tubes).
@@ -289,7 +290,7 @@ def mirrors_itself(swimmer: Any, channel: Channel) -> bool:
 
 def mirror_image(shot: Snapshot) -> Snapshot:
     """The same swimmer seen in the plane q = 0: R -> M R M, F -> M F; torques are axial."""
-    M = np.diag([1.0, -1.0, 1.0, -1.0, 1.0, -1.0])
+    M = np.diag(MIRROR_Q)
     R, body_R = M @ shot.resistance @ M, M @ shot.body_resistance @ M
     return Snapshot(R, M @ shot.propulsion, shot.activity, body_R, M @ shot.body_propulsion)
 

@@ -11,28 +11,38 @@ from typing import Any
 
 import numpy as np
 
-from microswim.errors import MicroswimError, SpecError
+from microswim import checks
+from microswim.errors import MicroswimError
 from microswim.gait.quantities import summary
-from microswim.models.rft.gait import body_resistance, parameters
-from microswim.models.rft.helix import FEWEST_WAVES, MOST_NODES, helix_tail, ramp_nodes
-from microswim.models.rft.plane_wave import in_a_row
-from microswim.models.rft.segment import HELIX, PLANE_WAVE, node_numbers, wave_tail
-from microswim.numerics.compiled import Kernel
-from microswim.numerics.fourier import MIRROR_Q
-from microswim.numerics.quadrature import gauss
+from microswim.models.rft.batch_numbers import (
+    OUTPUTS,
+    blank,
+    of_helices,
+    of_plane_waves,
+    resolved,
+    share_of,
+)
+from microswim.models.rft.gait import MOST_PHASES, body_resistance, parameters
+from microswim.models.rft.helix import FEWEST_WAVES, MOST_ON_RAMP, ramp_nodes
+from microswim.models.rft.plane_wave import SEGMENT
+from microswim.models.rft.segment import (
+    HELIX,
+    MOST_NODES,
+    PLANE_WAVE,
+    STEEPEST,
+    node_numbers,
+    wave_tail,
+)
+from microswim.numerics.compiled import pays, settled
+from microswim.numerics.quadrature import gauss, panels
 from microswim.numerics.solve6 import solve
 from microswim.swimmer.swimmer import Swimmer
 
 CHUNK = 8192
-PHASES = 16  #: over half a period of a plane wave
-OUTPUTS = (
-    "mean_velocity",
-    "velocity_amplitude",
-    "swimming_speed",
-    "mean_power",
-    "mean_torque",
-    "efficiency",
-)
+PHASES = 16  #: over half a period of a plane wave; more where these do not resolve it
+MARGIN = 1.0  #: digits of the quadrature beyond the tolerance
+ONE_GAIT = 3e-3  #: seconds of a gait and its summary as Python
+SECONDS = {"helix": 3e-5, "plane_wave": 2e-4, "custom": 2e-2}  #: of a design as Python
 
 
 def evaluate(swimmer: Swimmer, values: dict[str, Any], tolerance: float = 1e-8) -> dict[str, Any]:
@@ -51,8 +61,20 @@ def evaluate(swimmer: Swimmer, values: dict[str, Any], tolerance: float = 1e-8) 
     -------
     dict
         ``mean_velocity`` (n, 6), ``velocity_amplitude`` (n, 6), ``swimming_speed``,
-        ``mean_power``, ``mean_torque``, ``efficiency`` (n,), as `summary` has them; NaN where a
-        design is out of range, touches itself or is beyond the law of its coefficients.
+        ``mean_power``, ``mean_torque``, ``efficiency`` (n,), as `summary` has them, to the
+        tolerance; NaN where a design is out of range, touches itself, is beyond the law of its
+        coefficients or too steep to be resolved.
+
+    Raises
+    ------
+    SpecError
+        If the tolerance is out of range, or a name is no number of the swimmer.
+
+    Notes
+    -----
+    Some thousands of designs run compiled, fewer as Python; `microswim.warm_up` chooses compiled
+    code for both. Threads of Python take turns. A process that is forked after a batch has run on
+    all cores works on one core, with the same numbers.
 
     Examples
     --------
@@ -62,14 +84,21 @@ def evaluate(swimmer: Swimmer, values: dict[str, Any], tolerance: float = 1e-8) 
     >>> result["mean_velocity"].shape
     (5, 6)
     """
+    checks.number("tolerance", tolerance, "from 1e-12 to 1e-3", least=1e-12, most=1e-3)
     arrays = {k: np.asarray(v, dtype=float).reshape(-1) for k, v in values.items()}
     n = max((a.size for a in arrays.values()), default=1)
     swimmer = _alternatives(swimmer, arrays)
+    seconds = as_python(swimmer, n)
     results = [
-        _chunk(swimmer, {k: v[i : i + CHUNK] for k, v in arrays.items()}, tolerance)
+        _chunk(swimmer, {k: v[i : i + CHUNK] for k, v in arrays.items()}, tolerance, seconds)
         for i in range(0, n, CHUNK)
     ]
     return {name: np.concatenate([r[name] for r in results]) for name in OUTPUTS}
+
+
+def as_python(swimmer: Swimmer, designs: int) -> float:
+    """Return how many seconds so many designs take as Python, side by side."""
+    return designs * SECONDS[swimmer.tail.kind]
 
 
 def expected_errors(swimmer: Swimmer, values: dict[str, Any]) -> np.ndarray:
@@ -91,7 +120,9 @@ def _alternatives(swimmer: Swimmer, arrays: dict[str, Any]) -> Swimmer:
     return swimmer
 
 
-def _chunk(swimmer: Swimmer, arrays: dict[str, Any], tolerance: float) -> dict[str, Any]:
+def _chunk(
+    swimmer: Swimmer, arrays: dict[str, Any], tolerance: float, seconds: float
+) -> dict[str, Any]:
     n = max((a.size for a in arrays.values()), default=1)
     if not is_regular(swimmer, arrays):
         return _one_by_one(swimmer, arrays, n)
@@ -104,22 +135,27 @@ def _chunk(swimmer: Swimmer, arrays: dict[str, Any], tolerance: float) -> dict[s
         good = _buildable(many, p, body)
         rate = np.broadcast_to(many.tail.rate, (n,))
     if swimmer.region is not None:
-        if not good.all():
-            many = swimmer.lifted({k: v[good] if v.size > 1 else v for k, v in arrays.items()})
-        return _calibrated(swimmer, many, good, rate)
+        return _calibrated(swimmer, arrays, good, rate)
+    if swimmer.tail.kind == "plane_wave":
+        good &= (p[:, 1] * p[:, 2] <= STEEPEST) & (_nodes(p).sum(axis=1) <= MOST_NODES)
     if swimmer.tail.kind == "helix":
-        return _helix(swimmer, *_solved_helices(swimmer, p, body, good, tolerance), body, rate)
-    return _plane_wave(swimmer, *_solved_waves(swimmer, p, body, good, tolerance), body, rate)
+        how = tolerance, _loops(seconds)
+        return of_helices(swimmer, *_solved_helices(swimmer, p, body, good, *how), body, rate)
+
+    def solved(rows: np.ndarray, phases: int) -> tuple[Any, Any]:
+        return _solved_waves(swimmer, p[rows], body[rows], phases, tolerance, seconds)
+
+    return _plane_waves(solved, good, body, rate)
 
 
 def _solved_helices(
-    swimmer: Swimmer, p: Any, body: Any, good: Any, tolerance: float
+    swimmer: Swimmer, p: Any, body: Any, good: Any, tolerance: float, loops: Any
 ) -> tuple[Any, Any]:
     """Twists (n, 1, 6) and tail powers (n, 1) of helices at phase 0."""
     arc, free = swimmer.motion.line_element == "arc", np.array(swimmer.motion.mask)
-    waves, digits = p[:, 0] * p[:, 2] / (2.0 * np.pi), -np.log10(tolerance)
+    waves, digits = p[:, 0] * p[:, 2] / (2.0 * np.pi), min(12.0, MARGIN - np.log10(tolerance))
     counts = _ramp_counts(waves, p[:, 1] * p[:, 2], p[:, 3], digits, good)
-    V, power = _loops(helix_tail, 1).solve_helices(arc, p, body, free, counts)
+    V, power = loops.solve_helices(arc, p, body, free, counts)
     for i in np.flatnonzero(good & (counts < 0)):
         rules = node_numbers(HELIX, waves[i], p[i, 1] * p[i, 2], p[i, 3])
         R, F, G = wave_tail(HELIX, arc, p[i], 0.0, *map(gauss, rules))
@@ -129,9 +165,9 @@ def _solved_helices(
     return V[:, None], power[:, None]
 
 
-def _loops(kernel: Kernel, calls: int) -> Any:
-    """The module whose loops serve: compiled ones, once this kernel has been called often."""
-    if kernel.due(calls):
+def _loops(seconds: float) -> Any:
+    """Return the module whose loops serve work that takes so long as Python."""
+    if pays(seconds):
         from microswim.models.rft import loops_compiled as loops
     else:
         from microswim.models.rft import loops_python as loops
@@ -141,38 +177,40 @@ def _loops(kernel: Kernel, calls: int) -> Any:
 def _ramp_counts(waves: Any, bk: Any, ramp: Any, digits: float, good: Any) -> np.ndarray:
     """Nodes on the ramp; negative for designs that are not good or not for closed integrals."""
     needed = ramp_nodes.written(waves * ramp, bk, digits)
-    good = good & (waves >= FEWEST_WAVES) & (needed <= MOST_NODES)
+    good = good & (waves >= FEWEST_WAVES) & (needed <= MOST_ON_RAMP)
     return np.where(good, needed, -1).astype(np.int64)
 
 
 def _solved_waves(
-    swimmer: Swimmer, p: Any, body: Any, good: Any, tolerance: float
+    swimmer: Swimmer, p: Any, body: Any, phases: int, tolerance: float, seconds: float
 ) -> tuple[Any, Any]:
     """Twists (n, m, 6) and tail powers (n, m) of plane waves over half a period."""
-    phase = np.pi * np.arange(PHASES) / PHASES
-    V = np.full((len(p), PHASES, 6), np.nan)
-    power = np.full((len(p), PHASES), np.nan)
+    phase = np.pi * np.arange(phases) / phases
+    V, power = np.empty((len(p), phases, 6)), np.empty((len(p), phases))
     arc, free = swimmer.motion.line_element == "arc", np.array(swimmer.motion.mask)
-    loops = _loops(in_a_row, 1 + len(p) // 256)
-    for rules, group in _groups(p, good, tolerance):
-        V[group], power[group] = loops.solve_waves(arc, p[group], body[group], phase, free, *rules)
+    loops = _loops(max(seconds, phases * _nodes(p).sum() * SEGMENT))
+    for rules, group in _groups(p, tolerance):
+        own = p[group], body[group]
+        V[group], power[group] = loops.solve_waves(arc, *own, phase, free, *rules)
     return V, power
 
 
-def _calibrated(swimmer: Swimmer, many: Swimmer, good: Any, rate: Any) -> dict[str, Any]:
-    """Results of a surrogate that carries a region calibration; `many` are the good designs."""
-    assert swimmer.region is not None
-    n, helix = len(good), swimmer.tail.kind == "helix"
-    V = np.full((n, 1 if helix else PHASES, 6), np.nan)
-    power, work = np.full(V.shape[:2], np.nan), np.full(V.shape[:2], np.nan)
+def _calibrated(swimmer: Swimmer, arrays: dict, good: np.ndarray, rate: Any) -> dict[str, Any]:
+    """Results of a surrogate that carries a region calibration."""
+    region, free, n = swimmer.region, np.array(swimmer.motion.mask), len(good)
+    assert region is not None
+
+    def solved(rows: np.ndarray, phases: int) -> tuple[Any, Any, Any]:
+        picked = {k: v[rows] if v.size > 1 else v for k, v in arrays.items()}
+        return region.solve(swimmer.lifted(picked), free, phases)
+
+    if swimmer.tail.kind != "helix":
+        return _plane_waves(solved, good, None, rate)
+    V, power, work = np.full((n, 1, 6), np.nan), *np.full((2, n, 1), np.nan)
     if good.any():
-        free = np.array(swimmer.motion.mask)
-        V[good], power[good], work[good] = swimmer.region.solve(many, free, PHASES)
-    none = np.zeros((n, 6, 6))
-    out = (_helix if helix else _plane_wave)(swimmer, V, power, none, rate)
-    with np.errstate(invalid="ignore", divide="ignore"):
-        share = work.mean(axis=1) / power.mean(axis=1)
-    return out | {"efficiency": np.where(power.mean(axis=1) != 0, share, 0.0)}
+        V[good], power[good], work[good] = solved(np.flatnonzero(good), 1)
+    out = of_helices(swimmer, V, power, np.zeros((n, 6, 6)), rate)
+    return out | {"efficiency": share_of(work[:, 0], power[:, 0])}
 
 
 def is_regular(swimmer: Swimmer, arrays: dict[str, Any]) -> bool:
@@ -204,106 +242,59 @@ def _buildable(many: Swimmer, p: np.ndarray, body: np.ndarray) -> np.ndarray:
     return good
 
 
-def _groups(p: np.ndarray, good: np.ndarray, tolerance: float) -> Any:
-    """Quadrature rules with the designs that need them."""
-    digits = -np.log10(tolerance) / 12.0
+def _nodes(p: np.ndarray) -> np.ndarray:
+    """Nodes on ramp and rest (n, 2) of plane waves that reach rounding."""
     waves, bk = p[:, 0] * p[:, 2] / (2.0 * np.pi), p[:, 1] * p[:, 2]
-    need = np.stack(node_numbers.written(PLANE_WAVE, waves, bk, p[:, 3]), axis=-1)
-    need = np.where(good[:, None], need, 0.0).astype(np.int64)
-    need = np.where(need > 0, np.ceil(6 + (need - 6) * digits).astype(np.int64), 0)
+    return np.stack(node_numbers.written(PLANE_WAVE, waves, bk, p[:, 3]), axis=-1)
+
+
+def _groups(p: np.ndarray, tolerance: float) -> Any:
+    """Quadrature rules with the designs that need them."""
+    digits = min(1.0, (MARGIN - np.log10(tolerance)) / 12.0)
+    need = _nodes(p)
+    need = np.where(need > 0, np.ceil(6 + (need - 6) * digits), 0).astype(np.int64)
     rung = np.where(need > 64, 64, 8)  # few distinct rules: making one takes longer than a design
     need = rung * -(-need // rung)
     keys = need[:, 0] << 32 | need[:, 1]
-    for key in np.unique(keys[good]):
-        group = np.flatnonzero(good & (keys == key))
-        yield (gauss(int(key >> 32)), gauss(int(key & 0xFFFFFFFF))), group
+    for key in np.unique(keys):
+        rules = panels(int(key >> 32)), panels(int(key & 0xFFFFFFFF))
+        yield rules, np.flatnonzero(keys == key)
 
 
-def _helix(swimmer: Swimmer, V: Any, power: Any, body: Any, rate: Any) -> dict[str, Any]:
-    """Results of rigid helices from phase 0: the lateral parts turn with the tail.
+def _plane_waves(solved: Any, good: np.ndarray, body: Any, rate: Any) -> dict[str, Any]:
+    """Results of plane waves, at as many phases as each takes; NaN where even the most do not do.
 
-    In the frame of the tail the twist is constant, so the axis of the screw motion is along
-    ``W + sign rate e_s`` and the swimming speed ``U . (W + sign rate e_s) / |W + sign rate e_s|``.
+    ``solved(rows, phases)`` gives twists, tail powers and, without `body`, drag times speed.
     """
-    V, power = V[:, 0], power[:, 0]
-    sign = swimmer.tail.sign
-    if swimmer.motion.frequency_frame == "lab":
-        rate = rate / (1.0 + sign * V[:, 3])
-    W = V * rate[:, None]
-    mean, amplitude = np.zeros_like(W), np.zeros_like(W)
-    mean[:, ::3] = W[:, ::3]
-    for i in (1, 4):
-        amplitude[:, i] = amplitude[:, i + 1] = np.hypot(W[:, i], W[:, i + 1])
-    mean[np.isnan(W[:, 0])] = amplitude[np.isnan(W[:, 0])] = np.nan
-    spin = W[:, 3:].copy()
-    spin[:, 0] += sign * rate
-    size = np.linalg.norm(spin, axis=1)
-    with np.errstate(invalid="ignore", divide="ignore"):
-        speed = np.abs(np.sum(W[:, :3] * spin, axis=1)) / size
-    total = power * rate**2
-    work = np.einsum("nj,nj,n->n", body[:, 0], W, W[:, 0])
-    return _results(mean, amplitude, speed, total, work, rate)
-
-
-def _plane_wave(swimmer: Swimmer, V: Any, power: Any, body: Any, rate: Any) -> dict[str, Any]:
-    """Results of plane waves from half a period, the other half mirrored in q.
-
-    The motion is planar: heading ``int W_r dt``, displacement ``int R(heading) U dt``.
-    """
-    W = np.concatenate([V, V * MIRROR_Q], axis=1) * rate[:, None, None]
-    m = W.shape[1]
-    mean = W.mean(axis=1)
-    amplitude = _half_peak_to_peak(W)
-    h = np.fft.rfftfreq(m, 1.0 / m)
-    hat = np.fft.rfft(W[:, :, 5], axis=1)
-    hat[:, 1:] /= 1j * h[1:]
-    hat[:, 0] = 0.0
-    with np.errstate(invalid="ignore", divide="ignore"):
-        heading = np.fft.irfft(hat, m, axis=1) / rate[:, None]
-    c, s = np.cos(heading), np.sin(heading)
-    ahead, aside = c * W[..., 0] - s * W[..., 1], s * W[..., 0] + c * W[..., 1]
-    speed = np.hypot(ahead.mean(axis=1), aside.mean(axis=1))
-    total = power.mean(axis=1) * rate**2
-    work = np.einsum("nj,nmj,nm->n", body[:, 0], W, W[..., 0]) / m
-    return _results(mean, amplitude, speed, total, work, rate)
-
-
-def _half_peak_to_peak(W: np.ndarray, finer: int = 8) -> np.ndarray:
-    """Half of peak to peak over the period, by zero-padded interpolation and a parabola."""
-    m = W.shape[1]
-    hat = np.fft.rfft(W, axis=1)
-    fine = np.fft.irfft(hat, m * finer, axis=1) * finer
-    tops = []
-    for sense in (1.0, -1.0):
-        at = np.argmax(sense * fine, axis=1)[:, None]
-        a, b, c = (
-            np.take_along_axis(fine, (at + i) % (m * finer), axis=1)[:, 0] for i in (-1, 0, 1)
-        )
-        bend = a - 2.0 * b + c
-        flat = np.abs(bend) < 1e-300
-        tops.append(b - np.where(flat, 0.0, (a - c) ** 2 / (8.0 * np.where(flat, 1.0, bend))))
-    return (tops[0] - tops[1]) / 2.0
-
-
-def _results(mean: Any, amplitude: Any, speed: Any, power: Any, work: Any, rate: Any) -> dict:
-    with np.errstate(invalid="ignore", divide="ignore"):
-        torque = np.where(rate != 0, power / rate, 0.0 * power)
-        efficiency = np.where(power != 0, work / power, 0.0)
-    results = (mean, amplitude, speed, power, torque, np.where(np.isnan(power), np.nan, efficiency))
-    return dict(zip(OUTPUTS, results))
+    rows, phases, out = np.flatnonzero(good), PHASES, blank(len(good))
+    while len(rows) and phases <= MOST_PHASES:
+        left = []
+        for some in np.array_split(rows, -(-len(rows) * phases // (CHUNK * PHASES))):
+            V, power, *work = solved(some, phases)
+            fine = resolved(V)
+            left.append(some[~fine])
+            if not fine.any():
+                continue
+            done, own = some[fine], [w[fine] for w in work]
+            drag = None if body is None else body[done]
+            results = of_plane_waves(V[fine], power[fine], rate[done], drag, *own)
+            for name, value in results.items():
+                out[name][done] = value
+        rows, phases = np.concatenate(left), 2 * phases
+    return out
 
 
 def _one_by_one(swimmer: Swimmer, arrays: dict[str, Any], n: int) -> dict[str, Any]:
     """Designs without the symmetries: each by its own gait."""
-    out = {name: np.full((n, 6) if "velocity" in name else n, np.nan) for name in OUTPUTS}
-    for i in range(n):
-        try:
+    out = blank(n)
+    with settled(pays(n * ONE_GAIT)), warnings.catch_warnings():
+        warnings.simplefilter("ignore")
+        for i in range(n):
             values = {k: float(v[i if v.size > 1 else 0]) for k, v in arrays.items()}
-            with warnings.catch_warnings():
-                warnings.simplefilter("ignore")
+            try:
                 made = summary(swimmer.with_(values).gait())
-        except (SpecError, MicroswimError):
-            continue
-        for name in OUTPUTS:
-            out[name][i] = made[name]
+            except MicroswimError:
+                continue
+            for name in OUTPUTS:
+                out[name][i] = made[name]
     return out

@@ -21,15 +21,29 @@ from typing import Any
 
 import numpy as np
 
+from microswim.errors import SpecError
 from microswim.gait.gait import Gait
 from microswim.models.rft.helix import FEWEST_WAVES, helix_tail, ramp_nodes
 from microswim.models.rft.plane_wave import wave_phases
-from microswim.models.rft.segment import HELIX, PLANE_WAVE, centreline_tail, node_numbers, wave_tail
+from microswim.models.rft.segment import (
+    HELIX,
+    MOST_NODES,
+    PLANE_WAVE,
+    STEEPEST,
+    centreline_tail,
+    node_numbers,
+    wave_tail,
+)
+from microswim.numerics.compiled import pays
 from microswim.numerics.fourier import MIRROR_Q, add, rotate, series_of, trimmed
-from microswim.numerics.quadrature import gauss
+from microswim.numerics.quadrature import gauss, panels
 from microswim.swimmer.swimmer import SURROUNDINGS, Swimmer
 
 AXIS = np.array([1.0, 0.0, 0.0])
+#: Phases over half a period that resolve the steepest plane wave.
+MOST_PHASES = 768
+#: Seconds of a segment as Python: alone, and at many phases side by side.
+ALONE, TOGETHER = 5e-5, 1.5e-4
 
 
 def parameters(swimmer: Swimmer) -> np.ndarray:
@@ -53,12 +67,25 @@ def body_resistance(swimmer: Swimmer) -> np.ndarray:
 
 
 def rules(swimmer: Swimmer, nodes: int | None = None) -> tuple[Any, Any]:
-    """Quadrature rules for ramp and rest; `nodes` overrides the number on the rest."""
+    """Quadrature rules for ramp and rest; `nodes` overrides the number on the rest.
+
+    Raises
+    ------
+    SpecError
+        If a plane wave is too steep, or has so many turns that it would take too many nodes.
+    """
     tail = swimmer.tail
     numbers = (tail.number_of_waves, tail.amplitude * tail.wavenumber, tail.ramp)
     numbers = [np.max(x.real) if isinstance(x, np.ndarray) else x.real for x in numbers]
-    on_ramp, rest = node_numbers(HELIX if tail.kind == "helix" else PLANE_WAVE, *numbers)
-    return gauss(on_ramp), gauss(rest if nodes is None else nodes)
+    kind = HELIX if tail.kind == "helix" else PLANE_WAVE
+    on_ramp, rest = node_numbers(kind, *numbers)
+    if kind == PLANE_WAVE and numbers[1] > STEEPEST:
+        most = STEEPEST * tail.amplitude / numbers[1]
+        raise SpecError("tail.amplitude", tail.amplitude, f"{most:.4g} at most at this wavelength")
+    if on_ramp + rest > MOST_NODES:
+        most = numbers[0] * MOST_NODES / (on_ramp + rest)
+        raise SpecError("tail.waves", float(numbers[0]), f"{most:.4g} at most at this steepness")
+    return panels(on_ramp), panels(rest) if nodes is None else gauss(nodes)
 
 
 def gait(swimmer: Swimmer, *, nodes: int | None = None, phases: int | None = None) -> Gait:
@@ -78,6 +105,18 @@ def gait(swimmer: Swimmer, *, nodes: int | None = None, phases: int | None = Non
     -------
     Gait
         With ``model = "rft"``.
+
+    Raises
+    ------
+    SpecError
+        If the tail is so steep or has so many turns that it cannot be resolved.
+
+    Notes
+    -----
+    A gait of ordinary size runs as Python, in about a millisecond and without a compiler; one with
+    so many nodes and phases that this would take a tenth of a second runs compiled. Which of the
+    two depends on the swimmer alone, never on earlier calls. Who computes gaits by the thousand one
+    by one calls `microswim.warm_up` first: compiled, a gait takes less than a tenth of that.
     """
     body = body_resistance(swimmer)
     tail = swimmer.tail
@@ -105,7 +144,10 @@ def gait(swimmer: Swimmer, *, nodes: int | None = None, phases: int | None = Non
 def _helix(arc: bool, p: np.ndarray, nodes: int | None, swimmer: Swimmer) -> tuple[Any, ...]:
     waves, bk, ramp = (x.real for x in (p[0] * p[2] / (2.0 * np.pi), p[1] * p[2], p[3]))
     if nodes is not None or waves < FEWEST_WAVES:
-        return wave_tail(HELIX, arc, p, 0.0, *rules(swimmer, nodes))
+        plain = rules(swimmer, nodes)
+        much = pays(ALONE * sum(x.size for x, _ in plain))
+        run = wave_tail.dispatcher if much else wave_tail.written
+        return run(HELIX, arc, p, 0.0, *plain)
     return helix_tail(arc, p, 0.0, gauss(ramp_nodes(waves * ramp, bk, 12.0)))
 
 
@@ -124,7 +166,7 @@ def _deforming(swimmer: Swimmer, nodes: int | None, phases: int | None) -> tuple
         settled = all(
             np.abs(x[-4:]).max() <= 1e-11 * max(np.abs(x).max(), 1e-300) for x in series[:2]
         )
-        if phases or settled or n >= 192:
+        if phases or settled or n >= MOST_PHASES:
             return tuple(trimmed(x) for x in series)
         n *= 2
 
@@ -151,11 +193,11 @@ def _custom_samples(
     local = swimmer.coefficients.local(tail, swimmer.fluid.viscosity)
     c = tuple(f * x for f, x in zip(swimmer.interaction.tail, local))
     edges, waves = tail.edges, tail.number_of_waves
-    panels = []
+    along_s = []
     for a, b in zip(edges, edges[1:]):
-        x, w = gauss(nodes or int(24 + 24 * waves * (b - a)))
-        panels.append((a + (b - a) * x, (b - a) * w))
-    x, w = (np.concatenate(part) for part in zip(*panels))
+        x, w = panels(nodes or int(24 + 24 * waves * (b - a)))
+        along_s.append((a + (b - a) * x, (b - a) * w))
+    x, w = (np.concatenate(part) for part in zip(*along_s))
     P, P_s, U = tail.centreline(tail.length * x[None, :], phases[:, None])
     kind = np.result_type(P, offset, np.float64, *c)
     c = tuple(np.asarray(v, dtype=kind)[()] for v in c)
@@ -172,6 +214,11 @@ def _custom_samples(
 
 def _quadrature(at: Any, ds: np.ndarray, arc: bool, c: Any, spin: float) -> tuple[np.ndarray, ...]:
     """``B_t``, ``F_p``, G at each phase from position, slope and velocity at nodes, (m, n, 3)."""
+    if not pays(TOGETHER * ds.size):
+        beside = (np.moveaxis(v, 0, -1).astype(ds.dtype) for v in at)
+        R, F, G = centreline_tail.written(*beside, ds, arc, c, spin)
+        return np.moveaxis(R, -1, 0), np.moveaxis(F, -1, 0), G
     at = [np.ascontiguousarray(v, dtype=ds.dtype) for v in at]
-    each = [centreline_tail(*(v[j] for v in at), ds, arc, c, spin) for j in range(len(at[0]))]
+    run = centreline_tail.dispatcher
+    each = [run(*(v[j] for v in at), ds, arc, c, spin) for j in range(len(at[0]))]
     return tuple(np.array(part) for part in zip(*each))

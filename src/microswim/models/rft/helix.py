@@ -23,7 +23,7 @@ from microswim.numerics.compiled import FAST, compiled
 #: Below this number of waves the closed integrals lose digits to cancellation.
 FEWEST_WAVES = 0.05
 #: On its ramp; a design that needs more takes the plain quadrature.
-MOST_NODES = 96
+MOST_ON_RAMP = 96
 
 
 @compiled()

@@ -11,12 +11,12 @@ from functools import cache
 from typing import Any
 
 import numpy as np
-from numba import prange
 
-from microswim.models.rft.helix import MOST_NODES, add_constant_part, add_ramp
+from microswim.models.rft.helix import MOST_ON_RAMP, add_constant_part, add_ramp
 from microswim.models.rft.plane_wave import add_wave, fill_nodes
 from microswim.models.rft.segment import HELIX, PLANE_WAVE, add_tip
-from microswim.numerics.compiled import njit
+from microswim.numerics.compiled import prange
+from microswim.numerics.cores import loop
 from microswim.numerics.quadrature import gauss
 from microswim.numerics.solve6 import solve, solve_lanes
 
@@ -27,8 +27,8 @@ BLOCK = 8  #: designs that share scratch arrays
 @cache
 def _ramp_rules() -> tuple[np.ndarray, np.ndarray]:
     """Gauss-Legendre nodes and weights on [0, 1]; row n holds the rule of n nodes."""
-    xi, weight = np.zeros((2, MOST_NODES + 1, MOST_NODES))
-    for n in range(MOST_NODES + 1):
+    xi, weight = np.zeros((2, MOST_ON_RAMP + 1, MOST_ON_RAMP))
+    for n in range(MOST_ON_RAMP + 1):
         xi[n, :n], weight[n, :n] = gauss(n)
     return xi, weight
 
@@ -41,16 +41,16 @@ def solve_helices(
     `p` (n, 11), `body` (n, 6, 6), `counts` (n,) the nodes on each ramp; where the count is negative
     the result is NaN. Returns (n, 6) and (n,).
     """
-    return _helices(arc, p, body, free, counts, *_ramp_rules())
+    return _helices.over(len(p))(arc, p, body, free, counts, *_ramp_rules())
 
 
-@njit(cache=True, parallel=True, error_model="numpy")
+@loop(error_model="numpy")
 def _helices(arc: bool, p: Any, body: Any, free: Any, counts: Any, xi: Any, weight: Any) -> Any:
     n = p.shape[0]
     V = np.empty((n, 6))
     power = np.empty(n)
     for block in prange((n + LANES - 1) // LANES):
-        R, F, trig = np.empty((6, 6)), np.empty((LANES, 6)), np.empty((2, MOST_NODES))
+        R, F, trig = np.empty((6, 6)), np.empty((LANES, 6)), np.empty((2, MOST_ON_RAMP))
         A, U, work = np.empty((6, 6, LANES)), np.empty((6, LANES)), np.empty((2, LANES))
         for l in range(LANES):
             d = min(block * LANES + l, n - 1)  # the last block repeats its last design
@@ -75,7 +75,6 @@ def _helices(arc: bool, p: Any, body: Any, free: Any, counts: Any, xi: Any, weig
     return V, power
 
 
-@njit(cache=True, parallel=True)
 def solve_waves(
     arc: bool, p: Any, body: Any, phases: Any, free: Any, ramp_rule: Any, rule: Any
 ) -> Any:
@@ -83,6 +82,11 @@ def solve_waves(
 
     `p` (n, 11), `body` (n, 6, 6). Returns V (n, m, 6) and the powers (n, m) over the m phases.
     """
+    return _waves.over(len(p) * phases.size // 16)(arc, p, body, phases, free, ramp_rule, rule)
+
+
+@loop()
+def _waves(arc: bool, p: Any, body: Any, phases: Any, free: Any, ramp_rule: Any, rule: Any) -> Any:
     n, m = p.shape[0], phases.size
     V = np.empty((n, m, 6))
     power = np.empty((n, m))

@@ -1,7 +1,6 @@
-"""Some designs before anything is compiled: the kernels run as Python, all designs side by side.
+"""A few designs: the kernels run as Python, all designs side by side.
 
-The same sums with the same quadrature as manydesigns, which is faster once its compiled loops are
-loaded.
+The same sums with the same quadrature as loops_compiled, which is faster once it is loaded.
 """
 
 from __future__ import annotations
@@ -19,7 +18,7 @@ from microswim.numerics.solve6 import solve
 def solve_helices(
     arc: bool, p: np.ndarray, body: np.ndarray, free: np.ndarray, counts: np.ndarray
 ) -> tuple[np.ndarray, np.ndarray]:
-    """As `microswim.manydesigns.solve_helices`."""
+    """As `loops_compiled.solve_helices`."""
     V, power = np.full((len(p), 6), np.nan), np.full(len(p), np.nan)
     for count in np.unique(counts[counts >= 0]):
         group = counts == count
@@ -37,7 +36,7 @@ def solve_waves(
     ramp_rule: Any,
     rule: Any,
 ) -> tuple[np.ndarray, np.ndarray]:
-    """As `microswim.manydesigns.solve_waves`."""
+    """As `loops_compiled.solve_waves`."""
     sums = side_by_side(arc, p.T, phases, ramp_rule, rule)
     solved = [_solved(*at_phase, body, free) for at_phase in zip(*sums)]
     V, power = (np.stack(part, axis=1) for part in zip(*solved))

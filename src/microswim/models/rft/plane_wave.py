@@ -15,28 +15,46 @@ from typing import Any
 import numpy as np
 
 from microswim.models.rft.segment import PLANE_WAVE, add_tip, cosine_sine
-from microswim.numerics.compiled import FAST, compiled
+from microswim.numerics.compiled import FAST, compiled, pays
+
+#: Segments of all phases and designs that are added at once as Python.
+SIDE_BY_SIDE = 4096
+#: Seconds of a segment as Python.
+SEGMENT = 3e-7
 
 
 @compiled(fastmath=FAST)
 def fill_nodes(nodes: Any, p: Any, ramp_rule: Any, rule: Any) -> None:
     """Rows of `nodes`: x, weight, a, a', cos ks, sin ks; `p` as `segment.PARAMETERS`."""
-    L, b, k, ramp, offset = p[0], p[1], p[2], p[3], p[8]
-    m = ramp_rule[0].size
-    for i in range(m):
-        s = ramp * ramp_rule[0][i] * L
-        nodes[0, i] = s + offset
-        nodes[1, i] = L * ramp * ramp_rule[1][i]
-        nodes[2, i] = b * ramp_rule[0][i]
-        nodes[3, i] = b / (ramp * L)
-    for i in range(rule[0].size):
-        s = (ramp + (1.0 - ramp) * rule[0][i]) * L
-        nodes[0, m + i] = s + offset
-        nodes[1, m + i] = L * (1.0 - ramp) * rule[1][i]
-        nodes[2, m + i] = b
-        nodes[3, m + i] = 0 * b
+    m = len(ramp_rule[0])
+    fill_ramp(nodes[:, :m], p, ramp_rule)
+    fill_rest(nodes[:, m:], p, rule)
     for i in range(nodes.shape[1]):
-        nodes[4, i], nodes[5, i] = cosine_sine(k * (nodes[0, i] - offset))
+        nodes[4, i], nodes[5, i] = cosine_sine(p[2] * (nodes[0, i] - p[8]))
+
+
+@compiled(fastmath=FAST)
+def fill_ramp(nodes: Any, p: Any, rule: Any) -> None:
+    """Fill the first rows where the amplitude grows, ``a = b s/(ramp L)``."""
+    L, b, ramp, offset = p[0], p[1], p[3], p[8]
+    for i in range(len(rule[0])):
+        s = ramp * rule[0][i] * L
+        nodes[0, i] = s + offset
+        nodes[1, i] = L * ramp * rule[1][i]
+        nodes[2, i] = b * rule[0][i]
+        nodes[3, i] = b / (ramp * L)
+
+
+@compiled(fastmath=FAST)
+def fill_rest(nodes: Any, p: Any, rule: Any) -> None:
+    """Fill the first rows behind the ramp."""
+    L, b, ramp, offset = p[0], p[1], p[3], p[8]
+    for i in range(len(rule[0])):
+        s = (ramp + (1.0 - ramp) * rule[0][i]) * L
+        nodes[0, i] = s + offset
+        nodes[1, i] = L * (1.0 - ramp) * rule[1][i]
+        nodes[2, i] = b
+        nodes[3, i] = 0 * b
 
 
 @compiled(fastmath=FAST, error_model="numpy")
@@ -113,14 +131,21 @@ def in_a_row(arc: bool, p: Any, phases: Any, ramp_rule: Any, rule: Any) -> Any:
 
 def side_by_side(arc: bool, p: Any, phases: Any, ramp_rule: Any, rule: Any) -> Any:
     """`wave_phases` as Python, all phases at once, and all designs of p (11, n): (m, 6, 6, n)..."""
-    each = p.shape[1:]
-    R = np.zeros((6, 6, phases.size, *each), dtype=p.dtype)
-    F = np.zeros((6, phases.size, *each), dtype=p.dtype)
-    nodes = np.empty((6, ramp_rule[0].size + rule[0].size, *each), dtype=p.dtype)
-    fill_nodes.written(nodes, p, ramp_rule, rule)
-    phases = phases.reshape(-1, *[1] * len(each))
-    G = add_wave.written(R, F, p, nodes, phases, arc)
-    G += add_tip.written(PLANE_WAVE, R, F, p, phases)
+    each, m, n = p.shape[1:], phases.size, ramp_rule[0].size
+    nodes = np.empty((6, n + rule[0].size, *each), dtype=p.dtype)
+    in_rows = [[x.reshape(1, -1, *[1] * len(each)) for x in r] for r in (ramp_rule, rule)]
+    fill_ramp.written(nodes[:, None, :n], p, in_rows[0])
+    fill_rest.written(nodes[:, None, n:], p, in_rows[1])
+    nodes[4], nodes[5] = cosine_sine.written(p[2] * (nodes[0] - p[8]))
+    R, F, G = (np.zeros((*s, m, *each), dtype=p.dtype) for s in ((6, 6), (6,), ()))
+    at = phases.reshape(-1, *[1] * len(each))
+    width = max(1, SIDE_BY_SIDE // max(1, G.size))
+    for part in np.split(nodes, range(width, nodes.shape[1], width), axis=1):
+        own = (m, part.shape[1], *each)
+        R_part, F_part = (np.zeros((*s, *own), dtype=p.dtype) for s in ((6, 6), (6,)))
+        G_part = add_wave.written(R_part, F_part, p, part[:, None, None], at[:, None], arc)
+        R, F, G = R + R_part.sum(axis=3), F + F_part.sum(axis=2), G + G_part.sum(axis=1)
+    G = G + add_tip.written(PLANE_WAVE, R, F, p, at)
     upper = np.triu_indices(6, 1)
     R[upper] = R.swapaxes(0, 1)[upper]
     return np.moveaxis(R, 2, 0), np.moveaxis(F, 1, 0), G
@@ -128,4 +153,6 @@ def side_by_side(arc: bool, p: Any, phases: Any, ramp_rule: Any, rule: Any) -> A
 
 def wave_phases(arc: bool, p: Any, phases: Any, ramp_rule: Any, rule: Any) -> Any:
     """``(B_t, F_p, G)`` of a plane wave at several phases: shapes (m, 6, 6), (m, 6), (m,)."""
-    return (in_a_row if in_a_row.due() else side_by_side)(arc, p, phases, ramp_rule, rule)
+    segments = phases.size * (ramp_rule[0].size + rule[0].size)
+    run = in_a_row.dispatcher if pays(segments * SEGMENT) else side_by_side
+    return run(arc, p, phases, ramp_rule, rule)

@@ -13,6 +13,10 @@ import numpy as np
 from microswim.numerics.compiled import FAST, compiled
 
 HELIX, PLANE_WAVE = 0, 1
+#: Amplitude times wavenumber up to which plane waves are resolved.
+STEEPEST = 25.0
+#: Most nodes of a tail: thousands of turns, unless they are steep.
+MOST_NODES = 100_000
 
 
 @compiled(error_model="numpy")
@@ -24,7 +28,7 @@ def node_numbers(kind: int, waves: Any, bk: Any, ramp: Any) -> tuple[Any, Any]:
     ``sqrt(1 + (bk cos)^2)``, is analytic only to ``arsinh(1/bk)/k`` off the axis, which takes
     nodes in inverse proportion.
     """
-    bk = np.minimum(bk, 12.0)
+    bk = np.minimum(bk, STEEPEST)
     per_wave = 8.0 if kind == HELIX else np.maximum(8.0, 40.0 / np.arcsinh(1.0 / bk))
     on_ramp = (ramp > 0) * np.floor(14.0 + per_wave * waves * ramp + 4.0 * bk)
     return on_ramp, (ramp < 1) * np.floor(14.0 + per_wave * waves * (1.0 - ramp))
@@ -155,11 +159,11 @@ def wave_tail(kind: int, arc: bool, p: Any, phase: Any, ramp_rule: Any, rule: An
     return R, F, G
 
 
-@compiled(first=96, fastmath=FAST)
+@compiled(fastmath=FAST)
 def centreline_tail(X: Any, P_s: Any, U: Any, ds: Any, arc: bool, c: Any, spin: float) -> Any:
     """``(B_t, F_p, G)`` from a centreline on nodes: arrays (n, 3), quadrature weights ds (n,)."""
-    R = np.zeros((6, 6), dtype=X.dtype)
-    F = np.zeros(6, dtype=X.dtype)
+    R = np.zeros((6, 6, *X.shape[2:]), dtype=X.dtype)
+    F = np.zeros((6, *X.shape[2:]), dtype=X.dtype)
     G = 0 * X[0, 0]
     for i in range(ds.size):
         a, b, d = P_s[i, 0], P_s[i, 1], P_s[i, 2]

@@ -22,6 +22,7 @@ from microswim.calibration.unknowns import Unknown, resolve
 from microswim.errors import MicroswimError
 from microswim.gait.gait import Gait
 from microswim.models.rft.gait import gait as surrogate
+from microswim.numerics.compiled import settled
 from microswim.numerics.rigid_motion import multiply, rotation_matrix
 from microswim.studies.identification.first_guesses import first_guesses, initial_poses
 from microswim.studies.identification.paths import path_of, quaternion_of
@@ -34,6 +35,7 @@ FREQUENCY = "tail.frequency"
 LOW = {"tail.amplitude": 1e-9, "tail.waves": 0.3}
 
 
+@settled(True)  # thousands of gaits, one by one
 def identify_swimmer(
     swimmer: Swimmer,
     track: Track,

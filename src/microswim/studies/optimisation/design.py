@@ -17,6 +17,7 @@ from scipy.optimize import minimize as descend
 from scipy.stats import qmc
 
 from microswim.errors import MicroswimError, SpecError
+from microswim.numerics.compiled import settled
 from microswim.numerics.plain import plain
 from microswim.studies.optimisation.merits import of_gait
 from microswim.studies.optimisation.problem import Problem
@@ -103,6 +104,7 @@ class Optimum:
         return plain(found)
 
 
+@settled(True)  # gaits and their derivatives by the hundred
 def design(
     swimmer: Swimmer,
     over: Any,

@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from microswim.errors import MicroswimError, SpecError
+from microswim.numerics.compiled import settled
 from microswim.studies.optimisation.merits import MERITS, of_many
 from microswim.studies.optimisation.problem import Problem
 from microswim.swimmer.swimmer import Swimmer
@@ -18,6 +19,7 @@ if TYPE_CHECKING:
 WORST = 1e30
 
 
+@settled(True)
 def pareto(
     swimmer: Swimmer,
     over: Any,

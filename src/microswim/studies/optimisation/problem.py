@@ -16,13 +16,13 @@ import numpy as np
 
 from microswim.errors import MicroswimError, SpecError
 from microswim.models.rft.batch import PHASES
+from microswim.numerics.complex_step import STEP, derivative_from
 from microswim.studies.optimisation.expressions import Constraint, Expression, constraints, parse
 from microswim.studies.optimisation.merits import known, of_gait, of_many
 from microswim.swimmer.drag.coefficients import Lighthill
 from microswim.swimmer.swimmer import Swimmer
 from microswim.swimmer.variants import KINDS, check_names, vary
 
-STEP = 1e-30
 COARSE = 1e-5  # tolerance of the kernel while searching
 
 
@@ -157,7 +157,7 @@ class Problem:
             [self._stack(at.lifted({k: v + 1j * STEP})) for k, v in numbers.items()], axis=1
         )
         widths = np.array([high - low for low, high in self.ranges.values()])
-        return lifted[:, 0].real, lifted.imag / STEP * widths
+        return lifted[:, 0].real, derivative_from(lifted) * widths
 
     def values(self, numbers: Mapping[str, Any]) -> np.ndarray:
         """First objective and margins for numbers of the spec."""
@@ -167,7 +167,7 @@ class Problem:
         """Exact derivative of `values` with respect to any number of the spec."""
         at = self.swimmer.lifted(dict(numbers))
         value = numbers[name] if name in numbers else at.numbers[name]
-        return np.imag(self._stack(at.lifted({name: value + 1j * STEP}))) / STEP
+        return derivative_from(self._stack(at.lifted({name: value + 1j * STEP})))
 
     def _stack(self, swimmer: Swimmer) -> np.ndarray:
         with warnings.catch_warnings(), np.errstate(all="ignore"):

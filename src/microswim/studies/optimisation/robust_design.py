@@ -14,6 +14,7 @@ import numpy as np
 from scipy.optimize import differential_evolution
 
 from microswim.errors import SpecError
+from microswim.numerics.compiled import settled
 from microswim.studies.optimisation.design import Optimum, outcome
 from microswim.studies.optimisation.merits import of_many
 from microswim.studies.optimisation.problem import Problem
@@ -21,6 +22,7 @@ from microswim.studies.optimisation.robustness import sobol_points, spec_numbers
 from microswim.swimmer.swimmer import Swimmer
 
 
+@settled(True)
 def robust_design(
     swimmer: Swimmer,
     over: Any,

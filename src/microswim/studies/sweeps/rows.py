@@ -16,13 +16,10 @@ import numpy as np
 from microswim.errors import MachineError, MicroswimError, SpecError
 from microswim.gait.screw import screw
 from microswim.jobs.worker import in_words
-from microswim.numerics.compiled import settled
+from microswim.numerics.compiled import much, settled
 from microswim.studies.sweeps.layout import DONE, FAILED, NUMBERS, VECTORS, blank
 from microswim.swimmer.swimmer import Swimmer
 from microswim.swimmer.variants import vary
-
-#: So many rows of the surrogate are done before compiled loops would be loaded.
-FEW = 2000
 
 
 @dataclass(frozen=True)
@@ -37,7 +34,9 @@ class Job:
     @property
     def pays(self) -> bool:
         """Whether to compile for it. The same in every process, and after an interruption."""
-        return self.rows > FEW or self.swimmer.tail.kind == "custom"
+        from microswim.models.rft.batch import as_python
+
+        return much(as_python(self.swimmer, self.rows))
 
 
 def solve_rows(job: Job, columns: Mapping[str, np.ndarray]) -> dict[str, np.ndarray]:

@@ -16,7 +16,7 @@ from __future__ import annotations
 
 import itertools
 from collections.abc import Iterable
-from dataclasses import dataclass
+from dataclasses import dataclass, field, replace
 from typing import Any
 
 import numpy as np
@@ -55,6 +55,10 @@ class Validation:
         Index of a design to the reason why it has no solution.
     against
         Name of the reference model.
+    at
+        Dotted name to the swimmer's own value, for the axes it has one of.
+    axis_units
+        Dotted name to the SI unit of an axis; empty for a dimensionless swimmer.
 
     Examples
     --------
@@ -72,6 +76,8 @@ class Validation:
     stages: dict[str, np.ndarray]
     reasons: dict[int, str]
     against: str = "bem"
+    at: dict[str, float] = field(default_factory=dict)
+    axis_units: dict[str, str] = field(default_factory=dict)
 
     limits = LIMITS
 
@@ -189,7 +195,9 @@ def validate(
     solved = references.gaits(
         list(built.values()), against, folder=folder, workers=workers, progress=progress, **options
     )
-    return _compare(axes, names, dict(zip(built, solved)), built, reasons, against)
+    found = _compare(axes, names, dict(zip(built, solved)), built, reasons, against)
+    own = {n: float(swimmer.numbers[n]) for n in axes if n in swimmer.numbers}
+    return replace(found, at=own)
 
 
 def _designs(swimmer: Swimmer, axes: dict[str, np.ndarray]) -> tuple[list, dict[int, str]]:

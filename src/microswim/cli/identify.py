@@ -76,7 +76,7 @@ def command(
         )
     result = {"swimmer": given.name, "units": swimmer.units, **found.as_dict()}
     if out is not None:
-        _draw(read, found.path, out / PICTURE)
+        _draw(read, found.path, "m" if swimmer.units == "SI" else "", out / PICTURE)
         result["picture"] = str(out / PICTURE)
     if as_json:
         print_json(result)
@@ -96,15 +96,10 @@ def _print(found: Any) -> None:
         click.echo(f"note: {sentence}")
 
 
-def _draw(track: Any, path: Any, file: Path) -> None:
+def _draw(track: Any, path: Any, unit: str, file: Path) -> None:
     """Track and fitted path in the image plane."""
-    from matplotlib.figure import Figure
+    from microswim.output.plots.run import track_and_fit
 
-    figure = Figure(figsize=(5.0, 4.0), layout="constrained")
-    axes = figure.subplots()
-    axes.plot(*track.position[:, :2].T, ".", color="#6E6E6E", ms=3, label="track")
-    axes.plot(*path[:, :2].T, color="#D55E00", lw=1.0, label="fit")
-    axes.set(xlabel="x", ylabel="y", aspect="equal")
-    axes.legend(frameon=False)
+    figure = track_and_fit(track.position, path, unit)
     with _files.appearing(file) as scratch:
         figure.savefig(scratch, dpi=200)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import textwrap
 from collections.abc import Mapping, Sequence
 from typing import TYPE_CHECKING, Any
 
@@ -9,7 +10,8 @@ import numpy as np
 import xarray as xr
 
 from microswim.output.io.surface import surface
-from microswim.output.plots.drawing import STYLE, Camera, draw_surface, scale_bar
+from microswim.output.plots.drawing import Camera, draw_surface, scale_bar
+from microswim.output.plots.style import BLUE, ORANGE, WIDE, blank, few_ticks, look, readable
 from microswim.swimmer.swimmer import Swimmer
 from microswim.swimmer.variants import designs
 
@@ -19,14 +21,7 @@ if TYPE_CHECKING:
 
     from microswim.studies.optimisation.design import Optimum
 
-WIDTH = 7.2
-BLUE, ORANGE, GREY = "#0072B2", "#D55E00", "#777777"
-
-
-def _figure(*size: float) -> Figure:
-    from matplotlib.figure import Figure
-
-    return Figure(figsize=size, layout="constrained")
+STAR = {"color": ORANGE, "mec": "white", "ms": 12, "clip_on": False, "ls": "none", "zorder": 5}
 
 
 def swimmers(axes: Axes, robots: Sequence[Swimmer], names: Sequence[str] = ()) -> None:
@@ -86,44 +81,52 @@ def design_map(
     label
         Name of the colours.
     """
-    import matplotlib as mpl
-
     name, _, component = merit.partition(".")
     values = result[name].sel(component=component) if component else result[name]
     y, x = values.dims
-    with mpl.rc_context(STYLE):
-        figure = _figure(WIDTH, 3.4)
+    with look():
+        figure = blank(WIDE, 3.4)
         if optimum is None:
             axes = figure.subplots()
         else:
             axes, side = figure.subplots(1, 2, width_ratios=[2.2, 1.0])
             swimmers(side, [optimum.swimmer])
-            side.set_title(f"optimum: {optimum.objective} = {optimum.value:.3g}")
-        filled = axes.contourf(result[x], result[y], values, levels=16, cmap="viridis")
-        figure.colorbar(filled, ax=axes, label=label or merit.replace("_", " "))
-        lines = axes.contour(
-            result[x], result[y], values, levels=filled.levels[::3], colors="white", linewidths=0.4
-        )
+            words = f"optimum: {optimum.objective} = {optimum.value:.3g}"
+            side.set_title(textwrap.fill(words, 26))
+        size, colours = _axis(values, label or merit.replace("_", " "))
+        (fx, name_x), (fy, name_y) = (_axis(result[n], str(n)) for n in (x, y))
+        at_x, at_y, shown = fx * result[x], fy * result[y], size * values
+        filled = axes.contourf(at_x, at_y, shown, levels=16, cmap="viridis")
+        figure.colorbar(filled, ax=axes, label=colours)
+        levels = filled.levels[::3]
+        lines = axes.contour(at_x, at_y, shown, levels=levels, colors="white", linewidths=0.4)
         axes.clabel(lines, fontsize=6, fmt="%.3g")
-        _expected(axes, result, x, y)
+        _expected(axes, result, at_x, at_y)
         if region and x in region and y in region:
-            (a, b), (c, d) = region[str(x)], region[str(y)]
+            (a, b), (c, d) = np.multiply(region[str(x)], fx), np.multiply(region[str(y)], fy)
             axes.plot([a, b, b, a, a], [c, c, d, d, c], "w--", lw=1.2, label="calibrated")
         if optimum is not None and {x, y} <= set(optimum.values):
-            axes.plot(
-                *(optimum.values[str(n)] for n in (x, y)),
-                *("*",),
-                color=ORANGE,
-                mec="white",
-                ms=12,
-                clip_on=False,
-                label="optimum",
-                ls="none",
-            )
+            star = fx * optimum.values[str(x)], fy * optimum.values[str(y)]
+            axes.plot(*star, "*", **STAR, label="optimum")
+            _make_room(axes, star)
         if axes.get_legend_handles_labels()[0]:
-            axes.legend(loc="best", labelcolor="white")
-        axes.set(xlabel=str(x), ylabel=str(y))
+            axes.legend(loc="best", frameon=True, facecolor="white", framealpha=0.8)
+        axes.set(xlabel=name_x, ylabel=name_y)
     return figure
+
+
+def _axis(values: xr.DataArray, name: str) -> tuple[float, str]:
+    """Factor and label of an axis; its unit stands in the attribute ``units``."""
+    return readable(values, name, values.attrs.get("units", ""))
+
+
+def _make_room(axes: Axes, place: Sequence[float]) -> None:
+    """Widen the map where a mark lies on its edge, so that the whole mark is seen."""
+    for side, at in zip("xy", place):
+        low, high = getattr(axes, f"get_{side}lim")()
+        margin = 0.05 * (high - low)
+        ends = low - margin * (at < low + margin), high + margin * (at > high - margin)
+        getattr(axes, f"set_{side}lim")(*ends)
 
 
 def _expected(axes: Axes, result: xr.Dataset, x: Any, y: Any) -> None:
@@ -131,9 +134,7 @@ def _expected(axes: Axes, result: xr.Dataset, x: Any, y: Any) -> None:
     error = result.get("expected_error")
     if error is None or not np.isfinite(error.values).any() or np.nanmax(error) < 0.05:
         return
-    lines = axes.contour(
-        result[x], result[y], error, levels=[0.05, 0.1], colors="k", linestyles=["-", "--"]
-    )
+    lines = axes.contour(x, y, error, levels=[0.05, 0.1], colors="k", linestyles=["-", "--"])
     axes.clabel(lines, fontsize=6, fmt=lambda v: f"{100 * v:.0f} % error")
 
 
@@ -149,8 +150,6 @@ def front(result: xr.Dataset, swimmer: Swimmer, drawn: int = 4) -> Figure:
     drawn
         How many designs to draw.
     """
-    import matplotlib as mpl
-
     texts = [text.split(" ", 1)[1] for text in result.attrs["objectives"]]
     wanted = [
         text.replace("maximize", "more is better").replace("minimize", "less is better")
@@ -160,8 +159,8 @@ def front(result: xr.Dataset, swimmer: Swimmer, drawn: int = 4) -> Figure:
     n = result.sizes["design"]
     reach = np.linspace(float(result[y].min()), float(result[y].max()), drawn)
     picked = list(dict.fromkeys(int(np.abs(result[y].values - r).argmin()) for r in reach))[::-1]
-    with mpl.rc_context(STYLE):
-        figure = _figure(WIDTH, 3.4)
+    with look():
+        figure = blank(WIDE, 3.4)
         axes, side = figure.subplots(1, 2, width_ratios=[1.6, 1.0])
         third = result[texts[2]] if len(texts) > 2 else None
         dots = axes.scatter(result[x], result[y], c=BLUE if third is None else third, s=9)
@@ -191,19 +190,19 @@ def sensitivity(optimum: Optimum, most: int = 10) -> Figure:
     most
         How many numbers to show.
     """
-    import matplotlib as mpl
-
     items = list(optimum.sensitivity.items())
     varied = [(k, s) for k, s in items if s.varied]
     shown = [item for item in items if abs(item[1].elasticity) > 1e-6][:most][::-1]
-    with mpl.rc_context(STYLE):
-        figure = _figure(WIDTH, 3.2)
+    with look():
+        figure = blank(WIDE, 3.2)
         left, right = figure.subplots(1, 2, width_ratios=[1.5, 1.0])
         colours = [ORANGE if s.varied else BLUE for _, s in shown]
         left.barh([k for k, _ in shown], [s.elasticity for _, s in shown], color=colours)
         left.axvline(0.0, color="k", lw=0.7)
-        left.set(xlabel=f"% of {optimum.objective} per % of the number", title="held numbers")
-        left.set_title("what the optimum depends on (orange: varied, at a limit)")
+        left.set(xlabel=f"% of {optimum.objective} per % of the number")
+        limited = any(s.varied for _, s in shown)
+        note = " (orange: varied, at a limit)" if limited else ""
+        left.set_title(f"what the optimum depends on{note}")
         room = [100 * (s.room or 0.0) / abs(s.value) for _, s in varied]
         right.barh([k for k, _ in varied], room, color=ORANGE)
         right.set(xlabel="± % that cost 1 % of the objective", title="room of what varied")
@@ -212,13 +211,11 @@ def sensitivity(optimum: Optimum, most: int = 10) -> Figure:
 
 def indices(result: xr.Dataset) -> Figure:
     """Bars of Sobol indices with their 95 % intervals; result of `sobol_indices`."""
-    import matplotlib as mpl
-
     order = np.argsort(result.total.values)
     found = result.isel(name=order)
     at = np.arange(found.sizes["name"])
-    with mpl.rc_context(STYLE):
-        figure = _figure(WIDTH * 0.62, 0.9 + 0.38 * len(at))
+    with look():
+        figure = blank(WIDE * 0.62, 0.9 + 0.38 * len(at))
         axes = figure.subplots()
         for shift, key, colour in [(0.19, "first", BLUE), (-0.19, "total", ORANGE)]:
             axes.barh(
@@ -232,19 +229,22 @@ def indices(result: xr.Dataset) -> Figure:
 
 def robustness(made: xr.Dataset, merit: str = "speed", nominal: float | None = None) -> Figure:
     """Histogram of a merit over made robots, good and bad; result of `robustness`."""
-    import matplotlib as mpl
-
-    values, good = made[merit].values, made.good.values
+    factor, name = _axis(made[merit], merit.replace("_", " "))
+    values, good = factor * made[merit].values, made.good.values
     inside = np.isfinite(values)
     edges = np.histogram_bin_edges(values[inside], 48)
-    with mpl.rc_context(STYLE):
-        figure = _figure(WIDTH * 0.62, 2.6)
+    with look():
+        figure = blank(WIDE * 0.62, 2.6)
         axes = figure.subplots()
-        both = [values[good & inside], values[~good & inside]]
-        axes.hist(both, edges, stacked=True, color=[BLUE, ORANGE], label=["good", "not good"])
+        parts = {"good": (good & inside, BLUE), "not good": (~good & inside, ORANGE)}
+        there = {name: (values[which], colour) for name, (which, colour) in parts.items()}
+        data, colours = zip(*(entry for entry in there.values() if len(entry[0])))
+        names = [name for name, entry in there.items() if len(entry[0])]
+        axes.hist(data, edges, stacked=True, color=colours, label=names)
         if nominal is not None:
-            axes.axvline(nominal, color="k", lw=1, ls="--", label="as designed")
+            axes.axvline(factor * nominal, color="k", lw=1, ls="--", label="as designed")
         part = made.attrs["yield"]
-        axes.set(xlabel=merit.replace("_", " "), ylabel="robots", title=f"yield {100 * part:.1f} %")
+        axes.set(xlabel=name, ylabel="robots", title=f"yield {100 * part:.1f} %")
         axes.legend()
+        few_ticks(axes)
     return figure

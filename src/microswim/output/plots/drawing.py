@@ -12,31 +12,13 @@ import numpy as np
 
 from microswim.gait.readable import prefixed
 from microswim.output.io.surface import BODY, Surface
+from microswim.output.plots.style import BODY as BODY_COLOUR
+from microswim.output.plots.style import TAIL as TAIL_COLOUR
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
 
-STYLE = {
-    "font.family": "sans-serif",
-    "font.size": 8,
-    "axes.titlesize": 9,
-    "axes.labelsize": 8,
-    "axes.linewidth": 0.7,
-    "axes.spines.top": False,
-    "axes.spines.right": False,
-    "xtick.labelsize": 7,
-    "ytick.labelsize": 7,
-    "xtick.major.width": 0.7,
-    "ytick.major.width": 0.7,
-    "legend.fontsize": 7.5,
-    "legend.frameon": False,
-    "lines.linewidth": 1.4,
-    "savefig.dpi": 300,
-    "svg.fonttype": "none",
-    "pdf.fonttype": 42,
-    "mathtext.fontset": "dejavusans",
-}
-COLOURS = {True: "#3f8fc9", False: "#e08a3c"}  # body, tail
+COLOURS = {True: BODY_COLOUR, False: TAIL_COLOUR}
 LIGHT = np.array([-0.35, 0.75, 0.65]) / np.linalg.norm([-0.35, 0.75, 0.65])
 
 

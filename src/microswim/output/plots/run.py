@@ -14,15 +14,23 @@ import xarray as xr
 from microswim.gait.readable import is_dimensionless, label, prefixed
 from microswim.numerics.rigid_motion import rotation_matrix
 from microswim.output.io.surface import surface
-from microswim.output.plots.drawing import STYLE, Camera, draw_surface, scale_bar, triad
+from microswim.output.plots.drawing import Camera, draw_surface, scale_bar, triad
+from microswim.output.plots.style import (
+    BLACK,
+    GREY,
+    LINES,
+    ORANGE,
+    PURPLE,
+    WIDE,
+    blank,
+    few_ticks,
+    look,
+)
 from microswim.swimmer.swimmer import Swimmer
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
-
-WIDTH = 7.2  # inches, two columns
-LINES = (("#0072B2", "-"), ("#D55E00", (0, (5, 1.5))), ("#222222", (0, (5, 1, 1, 1))))
 
 
 def trajectory(run: xr.Dataset, swimmer: Swimmer | None = None) -> Figure:
@@ -48,12 +56,9 @@ def trajectory(run: xr.Dataset, swimmer: Swimmer | None = None) -> Figure:
     >>> ms.plots.trajectory(run, swimmer).axes[1].get_xlabel()
     'sideways'
     """
-    import matplotlib as mpl
-    from matplotlib.figure import Figure
-
     swimmer = _swimmer_of(run) if swimmer is None else swimmer
-    with mpl.rc_context(STYLE):
-        figure = Figure(figsize=(WIDTH, 4.4), layout="constrained")
+    with look():
+        figure = blank(WIDE, 4.4)
         top, bottom = np.ravel(figure.subfigures(2, 1, height_ratios=[1.15, 1.0]))
         basis = _directions(run)
         _scene(top.subplots(), run, swimmer, basis)
@@ -84,11 +89,8 @@ def velocity(run: xr.Dataset) -> Figure:
     >>> ms.plots.velocity(run).axes[0].get_xlabel()
     'phase of the tail (periods)'
     """
-    import matplotlib as mpl
-    from matplotlib.figure import Figure
-
-    with mpl.rc_context(STYLE):
-        figure = Figure(figsize=(WIDTH, 2.5), layout="constrained")
+    with look():
+        figure = blank(WIDE, 2.5)
         linear, angular, power = figure.subplots(1, 3)
         si = run.attrs["units"] == "SI"
         _components(linear, run, slice(0, 3), "velocity", "m/s" if si else "", "u")
@@ -98,6 +100,34 @@ def velocity(run: xr.Dataset) -> Figure:
             axes.set(xlabel="phase of the tail (periods)", xlim=(0, 1))
             _title(axes, letter, "")
         return figure
+
+
+def track_and_fit(track: np.ndarray, path: np.ndarray, unit: str) -> Figure:
+    """Draw a measured track and the fitted path in the image plane.
+
+    Parameters
+    ----------
+    track, path
+        Positions, (n, 2) or (n, 3).
+    unit
+        ``"m"``, or empty for a dimensionless swimmer.
+
+    Returns
+    -------
+    matplotlib.figure.Figure
+        Both in one unit and to scale.
+    """
+    both = np.concatenate([track[:, :2], path[:, :2]])
+    factor, shown = prefixed(float(np.ptp(both, axis=0).max()), unit)
+    with look():
+        figure = blank(5.0, 4.0)
+        axes = figure.subplots()
+        axes.plot(*(factor * track[:, :2].T), ".", color=GREY, ms=3, label="track")
+        axes.plot(*(factor * path[:, :2].T), color=ORANGE, lw=1.0, label="fit")
+        axes.set(xlabel=label("x", shown), ylabel=label("y", shown), aspect="equal")
+        few_ticks(axes)
+        axes.legend()
+    return figure
 
 
 def _swimmer_of(run: xr.Dataset) -> Swimmer | None:
@@ -136,8 +166,8 @@ def _scene(axes: Axes, run: xr.Dataset, swimmer: Swimmer | None, basis: np.ndarr
             mesh = surface(swimmer, float(run.motor_phase[i]), fineness=2.2)
             draw_surface(axes, mesh.moved(x[i], rotation_matrix(q[i])), camera, strength)
     path = camera.project(x)
-    axes.plot(path[:, 0], path[:, 1], color="#1b1b1b", lw=0.8, zorder=2.5, solid_joinstyle="round")
-    axes.plot(*path[0, :2], "o", ms=3.5, mfc="white", mec="#1b1b1b", mew=0.9, zorder=6)
+    axes.plot(path[:, 0], path[:, 1], color=BLACK, lw=0.8, zorder=2.5, solid_joinstyle="round")
+    axes.plot(*path[0, :2], "o", ms=3.5, mfc="white", mec=BLACK, mew=0.9, zorder=6)
     axes.set_aspect("equal")
     axes.set_axis_off()
     axes.margins(0.03, 0.06)
@@ -158,7 +188,7 @@ def _behind(axes: Axes, run: xr.Dataset, basis: np.ndarray) -> None:
     segments = np.stack([across[:-1], across[1:]], axis=1)
     colours = LineCollection(segments, array=_periods(run)[:-1], cmap="cividis", lw=0.8)
     axes.add_collection(colours)
-    axes.plot(*across[0], "o", ms=3.5, mfc="white", mec="#1b1b1b", mew=0.9)
+    axes.plot(*across[0], "o", ms=3.5, mfc="white", mec=BLACK, mew=0.9)
     (left, low), (right, high) = middle - reach, middle + reach
     axes.set(xlim=(left, right), ylim=(low, high))
     axes.set(xlabel=label("sideways", unit), ylabel=label("upwards", unit), aspect="equal")
@@ -221,8 +251,8 @@ def _power(axes: Axes, run: xr.Dataset) -> None:
     factor, unit = prefixed(float(np.abs(values).max()), run.power.attrs["units"])
     turns = run.phase.values / (2.0 * np.pi)
     mean = factor * float(run.mean_power)
-    axes.axhline(mean, color="#7a7a7a", lw=0.6, ls=":")
-    axes.plot(turns, factor * values, color="#CC79A7")
+    axes.axhline(mean, color=GREY, lw=0.6, ls=":")
+    axes.plot(turns, factor * values, color=PURPLE)
     _roomy(axes, np.append(factor * values, 0.0))
     name = "motor power" if is_dimensionless(unit) else f"motor power ({unit})"
     axes.set_ylabel(name)

@@ -2,17 +2,17 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from microswim.errors import SpecError
+from microswim.output.plots.style import BLUE, ORANGE, WIDE, look, panels, readable
 
 if TYPE_CHECKING:
     from microswim.calibration.validate import Validation
 
-COLOURS = ("#0072B2", "#D55E00")
+STAGES = ("resistance", "propulsion", "velocity")
 NAMES = {
     "mean.us": "forward speed",
     "amplitude.uq": "lateral amplitude",
@@ -32,59 +32,65 @@ def error_maps(result: Validation) -> Any:
     SpecError
         If the map has more axes.
     """
-    from matplotlib.figure import Figure
-
     axes = {name: v for name, v in result.over.items() if v.size > 1} or result.over
     if len(axes) > 2:
         raise SpecError("over", list(axes), "one or two axes for a picture; the table holds all")
-    panels = {q: result.error(q) for q in result.quantities}
-    panels |= {name: result.stages[name] for name in ("resistance", "propulsion", "velocity")}
-    columns = max(len(result.quantities), 3)
-    figure = Figure(figsize=(7.2, 4.8), layout="constrained")
-    grid = figure.subplots(2, columns, squeeze=False)
-    for ax in grid.flat:
-        ax.set_visible(False)
-    last = None
-    for i, (name, error) in enumerate(panels.items()):
-        n = len(result.quantities)
-        ax = grid[0, i] if i < n else grid[1, i - n]
-        ax.set_visible(True)
-        values = 100.0 * error.reshape([v.size for v in axes.values()])
-        last = (_line if len(axes) == 1 else _map)(ax, axes, values, result.limits)
-        ax.set_title(NAMES.get(name, name), fontsize=8)
-        ax.tick_params(labelsize=7)
-    if last is not None and len(axes) == 2:
-        bar = figure.colorbar(last, ax=list(grid.flat), shrink=0.8, pad=0.02)
-        bar.set_label("error (%)", fontsize=8)
-        bar.ax.tick_params(labelsize=7)
-        figure.suptitle(f"surrogate against {result.against}; solid: 5 %, dashed: 10 %", fontsize=9)
+    errors = {q: result.error(q) for q in result.quantities}
+    rows = (errors, {name: result.stages[name] for name in STAGES})
+    with look():
+        figure, grid = panels(2, max(len(errors), len(STAGES)), (WIDE, 4.8))
+        last = None
+        for places, panels_of in zip(grid, rows):
+            for ax, (name, error) in zip(places, panels_of.items()):
+                values = 100.0 * error.reshape([v.size for v in axes.values()])
+                last = (_line if len(axes) == 1 else _map)(
+                    ax, _scaled(result, axes), values, result
+                )
+                ax.set_title(NAMES.get(name, name))
+            for ax in places[len(panels_of) :]:
+                ax.set_visible(False)
+        if last is not None and len(axes) == 2:
+            figure.colorbar(last, ax=list(grid.flat), shrink=0.8, pad=0.02, label="error (%)")
+            where = "; star: the design of the spec" if result.at else ""
+            figure.suptitle(
+                f"surrogate against {result.against}; solid: 5 %, dashed: 10 %{where}", fontsize=9
+            )
     return figure
 
 
-def _line(
-    ax: Any, axes: dict[str, np.ndarray], values: np.ndarray, limits: Sequence[float]
-) -> None:
-    (name, x), *_ = axes.items()
-    ax.plot(x, values, "o-", color=COLOURS[0], markersize=3, linewidth=1)
-    for limit, style in zip(limits, ("-", "--")):
-        ax.axhline(100.0 * limit, color=COLOURS[1], linewidth=0.8, linestyle=style)
+def _scaled(result: Validation, axes: dict[str, np.ndarray]) -> dict[str, tuple[Any, Any, str]]:
+    """Values, the swimmer's own (None if not on the axis) and label of each axis, readable."""
+    out = {}
+    for name, values in axes.items():
+        factor, label = readable(values, name, result.axis_units.get(name, ""))
+        own = result.at.get(name)
+        out[name] = (factor * values, None if own is None else factor * own, label)
+    return out
+
+
+def _line(ax: Any, axes: dict[str, Any], values: np.ndarray, result: Validation) -> None:
+    (x, own, label), *_ = axes.values()
+    ax.plot(x, values, "o-", color=BLUE, markersize=3, linewidth=1)
+    for limit, style in zip(result.limits, ("-", "--")):
+        ax.axhline(100.0 * limit, color=ORANGE, linewidth=0.8, linestyle=style)
+    if own is not None:
+        ax.axvline(own, color="k", linewidth=0.8, linestyle=":")
     ax.set_yscale("symlog", linthresh=1.0)
-    ax.set_xlabel(name, fontsize=7)
-    ax.set_ylabel("error (%)", fontsize=7)
+    ax.set(xlabel=label, ylabel="error (%)")
 
 
-def _map(ax: Any, axes: dict[str, np.ndarray], values: np.ndarray, limits: Sequence[float]) -> Any:
+def _map(ax: Any, axes: dict[str, Any], values: np.ndarray, result: Validation) -> Any:
     from matplotlib.colors import LogNorm
 
-    (one, x), (other, y) = axes.items()
+    (x, own_x, label_x), (y, own_y, label_y) = axes.values()
     shown = np.ma.masked_invalid(np.clip(values, 0.1, 100.0).T)
     mesh = ax.pcolormesh(x, y, shown, norm=LogNorm(0.1, 100.0), cmap="cividis", shading="nearest")
     if min(values.shape) > 1:
-        for limit, style in zip(limits, ("-", "--")):
+        for limit, style in zip(result.limits, ("-", "--")):
             if np.nanmin(values) < 100.0 * limit < np.nanmax(values):
-                ax.contour(
-                    x, y, values.T, [100.0 * limit], colors="w", linestyles=style, linewidths=1
-                )
-    ax.set_xlabel(one, fontsize=7)
-    ax.set_ylabel(other, fontsize=7)
+                level = [100.0 * limit]
+                ax.contour(x, y, values.T, level, colors="w", linestyles=style, linewidths=1)
+    if own_x is not None and own_y is not None:
+        ax.plot(own_x, own_y, "*", color=ORANGE, mec="white", ms=9, clip_on=False)
+    ax.set(xlabel=label_x, ylabel=label_y)
     return mesh

@@ -1,9 +1,9 @@
 """The paper, reproduced: one module per table and figure, and the claims it makes.
 
-Every module holds ``compute(context)``, which returns a dict of arrays, and ``plot(result)``, which
-draws it with the paper's axes. `claims` judges each statement of the paper by ``claims.toml``,
-`report` writes one self-contained page. The paper is Tabak & Yesilyurt, "Hydrodynamic Surrogate
-Models for Bio-Inspired Micro-Swimming Robots".
+Every module holds ``compute(context)``, which returns a dict of arrays, ``plot(result)``, which
+draws it with the paper's axes, and its ``TITLE`` and ``CAPTION``. `claims` judges each statement of
+the paper by ``claims.toml``, `report` writes one self-contained page. The paper is Tabak &
+Yesilyurt, "Hydrodynamic Surrogate Models for Bio-Inspired Micro-Swimming Robots".
 """
 
 from __future__ import annotations

@@ -11,8 +11,7 @@ from typing import Any
 import numpy as np
 from matplotlib.figure import Figure
 
-from microswim.studies.paper.context import AMPLITUDE, TAILS, WAVES, Context, swimmer
-from microswim.studies.paper.style import (
+from microswim.output.plots.style import (
     BLUE,
     GREY,
     ORANGE,
@@ -22,8 +21,14 @@ from microswim.studies.paper.style import (
     look,
     panels,
 )
+from microswim.studies.paper.context import AMPLITUDE, TAILS, WAVES, Context, swimmer
 
 TITLE = "Fig. 3. Ratio of the local resistances"
+CAPTION = (
+    "Ratio of the local resistances of Lighthill's slender-body theory, Eqs. (7) and (8), against "
+    "the number of waves and the amplitude. For a plane wave α is averaged over the wavelength, "
+    "as in the paper; dotted: the constant pair."
+)
 
 
 def ratio(tail: str, coefficients: str, changes: dict[str, float]) -> float:

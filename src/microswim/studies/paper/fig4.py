@@ -11,6 +11,7 @@ from typing import Any
 import numpy as np
 from matplotlib.figure import Figure
 
+from microswim.output.plots.style import WIDE, legend_above, letter, look, panels
 from microswim.studies.paper.context import (
     AMPLITUDE,
     PAPER_RANGE,
@@ -23,9 +24,14 @@ from microswim.studies.paper.context import (
     sweep,
     swimmer,
 )
-from microswim.studies.paper.style import LINES, REFERENCE, WIDE, legend_above, letter, look, panels
+from microswim.studies.paper.style import LINES, REFERENCE
 
 TITLE = "Fig. 4. Swimmer with a helical tail"
+CAPTION = (
+    "Helical tails against amplitude (a-c) and number of waves (d-f). Lines: the paper's model "
+    "with either set of coefficients; circles: our boundary elements, in place of the paper's "
+    "CFD."
+)
 AXES = {AMPLITUDE: "amplitude, $b$ / body diameter", WAVES: r"number of waves, $N_\lambda$"}
 ROWS = (
     r"$\overline{u}_s$ ($D_b$ / period)",

@@ -14,6 +14,9 @@ from microswim.studies.paper.context import WAVES, Context, circles, lines, swee
 from microswim.studies.paper.fig4 import six_panels
 
 TITLE = "Fig. 5. Swimmer with a travelling plane wave"
+CAPTION = (
+    "Travelling plane waves, as Fig. 4. The rotation is the amplitude of the body's rate about r."
+)
 ROWS = (
     r"$\overline{u}_s$ ($D_b$ / period)",
     r"$v_{q,\,\mathrm{max}}$ ($D_b$ / period)",

@@ -11,12 +11,16 @@ from typing import Any
 import numpy as np
 from matplotlib.figure import Figure
 
+from microswim.output.plots.style import BLUE, NARROW, ORANGE, look, panels
 from microswim.studies.paper.context import Context, swimmer
-from microswim.studies.paper.style import BLUE, NARROW, ORANGE, look, panels
 from microswim.swimmer.drag.lighthill import lighthill_integrals
 
 THIN = 1e-7  # epsilon of a thin filament; the integrals then differ from their limit by 1e-14
 TITLE = "Fig. 7. Lighthill's integrals"
+CAPTION = (
+    "Lighthill's integrals A₁ and A₂ of Eqs. (27) and (28) against α². The paper does not say "
+    "which ε its curves have: drawn are that of the base case and the limit of a thin filament."
+)
 
 
 def compute(context: Context) -> dict[str, Any]:

@@ -16,10 +16,10 @@ from typing import Any
 import numpy as np
 
 from microswim import __version__
+from microswim.output.plots.style import look
 from microswim.studies.paper import ITEMS, item
 from microswim.studies.paper.claims import Judgement, judge_all, load, shown
 from microswim.studies.paper.context import Context
-from microswim.studies.paper.style import look
 
 _COLOURS = {
     "agrees under reading": "under",
@@ -131,7 +131,7 @@ def _save(figure: Any, path: Path) -> str:
 
 
 def _section(module: Any, result: dict[str, Any], svg: str) -> str:
-    about = html.escape(" ".join((module.__doc__ or "").split()).replace("`", ""))
+    about = html.escape(module.CAPTION)
     tables = "".join(table(result[key]) for key in ("rows", "more", "readings") if result.get(key))
     return f"<h2>{html.escape(module.TITLE)}</h2>\n<p>{about}</p>\n{svg}\n{tables}\n"
 

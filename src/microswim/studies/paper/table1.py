@@ -14,12 +14,17 @@ from matplotlib.patches import Circle
 
 from microswim import data
 from microswim.gait.gait import Gait
+from microswim.output.plots.style import BLUE, GREY, WIDE, letter, look, panels
 from microswim.studies.paper.context import Context, observed, swimmer
-from microswim.studies.paper.style import BLUE, GREY, WIDE, letter, look, panels
 from microswim.swimmer.drag.coefficients import Constant, closed_form
 from microswim.swimmer.swimmer import Swimmer
 
 TITLE = "Table 1. Base case"
+CAPTION = (
+    "The base case to scale with both tails (the paper's Fig. 1). Below: what follows from its "
+    "numbers, and its velocities and forces by our reference, for the four ways in which the "
+    "tail's surface may move."
+)
 MOTIONS = tuple((s, m) for s in ("perpendicular", "sheared") for m in ("rigid", "translating"))
 
 

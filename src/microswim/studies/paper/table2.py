@@ -9,11 +9,12 @@ from matplotlib.figure import Figure
 from matplotlib.patches import Ellipse
 
 from microswim import data
+from microswim.output.plots.style import BLUE, GREY, WIDE, look, panels
 from microswim.studies.paper.context import Context
-from microswim.studies.paper.style import BLUE, GREY, WIDE, look, panels
 from microswim.swimmer.swimmer import Swimmer
 
 TITLE = "Table 2. Specimens of Vibrio alginolyticus"
+CAPTION = "The seven specimens, drawn to one scale."
 SPECIMENS = "ABCDEFG"
 MICRO = 1e6
 

@@ -14,8 +14,7 @@ from matplotlib.figure import Figure
 
 from microswim import data
 from microswim.calibration.calibrate import calibrate
-from microswim.studies.paper.context import SETS, TAILS, Context, observed, swimmer
-from microswim.studies.paper.style import (
+from microswim.output.plots.style import (
     BLUE,
     GREY,
     ORANGE,
@@ -25,8 +24,14 @@ from microswim.studies.paper.style import (
     look,
     panels,
 )
+from microswim.studies.paper.context import SETS, TAILS, Context, observed, swimmer
 
 TITLE = "Table 3. Interaction coefficients"
+CAPTION = (
+    "Interaction coefficients that make Eq. (15) give the velocities of the CFD, and direct "
+    "ratios of force to velocity. The CFD's velocities are printed for the helix alone; beside "
+    "them stand those of our reference."
+)
 PRINTED_CFD = {"mean.us": -0.038, "amplitude.uq": 0.015, "mean.os": -0.4}
 COLUMNS = {
     "helix": ("gamma_N_s", "gamma_N_q", "gamma_R_s"),

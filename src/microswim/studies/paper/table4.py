@@ -12,6 +12,7 @@ import numpy as np
 from matplotlib.figure import Figure
 
 from microswim import data
+from microswim.output.plots.style import BLUE, GREY, WIDE, legend_above, letter, look, panels
 from microswim.studies.paper.context import (
     AMPLITUDE,
     PAPER_RANGE,
@@ -23,9 +24,13 @@ from microswim.studies.paper.context import (
     swimmer,
 )
 from microswim.studies.paper.fig4 import error
-from microswim.studies.paper.style import BLUE, GREY, WIDE, legend_above, letter, look, panels
 
 TITLE = "Table 4. Errors and ranges"
+CAPTION = (
+    "Errors of the model, and the ranges of its velocities over the paper's sweeps. The paper's "
+    "errors are against its own CFD, which was not published; ours are against our reference. The "
+    "ranges are of the model alone."
+)
 QUANTITIES = {
     "helix": ("u_s_mean", "v_q_max", "Omega_s_mean"),
     "plane_wave": ("u_s_mean", "v_q_max", "Omega_r_max"),

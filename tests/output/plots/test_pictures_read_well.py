@@ -1,0 +1,104 @@
+"""No picture cuts its words, lets numbers run into each other or names what it does not draw."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+import xarray as xr
+from matplotlib.backends.backend_agg import FigureCanvasAgg
+
+import microswim as ms
+from microswim.output.plots import design as plots_design
+from microswim.output.plots.run import track_and_fit
+from microswim.output.plots.validation import error_maps
+from microswim.studies.paper import item
+from microswim.studies.paper.context import Context
+
+HELIX = ms.Swimmer.preset("tabak/helix")
+OVER = {"tail.amplitude": (0.02, 0.3), "tail.waves": (0.5, 4.0)}
+
+
+def boxes(texts, renderer):
+    shown = [t for t in texts if t.get_visible() and t.get_text().strip()]
+    return [(t.get_text(), t.get_window_extent(renderer)) for t in shown]
+
+
+def reads_well(figure):
+    """Every word inside the figure, no two numbers of an axis over each other."""
+    canvas = FigureCanvasAgg(figure)
+    canvas.draw()
+    renderer, whole = canvas.get_renderer(), figure.bbox
+    for axes in [a for a in figure.axes if a.get_visible()]:
+        words = [axes.title, axes._left_title, axes.xaxis.label, axes.yaxis.label]
+        for text, box in boxes(words, renderer):
+            assert box.x0 >= whole.x0 - 1, text
+            assert box.x1 <= whole.x1 + 1, text
+            assert box.y1 <= whole.y1 + 1, text
+        if axes.axison:
+            numbers = boxes(axes.get_xticklabels(), renderer)
+            for (one, a), (other, b) in zip(numbers, numbers[1:]):
+                assert a.x1 <= b.x0 or b.x1 <= a.x0, (one, other)
+    return True
+
+
+@pytest.fixture(scope="module")
+def best():
+    """An objective with a long name; its optimum lies at the edge of what may vary."""
+    wish = "speed / torque + 0 * tail.amplitude"
+    return ms.design(HELIX, OVER, maximize=wish, subject_to="tail.amplitude >= 0.25", samples=64)
+
+
+def test_a_map_with_its_optimum(best):
+    axes = {"tail.amplitude": np.linspace(0.02, 0.25, 6), "tail.waves": np.linspace(0.5, 4.0, 7)}
+    result = ms.sweep(HELIX, axes)
+    figure = plots_design.design_map(result, optimum=best)
+    assert reads_well(figure)
+    low, high = figure.axes[0].get_ylim()
+    assert low < best.values["tail.amplitude"] < high  # the whole star is on the map
+    micro = result.assign_coords(
+        {"tail.amplitude": ("tail.amplitude", axes["tail.amplitude"] * 1e-5, {"units": "m"})}
+    )
+    assert plots_design.design_map(micro).axes[0].get_ylabel() == "tail.amplitude (µm)"
+
+
+def test_a_histogram_names_the_robots_there_are():
+    values = 0.0671234 + 1e-5 * np.random.default_rng(0).normal(size=256)
+    made = xr.Dataset(
+        {"speed": ("sample", values), "good": ("sample", np.ones(256, dtype=bool))},
+        attrs={"yield": 1.0},
+    )
+    figure = plots_design.robustness(made, "speed", 0.0671234)
+    assert reads_well(figure)
+    words = [t.get_text() for t in figure.axes[0].get_legend().get_texts()]
+    assert words == ["as designed", "good"] or words == ["good", "as designed"]
+
+
+def test_a_track_far_from_the_origin():
+    t = np.linspace(0.0, 1.0, 60)
+    track = np.stack([1e-5 * t, 1e-6 * np.sin(20 * t)], axis=-1) + 2.345e-3
+    figure = track_and_fit(track, track, "m")
+    assert reads_well(figure)
+    assert figure.axes[0].get_xlabel() == "x (µm)"
+
+
+def test_maps_of_a_validation():
+    over = {"tail.amplitude": [0.05, 0.1, 0.15], "tail.waves": [2.0, 3.0]}
+    result = ms.validate(HELIX, over, "rft", workers=0)
+    assert result.at == {"tail.amplitude": 0.1, "tail.waves": 3.0}
+    figure = error_maps(replace(result, axis_units={"tail.amplitude": "m"}))
+    assert reads_well(figure)
+    assert figure.axes[0].get_xlabel() == "tail.amplitude (mm)"
+    star = figure.axes[0].lines[-1]
+    assert (star.get_xdata()[0], star.get_ydata()[0]) == pytest.approx((100.0, 3.0))
+
+
+@pytest.mark.parametrize("name", ["table1", "table2", "fig2", "fig3", "fig4", "fig5", "fig7"])
+@pytest.mark.filterwarnings("ignore::microswim.ValidityWarning")
+def test_figures_of_the_paper(name):
+    """Without reference circles their name is not in the legend either."""
+    module = item(name)
+    figure = module.plot(module.compute(Context(circles=False)))
+    assert reads_well(figure)
+    words = [t.get_text() for legend in figure.legends for t in legend.get_texts()]
+    assert not any("boundary elements" in word for word in words)
+    assert "`" not in module.CAPTION

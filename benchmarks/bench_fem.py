@@ -278,7 +278,7 @@ def film(folder="out"):
 
     flows = Path(folder) / "flow"
     options = {"periods": 1, "steps_per_period": 20, "checkpoint_every": 2, "vtk": flows}
-    fem.swim(base("sheared", density=10.0), progress=True, **options)
+    fem.swim(base("sheared", density=10.0), progress=print, **options)
     picture.render(picture.flow_files(flows)[-1], Path(folder) / "flow.png")
     picture.animate(flows, Path(folder) / "flow.gif")
 

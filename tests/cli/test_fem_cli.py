@@ -100,7 +100,7 @@ def test_what_is_missing_is_said_before_any_work(spec, tmp_path, monkeypatch):
     assert 'pip install "microswim[viz]"' in line
     monkeypatch.setattr(fem, "find_spec", lambda name: None)
     for command in (("run", spec, "--model", "fem"), ("swim", spec)):
-        assert 'pip install "microswim[fem]"' in refusal(call(*command))
+        assert 'pip install "microswim[fem]"' in refusal(call(*command), status=1)
     assert not (tmp_path / "a").exists()
 
 

@@ -1,4 +1,4 @@
-"""The doors: the only places where a swimmer reaches up to what is built on it.
+"""The doors: the only places where a swimmer or a solution reaches up to what is built on it.
 
 ``swimmer.gait()`` is a shortcut for people: the model is imported on call, by the name in this
 table, so that nothing here depends on the models.
@@ -16,6 +16,9 @@ MODELS = {
 }
 READ = "microswim.spec.file:read"
 READ_PRESET = "microswim.spec.file:read_preset"
+POLY_DATA = "microswim.output.io.vtk:poly_data"
+IMAGE_DATA = "microswim.output.io.vtk:image_data"
+COLLECTION = "microswim.output.io.vtk:collection"
 UNPACK_REGION = "microswim.calibration.region.text:unpack"
 
 

@@ -291,15 +291,20 @@ def test_no_slip_on_the_swimmer_and_rest_far_away(rough):
 
 
 def test_files_and_picture(rough, tmp_path):
+    """As VTK itself reads them."""
     import matplotlib
 
+    pyvista = pytest.importorskip("pyvista", reason="needs the extra viz")
     matplotlib.use("Agg")
-    surface = rough.to_vtk(tmp_path / "surface.vtk", side=3).read_text().splitlines()
-    assert surface[4] == f"POINTS {9 * rough.surface.patches} double"
-    assert len(surface) == 5 + 9 * rough.surface.patches * 4 + 4 * rough.surface.patches + 6
-    field = rough.field_to_vtk(tmp_path / "field.vtk", [-1, 1, 1], [1, 2, 2], (3, 2, 2))
-    last = np.array(field.read_text().splitlines()[-1].split(), float)
-    assert np.allclose(last, rough.velocity(np.array([1.0, 2.0, 2.0])), rtol=1e-6)
+    surface = pyvista.read(rough.to_vtk(tmp_path / "surface", side=3))
+    assert surface.n_points == 9 * rough.surface.patches
+    assert surface.n_cells == 4 * rough.surface.patches
+    assert surface["traction"].shape == surface["velocity"].shape == (surface.n_points, 3)
+    assert set(np.unique(surface["tail"])) == {0, 1}
+    field = pyvista.read(rough.field_to_vtk(tmp_path / "field", [-1, 1, 1], [1, 2, 2], (3, 2, 2)))
+    assert field.points[1] == pytest.approx([0.0, 1.0, 1.0])
+    assert field["velocity"][1] == pytest.approx(rough.velocity(np.array([0.0, 1.0, 1.0])))
+    assert field["velocity"][-1] == pytest.approx(rough.velocity(np.array([1.0, 2.0, 2.0])))
     figure = rough.picture("sr", resolution=12)
     assert figure.axes[0].get_xlabel() == "s"
 

@@ -54,7 +54,7 @@ def test_a_map_with_its_optimum(best):
     figure = plots_design.design_map(result, optimum=best)
     assert reads_well(figure)
     low, high = figure.axes[0].get_ylim()
-    assert low < best.values["tail.amplitude"] < high  # the whole star is on the map
+    assert high - best.values["tail.amplitude"] > 0.02 * (high - low)  # the star is on the map
     micro = result.assign_coords(
         {"tail.amplitude": ("tail.amplitude", axes["tail.amplitude"] * 1e-5, {"units": "m"})}
     )
@@ -62,23 +62,24 @@ def test_a_map_with_its_optimum(best):
 
 
 def test_a_histogram_names_the_robots_there_are():
-    values = 0.0671234 + 1e-5 * np.random.default_rng(0).normal(size=256)
+    values = 6.7123e-4 + 1.1e-6 * np.random.default_rng(0).normal(size=256)
     made = xr.Dataset(
         {"speed": ("sample", values), "good": ("sample", np.ones(256, dtype=bool))},
         attrs={"yield": 1.0},
     )
-    figure = plots_design.robustness(made, "speed", 0.0671234)
+    figure = plots_design.robustness(made, "speed", 6.7123e-4)
     assert reads_well(figure)
-    words = [t.get_text() for t in figure.axes[0].get_legend().get_texts()]
-    assert words == ["as designed", "good"] or words == ["good", "as designed"]
+    legend = figure.axes[0].get_legend()
+    assert legend is not None
+    assert {t.get_text() for t in legend.get_texts()} == {"as designed", "good"}
 
 
 def test_a_track_far_from_the_origin():
     t = np.linspace(0.0, 1.0, 60)
-    track = np.stack([1e-5 * t, 1e-6 * np.sin(20 * t)], axis=-1) + 2.345e-3
+    track = np.stack([1e-6 * np.sin(20 * t), 1e-5 * t], axis=-1) + 2.345e-3
     figure = track_and_fit(track, track, "m")
     assert reads_well(figure)
-    assert figure.axes[0].get_xlabel() == "x (µm)"
+    assert figure.axes[0].get_xlabel() == "x from the start (µm)"
 
 
 def test_maps_of_a_validation():

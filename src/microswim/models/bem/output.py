@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 
 from microswim.models.bem.element import chebyshev_nodes, lagrange
 from microswim.models.bem.surface import Surface
+from microswim.swimmer import doors
 
 if TYPE_CHECKING:
     from microswim.models.bem.solution import Solution
@@ -40,56 +41,33 @@ def _quads(patches: int, side: int) -> NDArray[np.int64]:
     return (one[None] + side * side * np.arange(patches)[:, None, None]).reshape(-1, 4)
 
 
-def _lines(values: Array) -> str:
-    return "\n".join(" ".join(f"{x:.9g}" for x in row) for row in np.atleast_2d(values)) + "\n"
-
-
 def write_surface(solution: Solution, path: str | Path, side: int = 6) -> Path:
-    """Write the surface with traction, velocity and part (0 body, 1 tail) as legacy VTK
-    polydata.
-    """
+    """Write the surface with traction, velocity and tail (0 body, 1 tail) as a ``.vtp`` file."""
     s = solution.surface
-    points = positions(s, side).reshape(-1, 3)
-    traction = sampled(s, solution.traction(), side).reshape(-1, 3)
-    velocity = sampled(s, solution.surface_velocity(), side).reshape(-1, 3)
-    quads = _quads(s.patches, side)
-    part = np.repeat(s.on_tail.astype(float), side * side)[:, None]
-    text = [
-        "# vtk DataFile Version 3.0\nmicroswim boundary elements\nASCII\nDATASET POLYDATA\n",
-        f"POINTS {len(points)} double\n",
-        _lines(points),
-        f"POLYGONS {len(quads)} {5 * len(quads)}\n",
-        "\n".join("4 " + " ".join(map(str, q)) for q in quads.tolist()) + "\n",
-        f"POINT_DATA {len(points)}\nVECTORS traction double\n",
-        _lines(traction),
-        "VECTORS velocity double\n",
-        _lines(velocity),
-        "SCALARS tail double 1\nLOOKUP_TABLE default\n",
-        _lines(part),
-    ]
-    path = Path(path)
-    path.write_text("".join(text), encoding="ascii")
-    return path
+    data = {
+        "traction": sampled(s, solution.traction(), side).reshape(-1, 3),
+        "velocity": sampled(s, solution.surface_velocity(), side).reshape(-1, 3),
+        "tail": np.repeat(s.on_tail.astype(np.uint8), side * side),
+    }
+    points, quads = positions(s, side).reshape(-1, 3), _quads(s.patches, side)
+    text = doors.go(doors.POLY_DATA, points, polys=quads, point_data=data)
+    return _written(Path(path).with_suffix(".vtp"), text)
 
 
 def write_field(
     solution: Solution, path: str | Path, low: Array, high: Array, counts: tuple[int, int, int]
 ) -> Path:
-    """Write the velocity of the fluid on a box of points as legacy VTK structured points."""
+    """Write the velocity of the fluid on a box of points as a ``.vti`` file."""
     axes = [np.linspace(a, b, n) for a, b, n in zip(low, high, counts, strict=True)]
     grid = np.stack(np.meshgrid(*axes, indexing="ij"), axis=-1)
     u = solution.velocity(grid).transpose(2, 1, 0, 3).reshape(-1, 3)
-    step = [float(a[1] - a[0]) if a.size > 1 else 1.0 for a in axes]
-    text = [
-        "# vtk DataFile Version 3.0\nmicroswim flow\nASCII\nDATASET STRUCTURED_POINTS\n",
-        "DIMENSIONS {} {} {}\n".format(*counts),
-        "ORIGIN {} {} {}\n".format(*(float(a[0]) for a in axes)),
-        "SPACING {} {} {}\n".format(*step),
-        f"POINT_DATA {len(u)}\nVECTORS velocity double\n",
-        _lines(u),
-    ]
-    path = Path(path)
-    path.write_text("".join(text), encoding="ascii")
+    step = np.array([float(a[1] - a[0]) if a.size > 1 else 1.0 for a in axes])
+    text = doors.go(doors.IMAGE_DATA, np.asarray(low, float), step, counts, {"velocity": u})
+    return _written(Path(path).with_suffix(".vti"), text)
+
+
+def _written(path: Path, text: str) -> Path:
+    path.write_text(text, encoding="ascii")
     return path
 
 

@@ -240,15 +240,13 @@ class Solution:
         return rigid_modes(self.surface.nodes, self.centre) @ V + self.surface.node_motion * rate
 
     def to_vtk(self, path: str | Path, side: int = 6) -> Path:
-        """Write the surface with traction and velocity as VTK; see `flow.write_field` for the
-        fluid.
-        """
+        """Write the surface with traction and velocity for ParaView, ``path`` with ``.vtp``."""
         return flow.write_surface(self, path, side)
 
     def field_to_vtk(
         self, path: str | Path, low: Array, high: Array, counts: tuple[int, int, int]
     ) -> Path:
-        """Write the velocity of the fluid on a box of counts points from low to high as VTK."""
+        """Write the fluid's velocity on a box of points for ParaView, ``path`` with ``.vti``."""
         return flow.write_field(self, path, low, high, counts)
 
     def picture(self, plane: str = "sq", **options: Any) -> Any:

@@ -12,6 +12,7 @@ import numpy as np
 
 from microswim.errors import MicroswimError, SpecError
 from microswim.models.fem.stokes import SWIMMER, Stokes
+from microswim.swimmer import doors
 
 
 def write(flow: Stokes, solution: np.ndarray, path: str | Path) -> Path:
@@ -56,17 +57,14 @@ def write_collection(folder: str | Path, step: float) -> list[Path]:
     step
         Time step between two numbers of their names.
     """
-    files, written = flow_files(folder), []
-    head = '<VTKFile type="Collection" version="1.0" byte_order="LittleEndian"><Collection>'
+    folder, written = Path(folder), []
     for name, ending in (("flow", ".vtu"), ("skin", ".skin.vtu")):
-        entries = [
-            f'<DataSet timestep="{step * step_of(f)!r}" part="0" '
-            f'file="{Path(folder).name}/{f.with_suffix(ending).name}"/>'
-            for f in files
+        frames = [
+            (step * step_of(f), f"{folder.name}/{f.with_suffix(ending).name}")
+            for f in flow_files(folder)
         ]
-        text = ['<?xml version="1.0"?>', head, *entries, "</Collection></VTKFile>", ""]
-        written.append(Path(folder).parent / f"{name}.pvd")
-        written[-1].write_text("\n".join(text), encoding="ascii")
+        written.append(folder.parent / f"{name}.pvd")
+        written[-1].write_text(doors.go(doors.COLLECTION, frames), encoding="ascii")
     return written
 
 

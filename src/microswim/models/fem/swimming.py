@@ -24,7 +24,6 @@ from microswim.models.fem.mesh import Level, Outline, level_named
 from microswim.models.fem.navier_stokes import Past, Step
 from microswim.models.fem.record import March, dataset, load_march, save_march
 from microswim.models.fem.stokes import Stokes
-from microswim.models.fem.watch import watched
 from microswim.swimmer.geometry.surroundings import Channel
 
 
@@ -146,7 +145,7 @@ def swim(
     checkpoint: str | Path | None = None,
     checkpoint_every: int = 8,
     vtk: str | Path | None = None,
-    progress: bool | Callable[[int, int], None] | None = None,
+    progress: Callable[[int, int], None] | None = None,
 ) -> xr.Dataset:
     """Swim from rest with the fluid's inertia (`fluid.density`); velocities and forces in time.
 
@@ -171,7 +170,7 @@ def swim(
     vtk
         Folder for the flow at every checkpoint, as ``.vtu``.
     progress
-        True for a bar with the time left, or a function ``progress(done, of)``.
+        Called as ``progress(done, of)`` after each step.
 
     Returns
     -------
@@ -187,15 +186,15 @@ def swim(
     march = load_march(checkpoint, run) or run.start()
     if vtk:
         forget_flows_after(march.step, Path(vtk))
-    with watched(progress, total) as tell:
-        while march.step < total:
-            march = run.step(march)
-            kept = march.step % checkpoint_every == 0 or march.step == total
-            if vtk and kept:  # first, so that a checkpoint vouches for the flow files up to it
-                write_vtk(run.flow, run.solution, Path(vtk) / f"flow-{march.step:05d}")
-            if checkpoint and kept:
-                save_march(checkpoint, march, run)
-            tell(march.step, total)
+    while march.step < total:
+        march = run.step(march)
+        kept = march.step % checkpoint_every == 0 or march.step == total
+        if vtk and kept:  # first, so that a checkpoint vouches for the flow files up to it
+            write_vtk(run.flow, run.solution, Path(vtk) / f"flow-{march.step:05d}")
+        if checkpoint and kept:
+            save_march(checkpoint, march, run)
+        if progress is not None:
+            progress(march.step, total)
     info = {"level": str(level), "unknowns": run.flow.unknowns, "elements": run.flow.mesh.ne}
     return dataset(run, march, {**info, "wall_seconds": time.perf_counter() - began})
 

@@ -1,11 +1,12 @@
-"""VTK files for ParaView: the swimmer in time (XML PolyData, a .pvd collection) and its path.
+"""VTK files for ParaView, the one writer: surfaces and lines, fields on a box, series in time.
 
-Written here, since it takes a page. Binary, little-endian, base64.
+Written here, since it takes a page: XML, binary, little-endian, base64.
 """
 
 from __future__ import annotations
 
 import base64
+from collections.abc import Iterable
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -56,8 +57,6 @@ def poly_data(
     count = {name: 0 if c is None else len(c) for name, c in cells.items()}
     piece = f'NumberOfPoints="{len(points)}" NumberOfLines="{count["Lines"]}"'
     out = [
-        '<?xml version="1.0"?>',
-        '<VTKFile type="PolyData" version="1.0" byte_order="LittleEndian" header_type="UInt32">',
         f'<PolyData><Piece {piece} NumberOfPolys="{count["Polys"]}">',
         *("<Points>", _array("position", points), "</Points>"),
     ]
@@ -66,10 +65,63 @@ def poly_data(
             offsets = np.arange(1, len(c) + 1, dtype="<i4") * np.shape(c)[1]
             indices = _array("connectivity", np.asarray(c, dtype="<i4").reshape(-1))
             out += [f"<{name}>", indices, _array("offsets", offsets), f"</{name}>"]
-    for tag, data in (("PointData", point_data), ("CellData", cell_data)):
-        if data:
-            out += [f"<{tag}>", *(_array(k, v) for k, v in data.items()), f"</{tag}>"]
-    return "\n".join([*out, "</Piece></PolyData>", "</VTKFile>", ""])
+    out += _data("PointData", point_data) + _data("CellData", cell_data)
+    return _file("PolyData", [*out, "</Piece></PolyData>"])
+
+
+def image_data(
+    low: np.ndarray, step: np.ndarray, counts: tuple[int, int, int], data: dict[str, np.ndarray]
+) -> str:
+    """Text of a ``.vti`` file: fields on a box of points.
+
+    Parameters
+    ----------
+    low, step
+        First corner, and distance of the points along each axis.
+    counts
+        Points along each axis.
+    data
+        Named arrays of one row per point, the first axis running fastest.
+
+    Returns
+    -------
+    str
+        XML.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> from microswim.output.io.vtk import image_data
+    >>> "ImageData" in image_data(np.zeros(3), np.ones(3), (2, 1, 1), {"u": np.zeros((2, 3))})
+    True
+    """
+    extent = " ".join(f"0 {n - 1}" for n in counts)
+    origin, spacing = (" ".join(f"{float(x)!r}" for x in v) for v in (low, step))
+    head = f'<ImageData WholeExtent="{extent}" Origin="{origin}" Spacing="{spacing}">'
+    inside = [head, f'<Piece Extent="{extent}">', *_data("PointData", data)]
+    return _file("ImageData", [*inside, "</Piece></ImageData>"])
+
+
+def collection(frames: Iterable[tuple[float, str]]) -> str:
+    """Text of a ``.pvd`` file: the files of a series with their times.
+
+    Examples
+    --------
+    >>> from microswim.output.io.vtk import collection
+    >>> 'timestep="0.5"' in collection([(0.5, "flow/a.vtu")])
+    True
+    """
+    entries = [f'<DataSet timestep="{t!r}" part="0" file="{name}"/>' for t, name in frames]
+    return _file("Collection", ["<Collection>", *entries, "</Collection>"])
+
+
+def _file(kind: str, inside: list[str]) -> str:
+    head = f'<VTKFile type="{kind}" version="1.0" byte_order="LittleEndian" header_type="UInt32">'
+    return "\n".join(['<?xml version="1.0"?>', head, *inside, "</VTKFile>", ""])
+
+
+def _data(tag: str, data: dict[str, np.ndarray] | None) -> list[str]:
+    return [f"<{tag}>", *(_array(k, v) for k, v in data.items()), f"</{tag}>"] if data else []
 
 
 def _array(name: str, values: np.ndarray) -> str:
@@ -104,7 +156,7 @@ def write_swimmer(folder: Path, swimmer: Swimmer, run: xr.Dataset, frames: int =
     (folder / "vtk").mkdir()
     time, x, q = run.time.values, run.position.values, run.quaternion.values
     pick = np.unique(np.linspace(0, len(time) - 1, min(frames, len(time))).astype(int))
-    entries = []
+    series: list[tuple[float, str]] = []
     for number, i in enumerate(pick):
         mesh = surface(swimmer, float(run.motor_phase[i]), fineness=0.75)
         mesh = mesh.moved(x[i], rotation_matrix(q[i]))
@@ -112,12 +164,10 @@ def write_swimmer(folder: Path, swimmer: Swimmer, run: xr.Dataset, frames: int =
         points, part = mesh.points.astype("<f4"), mesh.part.astype("|u1")
         text = poly_data(points, polys=mesh.quads, cell_data={"part": part})
         (folder / name).write_text(text, encoding="ascii")
-        entries.append(f'<DataSet timestep="{float(time[i])!r}" part="0" file="{name}"/>')
+        series.append((float(time[i]), name))
     path = poly_data(
         x.astype("<f8"), lines=np.arange(len(x))[None], point_data={"time": time.astype("<f8")}
     )
     (folder / "path.vtp").write_text(path, encoding="ascii")
-    collection = '<VTKFile type="Collection" version="1.0" byte_order="LittleEndian"><Collection>'
-    text = ['<?xml version="1.0"?>', collection, *entries, "</Collection></VTKFile>", ""]
-    (folder / "swimmer.pvd").write_text("\n".join(text), encoding="ascii")
+    (folder / "swimmer.pvd").write_text(collection(series), encoding="ascii")
     return folder / "swimmer.pvd"

@@ -115,17 +115,18 @@ def track_and_fit(track: np.ndarray, path: np.ndarray, unit: str) -> Figure:
     Returns
     -------
     matplotlib.figure.Figure
-        Both in one unit and to scale.
+        Both from the first point of the track, in one unit and to scale.
     """
-    both = np.concatenate([track[:, :2], path[:, :2]])
-    factor, shown = prefixed(float(np.ptp(both, axis=0).max()), unit)
+    track, path = (x[:, :2] - track[0, :2] for x in (track, path))
+    factor, shown = prefixed(float(np.abs(track).max()), unit)
     with look():
         figure = blank(5.0, 4.0)
         axes = figure.subplots()
-        axes.plot(*(factor * track[:, :2].T), ".", color=GREY, ms=3, label="track")
-        axes.plot(*(factor * path[:, :2].T), color=ORANGE, lw=1.0, label="fit")
-        axes.set(xlabel=label("x", shown), ylabel=label("y", shown), aspect="equal")
-        few_ticks(axes)
+        axes.plot(*(factor * track.T), ".", color=GREY, ms=3, label="track")
+        axes.plot(*(factor * path.T), color=ORANGE, lw=1.0, label="fit")
+        axes.set(aspect="equal")
+        axes.set(**{f"{x}label": label(f"{x} from the start", shown) for x in "xy"})
+        few_ticks(axes, 3)
         axes.legend()
     return figure
 

@@ -15,6 +15,8 @@ from typing import TYPE_CHECKING, Any
 
 from microswim.gait.gait import DEGREES_OF_FREEDOM
 from microswim.gait.readable import quantity, significant
+from microswim.output.report.document import document
+from microswim.output.report.document import table as document_table
 from microswim.swimmer.swimmer import Swimmer
 
 if TYPE_CHECKING:
@@ -239,17 +241,13 @@ def page(
     style = files(__package__).joinpath("report.css").read_text(encoding="utf-8")
     spec = escape(run.attrs.get("spec", "").strip()) or "given in Python, without a spec file"
     parts = [
-        "<!doctype html>",
-        f'<html lang="en"><head><meta charset="utf-8"><title>{escape(name)} swims</title>',
-        '<meta name="viewport" content="width=device-width, initial-scale=1">',
-        f"<style>{style}</style></head><body><main>",
-        f"<header><p>microswim report</p><h1>{escape(name)}</h1>{_paragraph(lead)}</header>",
+        f"<main><header><p>microswim report</p><h1>{escape(name)}</h1>{_paragraph(lead)}</header>",
         *(first, *figures, *others),
         f"<section><h2>Specification</h2><pre>{spec}</pre></section>",
         _table(Table("Provenance", ("", ""), made)),
-        "</main></body></html>\n",
+        "</main>",
     ]
-    return "\n".join(parts)
+    return document(f"{name} swims", style, parts)
 
 
 def _paragraph(text: str) -> str:
@@ -263,16 +261,14 @@ def _figure(caption: str, data: bytes) -> str:
 
 
 def _table(table: Table) -> str:
-    head = "".join(f'<th scope="col">{_symbols(h)}</th>' for h in table.header)
-    head = f"<thead><tr>{head}</tr></thead>" if any(table.header) else ""
     rows = []
     for first, *rest in table.rows:
         cells = "".join(f"<td>{_symbols(cell)}</td>" for cell in rest)
         rows.append(f'<tr><th scope="row">{_symbols(first)}</th>{cells}</tr>')
     note = f'<p class="note">{escape(table.note)}</p>' if table.note else ""
-    body = f"<table>{head}<tbody>{''.join(rows)}</tbody></table>"
+    body = document_table([_symbols(h) for h in table.header], rows)
     title = f"<h2>{escape(table.title)}</h2>"
-    return f'<section>{title}<div class="wide">{body}</div>{note}</section>'
+    return f"<section>{title}{body}{note}</section>"
 
 
 _SYMBOLS = ("u_s", "u_q", "u_r", "c_t", "c_n", "c_r", "Omega_s", "Omega_q", "Omega_r")

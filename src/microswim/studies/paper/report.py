@@ -17,6 +17,8 @@ import numpy as np
 
 from microswim import __version__
 from microswim.output.plots.style import look
+from microswim.output.report.document import document
+from microswim.output.report.document import table as document_table
 from microswim.studies.paper import ITEMS, item
 from microswim.studies.paper.claims import Judgement, judge_all, load, shown
 from microswim.studies.paper.context import Context
@@ -36,7 +38,7 @@ th,td{padding:.25rem .5rem;text-align:left;vertical-align:top;border-bottom:1px 
 th{background:#f5f5f5;position:sticky;top:0}td.n{text-align:right;font-variant-numeric:tabular-nums}
 svg{max-width:100%;height:auto}.yes{color:#00694d}.under{color:#0072B2}.no{color:#b34700}
 .open{color:#6e6e6e}
-.count{display:inline-block;margin-right:1.5rem}.count b{font-size:1.4rem}.scroll{overflow-x:auto}
+.count{display:inline-block;margin-right:1.5rem}.count b{font-size:1.4rem}.wide{overflow-x:auto}
 @media print{body{max-width:none}th{position:static}}
 """
 
@@ -139,9 +141,8 @@ def _section(module: Any, result: dict[str, Any], svg: str) -> str:
 def table(rows: list[dict[str, Any]]) -> str:
     """Rows as an HTML table; entries that are arrays are left out."""
     names = [k for k, v in rows[0].items() if not isinstance(v, np.ndarray)]
-    head = "".join(f"<th>{html.escape(name)}</th>" for name in names)
-    body = "".join(f"<tr>{''.join(_cell(row[name]) for name in names)}</tr>\n" for row in rows)
-    return f'<div class="scroll"><table><tr>{head}</tr>\n{body}</table></div>'
+    body = (f"<tr>{''.join(_cell(row[name]) for name in names)}</tr>\n" for row in rows)
+    return document_table([html.escape(name) for name in names], body)
 
 
 def _cell(value: Any) -> str:
@@ -161,21 +162,15 @@ def _page(judged: list[Judgement], sections: list[str], context: Context) -> str
         alarm = (
             f'<p class="no"><b>Verdicts that do not match the numbers:</b> {", ".join(broken)}</p>'
         )
-    rows = "".join(_row(j) for j in judged)
-    head = "".join(f"<th>{h}</th>" for h in ("where", "statement", "paper", "ours", "verdict"))
-    return f"""<!DOCTYPE html>
-<html lang="en"><head><meta charset="utf-8"><title>The paper, reproduced</title>
-<meta name="viewport" content="width=device-width"><style>{_STYLE}</style></head><body>
-<h1>The paper, reproduced</h1>
+    header = ("where", "statement", "paper", "ours", "verdict")
+    lead = f"""<h1>The paper, reproduced</h1>
 <p>Every table, every figure and every number of Tabak &amp; Yesilyurt, <i>Hydrodynamic Surrogate
 Models for Bio-Inspired Micro-Swimming Robots</i>, beside ours. Circles are our boundary-element
 solutions (level {context.level}) in place of the paper's CFD. microswim {__version__}.</p>
 <p>{summary}</p>{alarm}
-<h2>Claims</h2>
-<div class="scroll"><table><tr>{head}</tr>
-{rows}</table></div>
-{"".join(sections)}</body></html>
-"""
+<h2>Claims</h2>"""
+    claims = document_table(header, (_row(j) for j in judged))
+    return document("The paper, reproduced", _STYLE, [lead, claims, *sections])
 
 
 def _row(judgement: Judgement) -> str:

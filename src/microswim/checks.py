@@ -19,12 +19,15 @@ def number(
     most: float | None = None,
 ) -> None:
     """Refuse what is not a finite real number within the bounds (`above` is exclusive)."""
+    if isinstance(value, (str, bytes)):
+        mend = "numbers only: units are read in spec files and by with_" if str(value) else None
+        raise SpecError(field, value, allowed, mend)
     try:
         x = float(value)
-    except (TypeError, ValueError):
+    except (TypeError, ValueError, OverflowError):
         raise SpecError(field, value, allowed) from None
     if (
-        isinstance(value, (bool, str))
+        isinstance(value, bool)
         or not math.isfinite(x)
         or (above is not None and not x > above)
         or (least is not None and not x >= least)
@@ -54,3 +57,9 @@ def choice(field: str, value: Any, options: Iterable[str]) -> None:
     options = tuple(options)
     if value not in options:
         raise SpecError(field, value, "one of " + ", ".join(f'"{o}"' for o in options))
+
+
+def truth(field: str, value: Any) -> None:
+    """Refuse what is neither True nor False."""
+    if type(value).__name__ not in ("bool", "bool_"):  # NumPy's own as well
+        raise SpecError(field, value, "true or false")

@@ -5,7 +5,10 @@ Every message is one sentence: the field and its value, what is allowed, how to 
 
 from __future__ import annotations
 
+from collections.abc import Iterable
 from typing import Any
+
+MOST_OFFERED = 10  #: names that an error lists; a longer list helps nobody
 
 
 class MicroswimError(Exception):
@@ -77,3 +80,23 @@ def _shown(value: Any) -> str:
     """Show a value on one line of at most 60 characters."""
     text = " ".join(str(value).split()) if not isinstance(value, str) else repr(value)
     return text if len(text) <= 60 else text[:57] + "..."
+
+
+def nearest(name: Any, known: Iterable[str], cutoff: float = 0.6) -> str:
+    """Return what an error offers in place of an unknown name.
+
+    Examples
+    --------
+    >>> nearest("sped", ["speed", "torque"]), nearest("x", ["speed", "torque"])
+    ('did you mean "speed"?', 'known: speed, torque')
+    """
+    from difflib import get_close_matches
+
+    name, known = str(name), list(dict.fromkeys(known))
+    close = get_close_matches(name, known, n=1, cutoff=cutoff)
+    if close:
+        return f'did you mean "{close[0]}"?'
+    table, dot, _ = name.partition(".")
+    near = [k for k in known if dot and k.startswith(f"{table}.")] or known
+    more = ", ..." if len(near) > MOST_OFFERED else ""
+    return "known: " + ", ".join(near[:MOST_OFFERED]) + more

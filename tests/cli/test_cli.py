@@ -11,8 +11,9 @@ from click.testing import CliRunner
 
 import microswim as ms
 from microswim.cli import Commands, main
-from microswim.cli._options import change, to_toml
+from microswim.cli._options import change
 from microswim.spec import presets
+from microswim.spec.toml import to_toml
 
 HELIX = presets.read("tabak/helix")
 
@@ -149,7 +150,7 @@ FILES = {
     "syntax error": ("[body\nradius = 1", "TOML"),
     "empty": ("", "missing"),
     "not text": (b"\x89PNG\r\n\xff\xfe\x00", "read"),
-    "nul": (b"\x00\x01\x02", "TOML"),
+    "nul": (b"\x00\x01\x02", "binary"),
     "a list for a table": ("fluid = [1, 2]", "fluid"),
 }
 

@@ -7,9 +7,10 @@ from hypothesis import HealthCheck, example, given, settings
 from hypothesis import strategies as st
 
 import microswim as ms
-from microswim.cli._options import change, to_toml
+from microswim.cli._options import change
 from microswim.spec import file as spec
 from microswim.spec import presets
+from microswim.spec.toml import to_toml
 
 VALID = [tomllib.loads(presets.read(name)) for name in presets.names()]
 FIELDS = sorted({f"{t}.{k}" for tables in VALID for t, table in tables.items() for k in table})

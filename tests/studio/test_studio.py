@@ -19,6 +19,7 @@ import microswim as ms
 from microswim.numerics.fourier import evaluate
 from microswim.spec import presets
 from microswim.spec.file import from_dict
+from microswim.spec.toml import to_toml
 from microswim.studio import answers, page
 from microswim.studio import bounds as around
 from microswim.studio import judge_jobs as work
@@ -123,7 +124,7 @@ def test_the_gait_that_travels_is_the_gait(app, spec):
 def test_canonical_tables_and_toml_say_the_same_swimmer(name):
     swimmer = ms.Swimmer.preset(name)
     full = tables.canonical(swimmer)
-    for again in (from_dict(full), from_dict(tomllib.loads(tables.to_toml(full, name)))):
+    for again in (from_dict(full), from_dict(tomllib.loads(to_toml(full, name)))):
         assert again.units == swimmer.units
         assert again.motion == swimmer.motion
         for field, value in swimmer.numbers.items():
@@ -221,7 +222,7 @@ def test_walls_and_channels_come_back_whole(around, si):
         given["position"] = [f"{v}{unit}" for v in given["position"]]
     swimmer = from_dict({**spec, part: given})
     full = tables.canonical(swimmer)
-    for again in (from_dict(full), from_dict(tomllib.loads(tables.to_toml(full, part)))):
+    for again in (from_dict(full), from_dict(tomllib.loads(to_toml(full, part)))):
         assert getattr(again, part) == getattr(swimmer, part) or again.numbers == pytest.approx(
             swimmer.numbers, rel=1e-11
         )
@@ -289,13 +290,13 @@ def test_a_map_without_symmetry_is_thinned(app):
 
 
 def test_code_in_a_spec_is_never_imported(app, monkeypatch):
-    monkeypatch.setattr("microswim.spec.file._import_shape", lambda name: pytest.fail("imported"))
+    monkeypatch.setattr("microswim.spec.trusted._run", lambda *file: pytest.fail("imported"))
     assert "custom" in refusal(app, "/api/solve", {"tables": CUSTOM})
     assert "custom" in refusal(app, "/api/map", {"tables": CUSTOM, "x": X, "y": Y})
     assert "custom" in refusal(app, "/api/optimum", {"tables": CUSTOM, "x": X, "y": Y})
     assert "custom" in refusal(app, "/api/jobs", {"tables": CUSTOM, "kind": "judge"})
     assert "custom" in refusal(app, "/api/snapshot", {"designs": [{"tables": CUSTOM}]})
-    text = tables.to_toml(CUSTOM, "bad").encode()
+    text = to_toml(CUSTOM, "bad").encode()
     assert "custom" in refusal(app, "/api/spec", text, kind="text/plain")
 
 

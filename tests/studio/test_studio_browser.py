@@ -17,7 +17,8 @@ import microswim as ms
 from microswim.calibration.region.text import pack
 from microswim.spec import presets
 from microswim.spec.file import from_dict
-from microswim.studio.spec_tables import canonical, to_toml
+from microswim.spec.toml import to_toml
+from microswim.studio.spec_tables import canonical
 
 pytestmark = pytest.mark.browser
 

@@ -16,7 +16,7 @@ import click
 
 from microswim import __version__
 from microswim.cli._terminal import prepared
-from microswim.errors import MicroswimError, SpecError
+from microswim.errors import MicroswimError, SpecError, nearest
 
 
 class Failure(click.ClickException):
@@ -53,11 +53,7 @@ class Commands(click.Group):
         try:
             return super().resolve_command(ctx, args)
         except click.UsageError as error:
-            from difflib import get_close_matches
-
-            known = self.list_commands(ctx)
-            close = get_close_matches(args[0], known, n=1)
-            hint = f'did you mean "{close[0]}"?' if close else "commands: " + ", ".join(known)
+            hint = nearest(args[0], self.list_commands(ctx))
             raise click.UsageError(f"{error.message.rstrip('.')}; {hint}", ctx) from None
 
     def main(self, *args: Any, **more: Any) -> Any:

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import functools
 import json
-import tomllib
 from collections.abc import Callable
 from dataclasses import dataclass
 from pathlib import Path
@@ -32,7 +31,7 @@ class Given:
 
 
 def swimmer_options(command: Callable[..., Any]) -> Callable[..., Any]:
-    """Add SPEC, --preset and --set; the command gets them as ``given``, a `Given`."""
+    """Add SPEC, --preset, --set and --trust; the command gets them as ``given``, a `Given`."""
 
     @click.argument("spec", required=False, type=click.Path(path_type=Path))
     @click.option("--preset", metavar="NAME", help="A swimmer that comes along: microswim presets.")
@@ -43,9 +42,22 @@ def swimmer_options(command: Callable[..., Any]) -> Callable[..., Any]:
         multiple=True,
         help="Override a field of the spec: tail.amplitude=0.12 (repeatable).",
     )
+    @click.option(
+        "--trust",
+        metavar="FILE.py",
+        type=click.Path(path_type=Path),
+        help="Python file whose functions the spec may name; it is run.",
+    )
     @functools.wraps(command)
-    def wrapped(*, spec: Path | None, preset: str | None, changes: tuple[str, ...], **rest: Any):
-        return command(given=read(spec, preset, changes), **rest)
+    def wrapped(
+        *,
+        spec: Path | None,
+        preset: str | None,
+        changes: tuple[str, ...],
+        trust: Path | None,
+        **rest: Any,
+    ):
+        return command(given=read(spec, preset, changes, trust), **rest)
 
     return wrapped
 
@@ -92,8 +104,13 @@ def example(*lines: str) -> str:
     return "\b\nExamples:\n" + "\n".join(f"  {line}" for line in lines)
 
 
-def read(spec: Path | None, preset: str | None, changes: tuple[str, ...] = ()) -> Given:
-    """The swimmer of a spec file or a preset, with ``FIELD=VALUE`` overrides.
+def read(
+    spec: Path | None,
+    preset: str | None,
+    changes: tuple[str, ...] = (),
+    trust: Path | None = None,
+) -> Given:
+    """Return the swimmer of a spec file or a preset, with ``FIELD=VALUE`` overrides.
 
     Raises
     ------
@@ -101,7 +118,9 @@ def read(spec: Path | None, preset: str | None, changes: tuple[str, ...] = ()) -
         One sentence.
     """
     from microswim.spec import presets
-    from microswim.spec.file import from_dict, load, override
+    from microswim.spec.file import from_dict, override
+    from microswim.spec.text import read_text, toml
+    from microswim.spec.toml import to_toml
 
     if (spec is None) == (preset is None):
         raise SpecError(
@@ -110,16 +129,15 @@ def read(spec: Path | None, preset: str | None, changes: tuple[str, ...] = ()) -
         )
     overrides = dict(change(text) for text in changes)
     if spec is not None:
-        tables, name, source = load(spec), spec.stem, spec
+        name = spec.stem
+        text = read_text(spec, mend=f'"microswim new {spec}" writes one to start from')
     else:
-        text = presets.read(str(preset))
-        tables, name, source = tomllib.loads(text), str(preset), None
-    swimmer = from_dict(tables, overrides)
+        name, text = str(preset), presets.read(str(preset))
+    tables = toml(text, str(spec or preset))
+    swimmer = from_dict(tables, overrides, trust)
     tables = override(tables, overrides)
     if overrides:
         text = to_toml(tables, f"{name}, with --set {' '.join(changes)}")
-    elif source is not None:
-        text = source.read_text(encoding="utf-8")
     return Given(name, tables, text, swimmer)
 
 
@@ -131,30 +149,16 @@ def change(text: str) -> tuple[str, Any]:
     SpecError
         If there is no equals sign.
     """
+    from microswim.spec.text import toml
+
     field, equals, value = text.partition("=")
     if not equals or not field.strip():
         raise SpecError("--set", text, "FIELD=VALUE", "for example --set tail.amplitude=0.12")
     try:
-        (parsed,) = tomllib.loads(f"value = {value}").values()
-    except ValueError:
+        (parsed,) = toml(f"value = {value}", "--set").values()
+    except ValueError:  # of which a SpecError is one
         parsed = value.strip()
     return field.strip(), parsed
-
-
-def to_toml(tables: dict[str, Any], comment: str) -> str:
-    """Spec tables as TOML text, a comment line first."""
-    lines = [f"# {' '.join(comment.split())}"]
-    for name, table in tables.items():
-        lines += ["", f"[{name}]", *(f"{key} = {_literal(v)}" for key, v in table.items())]
-    return "\n".join(lines) + "\n"
-
-
-def _literal(value: Any) -> str:
-    if isinstance(value, (list, tuple)):
-        return "[" + ", ".join(_literal(v) for v in value) + "]"
-    if isinstance(value, float):
-        return repr(value)
-    return json.dumps(value, ensure_ascii=False).replace("\x7f", "\\u007f")
 
 
 def print_json(result: dict[str, Any]) -> None:

@@ -8,20 +8,9 @@ from typing import Any
 import numpy as np
 
 from microswim.errors import SpecError
+from microswim.spec.values import from_text
 
-UNITS = {
-    "fluid.viscosity": "Pa s",
-    "fluid.density": "kg/m^3",
-    "tail.length": "m",
-    "tail.amplitude": "m",
-    "tail.wavelength": "m",
-    "tail.radius": "m",
-    "tail.frequency": "Hz",
-    "body.radius": "m",
-    "body.semi_axes": "m",
-    "coefficients.normal": "Pa s",
-    "coefficients.tangential": "Pa s",
-}
+MOST_VALUES = 1_000_000  #: of one axis
 MEND = "for example tail.amplitude=0.01:0.5:50,tail.waves=1,2,3"
 
 
@@ -46,81 +35,71 @@ def split(texts: tuple[str, ...], option: str = "--over") -> dict[str, str]:
     return found
 
 
-def axes(texts: tuple[str, ...]) -> dict[str, Any]:
-    """Axes of a grid: every name with its values.
+def axes(texts: tuple[str, ...], units: str) -> dict[str, Any]:
+    """Return the axes of a grid: every name with its values.
 
     Raises
     ------
     SpecError
-        If a range does not say how many values.
+        If a range does not say how many values, or a value is none of its field.
     """
-    return {name: _axis(name, text) for name, text in split(texts).items()}
+    return {name: _axis(name, text, units) for name, text in split(texts).items()}
 
 
-def bounds(texts: tuple[str, ...]) -> dict[str, Any]:
-    """What a design may vary: a pair of bounds, or a list of choices.
+def bounds(texts: tuple[str, ...], units: str, option: str = "--over") -> dict[str, Any]:
+    """Return what a design may vary: a pair of bounds, or a list of choices.
+
+    Raises
+    ------
+    SpecError
+        If a range is no range, or a value is none of its field.
+    """
+    return {k: _bounds(k, text, units, option) for k, text in split(texts, option).items()}
+
+
+def spreads(texts: tuple[str, ...], units: str) -> dict[str, Any]:
+    """Return uncertain numbers: ``5%`` as it stands, ``LOW:HIGH`` as a pair.
 
     Raises
     ------
     SpecError
         If a range is no range.
     """
-    return {name: _bounds(name, text) for name, text in split(texts).items()}
+    option = "--uncertain"
+    pieces = split(texts, option).items()
+    return {k: t if t.endswith("%") else _bounds(k, t, units, option) for k, t in pieces}
 
 
-def spreads(texts: tuple[str, ...]) -> dict[str, Any]:
-    """Uncertain numbers: ``5%`` as it stands, ``LOW:HIGH`` as a pair.
-
-    Raises
-    ------
-    SpecError
-        If a range is no range.
-    """
-    pieces = split(texts, "--uncertain").items()
-    return {k: text if text.endswith("%") else _bounds(k, text) for k, text in pieces}
-
-
-def _axis(name: str, text: str) -> Any:
+def _axis(name: str, text: str, units: str) -> Any:
+    said = f"--over {name}"
     if ":" not in text:
-        return [value(name, part) for part in text.split(",")]
+        return [from_text(name, part, units, said) for part in text.split(",")]
     first, last, *rest = text.split(":")
-    if not rest or not rest[0].strip().isdigit() or rest[1:] not in ([], ["log"]):
+    count = rest[0].strip() if rest else ""
+    if not re.fullmatch("[0-9]+", count) or rest[1:] not in ([], ["log"]):
         allowed = "FIRST:LAST:COUNT, FIRST:LAST:COUNT:log or a list"
-        raise SpecError(f"--over {name}", text, allowed, MEND)
-    a, b, n = value(name, first), value(name, last), int(rest[0])
-    if isinstance(a, str) or isinstance(b, str) or n < 1 or (rest[1:] and not (a > 0 and b > 0)):
-        raise SpecError(f"--over {name}", text, "a range of numbers with at least one value")
-    return (np.geomspace if rest[1:] else np.linspace)(a, b, n)
+        raise SpecError(said, text, allowed, MEND)
+    if not 1 <= int(count[:12]) <= MOST_VALUES:
+        raise SpecError(said, text, f"of 1 to {MOST_VALUES} values")
+    a, b = (_number(name, end, units, said, text) for end in (first, last))
+    if rest[1:] and not (a > 0 and b > 0):
+        raise SpecError(said, text, "of positive ends for a logarithmic range")
+    return (np.geomspace if rest[1:] else np.linspace)(a, b, int(count))
 
 
-def _bounds(name: str, text: str) -> Any:
+def _bounds(name: str, text: str, units: str, option: str) -> Any:
+    said = f"{option} {name}"
     if ":" not in text:
-        return [value(name, part) for part in text.split(",")]
-    ends = [value(name, part) for part in text.split(":")]
-    if len(ends) != 2 or isinstance(ends[0], str) or isinstance(ends[1], str):
-        raise SpecError(f"--over {name}", text, "LOW:HIGH, or a list of choices", MEND)
-    return tuple(ends)
+        return [from_text(name, part, units, said) for part in text.split(",")]
+    ends = text.split(":")
+    if len(ends) != 2:
+        raise SpecError(said, text, "LOW:HIGH, or a list of choices", MEND)
+    return tuple(_number(name, end, units, said, text) for end in ends)
 
 
-def value(name: str, text: str) -> Any:
-    """A number, a quantity in SI, or a word.
-
-    Raises
-    ------
-    SpecError
-        If a quantity does not have the unit of its field.
-    """
-    text = text.strip()
-    try:
-        return float(text)
-    except ValueError:
-        pass
-    unit = UNITS.get(name.partition("[")[0])
-    if unit is None or not text[:1].isdigit():
-        return text
-    from microswim.spec.units import to_si
-
-    try:
-        return to_si(text, unit)
-    except ValueError as error:
-        raise SpecError(f"--over {name} = {text!r}: {error}") from None
+def _number(name: str, end: str, units: str, said: str, text: str) -> float:
+    """Value of an end of a range."""
+    value = from_text(name, end, units, said)
+    if isinstance(value, (bool, str)):
+        raise SpecError(said, text, "a range of numbers, or a list of words", MEND)
+    return value

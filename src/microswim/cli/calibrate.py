@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import csv
 import time
 from pathlib import Path
 from typing import Any
@@ -18,9 +17,9 @@ from microswim.cli._options import (
     json_option,
     print_json,
     swimmer_options,
-    to_toml,
 )
 from microswim.errors import MicroswimError, SpecError
+from microswim.spec.toml import to_toml
 
 
 @click.command(
@@ -128,7 +127,7 @@ def _region(given: Given, output: Path | None, options: dict, asked: dict) -> tu
     from microswim.cli._over import bounds
     from microswim.cli._progress import bar
 
-    region = bounds(asked["region"])
+    region = bounds(asked["region"], given.swimmer.units, "--region")
     folder = (output or Path(f"{given.name.replace('/', '-')}.toml")).with_suffix(".solves")
     with bar(f"calibrate {given.name}") as progress:
         fitted = calibrate_region(
@@ -160,17 +159,14 @@ def _coefficients(given: Given, output: Any, options: dict, asked: dict) -> tupl
     from microswim.calibration.calibrate import calibrate
 
     data = _data(given, options, asked)
-    bounds = {}
-    for text in asked["bound"]:
-        from microswim.cli._over import bounds as parse
+    from microswim.cli._over import bounds
 
-        bounds |= parse((text,))
     fit = calibrate(
         given.swimmer,
         data,
         _names(asked["unknown"]),
         quantities=_names(asked["quantity"]),
-        bounds=bounds,
+        bounds=bounds(asked["bound"], given.swimmer.units, "--bound"),
         positive=asked["positive"],
         method=asked["method"],
     )
@@ -208,24 +204,15 @@ def _measured(text: str) -> Any:
         yield name.strip(), numbers[0] if len(numbers) == 1 else tuple(numbers)
 
 
-def _rows(path: Path) -> list[dict[str, str]]:
-    try:
-        with path.open(encoding="utf-8", newline="") as file:
-            rows = list(csv.DictReader(file))
-    except FileNotFoundError:
-        raise SpecError(f"{path}: no such file") from None
-    if not rows or any(None in row or None in row.values() for row in rows):
-        raise SpecError(f"{path}: must be a CSV with a header and full rows")
-    return rows
-
-
 def _table(given: Given, path: Path) -> list[Any]:
     from microswim.calibration.observations import Observation
-    from microswim.cli._over import value
+    from microswim.spec.text import rows
+    from microswim.spec.values import from_text
 
     out = []
-    for row in _rows(path):
-        fields = {n: value(n, v) for n, v in row.items() if n in given.swimmer.numbers}
+    for row in rows(path):
+        numbers, units = given.swimmer.numbers, given.swimmer.units
+        fields = {n: from_text(n, v, units, f"{path}: {n}") for n, v in row.items() if n in numbers}
         swimmer = given.swimmer.with_(fields)
         for name in row.keys() - fields.keys() - {"name"}:
             if not name.endswith("_sigma") and row[name].strip():
@@ -243,9 +230,10 @@ def _table(given: Given, path: Path) -> list[Any]:
 
 def _series(given: Given, path: Path) -> list[Any]:
     from microswim.calibration.observations import from_series
+    from microswim.spec.text import rows
 
-    rows = _rows(path)
-    columns = {name: [_number(path, row[name]) for row in rows] for name in rows[0]}
+    found = rows(path)
+    columns = {name: [_number(path, row[name]) for row in found] for name in found[0]}
     if "time" not in columns:
         raise SpecError(f"{path}: must have a column time")
     time_, sigmas = columns.pop("time"), {n: v for n, v in columns.items() if n.endswith("_sigma")}

@@ -79,7 +79,7 @@ def command(given: Given, as_json: bool, out: Path | None, force: bool, **asked:
 
     if out is not None:
         _files.check_files("--out", out, FILES, force)
-    over = bounds(asked["over"])
+    over = bounds(asked["over"], given.swimmer.units)
     wishes = (*asked["maximize"], *asked["minimize"])
     if not wishes:
         raise SpecError("give --maximize or --minimize, for example --maximize speed")
@@ -170,7 +170,7 @@ def _robust(given: Given, over: Any, asked: dict[str, Any], out: Path | None) ->
     from microswim.studies.optimisation.robust_design import robust_design
     from microswim.studies.optimisation.robustness import robustness, sobol_indices
 
-    uncertain = spreads(asked["uncertain"])
+    uncertain = spreads(asked["uncertain"], given.swimmer.units)
     more = {"quantile": asked["quantile"], "least_yield": asked["least_yield"]}
     best = robust_design(given.swimmer, over, uncertain=uncertain, **more, **_one(asked))
     made = robustness(best.swimmer, uncertain, subject_to=asked["subject_to"])

@@ -88,7 +88,7 @@ def command(given: Given, out: Path, as_json: bool, level: str | None, **asked: 
     from microswim.cli._progress import bar
     from microswim.studies.sweeps.sweep import sweep
 
-    over = _over(asked.pop("over"), asked.pop("designs"))
+    over = _over(asked.pop("over"), asked.pop("designs"), given.swimmer.units)
     _check_places(asked["scheduler"], asked["cluster"])
     options = dict(change(text) for text in asked.pop("options"))
     options |= leveled(asked["model"], level)
@@ -133,25 +133,20 @@ def _fail_if_all_did(report: dict[str, Any]) -> None:
         raise MicroswimError(f"every design failed: {next(iter(report['reasons']))}")
 
 
-def _over(over: tuple[str, ...], designs: Path | None) -> Any:
+def _over(over: tuple[str, ...], designs: Path | None, units: str) -> Any:
     if bool(over) == bool(designs):
         raise SpecError("give --over NAME=A:B:N or --designs FILE, one of the two")
     if designs is None:
         from microswim.cli._over import axes
 
-        return axes(over)
-    import csv
+        return axes(over, units)
+    from microswim.spec.text import rows
+    from microswim.spec.values import from_text
 
-    from microswim.cli._over import value
-
-    try:
-        with designs.open(encoding="utf-8", newline="") as file:
-            rows = list(csv.DictReader(file))
-    except FileNotFoundError:
-        raise SpecError(f"{designs}: no such file") from None
-    if not rows or any(None in row or None in row.values() for row in rows):
-        raise SpecError(f"{designs}: must be a CSV with a header of dotted names and full rows")
-    return [{name.strip(): value(name.strip(), text) for name, text in row.items()} for row in rows]
+    return [
+        {name: from_text(name, v, units, f"{designs}, row {i}, {name}") for name, v in row.items()}
+        for i, row in enumerate(rows(designs), 1)
+    ]
 
 
 def _report(result: Any, out: Path, seconds: float) -> dict[str, Any]:

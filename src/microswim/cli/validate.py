@@ -62,7 +62,7 @@ def command(given: Given, out: Path | None, force: bool, as_json: bool, **asked:
     with bar(f"validate {given.name}") as progress:
         result = validate(
             given.swimmer,
-            axes(asked["over"]),
+            axes(asked["over"], given.swimmer.units),
             asked["against"],
             quantities=[n for text in asked["quantity"] for n in text.split(",")],
             folder=None if out is None else out / "solves",

@@ -7,19 +7,18 @@ the parts themselves. A file holds either quantities with units (converted to SI
 
 from __future__ import annotations
 
-import importlib
-import tomllib
+import math
 from collections.abc import Iterator
-from difflib import get_close_matches
 from os import PathLike
-from pathlib import Path
 from typing import Any, Literal
 
 from pydantic import BaseModel, ValidationError
 
-from microswim.errors import SpecError
-from microswim.spec import presets
-from microswim.spec.tables import SpecTable
+from microswim.errors import SpecError, nearest
+from microswim.spec import presets, text
+from microswim.spec.tables import ALTERNATIVES, FIELDS, TABLES, TAGS, SpecTable
+from microswim.spec.trusted import Trusted
+from microswim.spec.units import DIMENSIONS, has_unit, to_si
 from microswim.swimmer import doors
 from microswim.swimmer.drag.coefficients import LAWS
 from microswim.swimmer.drag.interaction import Interaction
@@ -32,36 +31,63 @@ from microswim.swimmer.motion import Motion
 from microswim.swimmer.swimmer import Swimmer
 
 TAILS = {"helix": HelicalTail, "plane_wave": PlaneWaveTail, "custom": CustomTail}
+#: Tables that a spec may come to hold, and where their numbers are given today.
+ELSEWHERE = {
+    "field": "a field is given in Python: trajectory(..., field=...), Stepper",
+    "magnet": "a magnetic moment is given in Python (Stepper), or as export --moment",
+    "gravity": "a force is given in Python: trajectory(..., force=...)",
+    "flow": "a flow is given in Python: trajectory(..., flow=...)",
+    "noise": "a diffusion is given in Python: trajectory(..., diffusion=...)",
+    "hook": "the tail is joined to the body rigidly",
+}
+#: Other words for a field.
+SYNONYMS = {
+    "tail.pitch": "tail.wavelength", "tail.lambda": "tail.wavelength", "tail.turns": "tail.waves",
+    "tail.periods": "tail.waves", "tail.helix_radius": "tail.amplitude",
+    "tail.chirality": "tail.handedness", "tail.hand": "tail.handedness",
+    "tail.diameter": "tail.radius (half of it)", "tail.thickness": "tail.radius (half of it)",
+    "tail.rate": "tail.frequency", "tail.omega": "tail.frequency", "tail.rpm": "tail.frequency",
+    "body.diameter": "body.radius (half of it)", "body.axes": "body.semi_axes",
+    "fluid.mu": "fluid.viscosity", "fluid.nu": "fluid.kinematic_viscosity",
+    "fluid.rho": "fluid.density", "wall.gap": "wall.distance", "channel.radius": "channel.diameter",
+}  # fmt: skip
 
 
-def read(path: str | PathLike[str], overrides: dict[str, Any] | None = None) -> Swimmer:
-    """Swimmer from a spec file; `overrides` maps dotted fields to values.
+def read(
+    path: str | PathLike[str],
+    overrides: dict[str, Any] | None = None,
+    trust: str | PathLike[str] | None = None,
+) -> Swimmer:
+    """Return the swimmer of a spec file; `overrides` maps dotted fields to values.
+
+    Parameters
+    ----------
+    path
+        The spec file.
+    overrides
+        Dotted field to its value, in place of the file's.
+    trust
+        Python file whose functions the spec may name, ``"module:function"``. None: the spec runs
+        no code.
 
     Raises
     ------
     SpecError
         One sentence: the field, its value, what is allowed, how to mend it.
     """
-    return from_dict(load(path), overrides)
+    return from_dict(load(path), overrides, trust)
 
 
 def load(path: str | PathLike[str]) -> dict[str, Any]:
-    """The tables of a TOML file, unchecked.
+    """Return the tables of a TOML file, unchecked.
 
     Raises
     ------
     SpecError
         If the file is missing, unreadable or not TOML.
     """
-    try:
-        return tomllib.loads(Path(path).read_text(encoding="utf-8"))
-    except FileNotFoundError:
-        raise SpecError(
-            f'{path}: no such file; "microswim new {path}" writes one to start from'
-        ) from None
-    except (OSError, UnicodeDecodeError, ValueError) as error:
-        what = "not valid TOML" if isinstance(error, tomllib.TOMLDecodeError) else "cannot be read"
-        raise SpecError(f"{path}: {what}: {' '.join(str(error).split())}") from None
+    mend = f'"microswim new {path}" writes one to start from'
+    return text.toml(text.read_text(path, mend=mend), str(path))
 
 
 def read_preset(name: str, overrides: dict[str, Any] | None = None) -> Swimmer:
@@ -72,12 +98,13 @@ def read_preset(name: str, overrides: dict[str, Any] | None = None) -> Swimmer:
     SpecError
         If there is no such preset, or as `read`.
     """
-    return from_dict(tomllib.loads(presets.read(name)), overrides)
+    return from_dict(text.toml(presets.read(name), name), overrides)
 
 
 def override(tables: dict[str, Any], overrides: dict[str, Any]) -> dict[str, Any]:
-    """Tables with fields or whole tables replaced; `waves` and `wavelength` replace each other."""
+    """Return tables with fields or tables replaced; of two names for one thing the other goes."""
     new = {k: dict(v) if isinstance(v, dict) else v for k, v in tables.items()}
+    cleared = {ALTERNATIVES[name] for name in overrides if name in ALTERNATIVES} - set(overrides)
     for path, value in overrides.items():
         *parents, name = path.split(".")
         if not parents and isinstance(value, dict):
@@ -88,15 +115,19 @@ def override(tables: dict[str, Any], overrides: dict[str, Any]) -> dict[str, Any
         table = new.setdefault(parents[0], {})
         if not isinstance(table, dict):
             raise SpecError(parents[0], table, "a table")
-        other = {"waves": "wavelength", "wavelength": "waves"}.get(name)
-        if other and f"tail.{other}" not in overrides:
-            table.pop(other, None)
         table[name] = value
+    for path in cleared:
+        part, _, name = path.partition(".")
+        new[part].pop(name, None)
     return new
 
 
-def from_dict(tables: dict[str, Any], overrides: dict[str, Any] | None = None) -> Swimmer:
-    """Swimmer from the tables of a spec file.
+def from_dict(
+    tables: dict[str, Any],
+    overrides: dict[str, Any] | None = None,
+    trust: str | PathLike[str] | None = None,
+) -> Swimmer:
+    """Return the swimmer of the tables of a spec file.
 
     Raises
     ------
@@ -104,23 +135,94 @@ def from_dict(tables: dict[str, Any], overrides: dict[str, Any] | None = None) -
         One sentence: the field, its value, what is allowed, how to mend it.
     """
     tables = override(tables, overrides or {})
-    context: dict[str, list[str]] = {}
     try:
-        spec = SpecTable.model_validate(tables, context=context)
+        spec = SpecTable.model_validate(_with_dynamic_viscosity(tables))
     except ValidationError as error:
         raise _sentence(error, tables) from None
-    if context.get("units") and context.get("bare"):
-        raise SpecError(
-            f"{context['bare'][0]}: must have a unit, since {context['units'][0]} has one; "
-            "give units to all quantities or to none"
-        )
-    return _build(spec, "SI" if context.get("units") else "dimensionless")
+    return _build(spec, units_of(tables), Trusted.file(trust))
 
 
-def _build(spec: SpecTable, units: Literal["SI", "dimensionless"]) -> Swimmer:
+def units_of(tables: dict[str, Any]) -> Literal["SI", "dimensionless"]:
+    """Return whether the quantities of a spec have units; all have, or none has.
+
+    Raises
+    ------
+    SpecError
+        If some have and some have not.
+    """
+    with_units, bare = [], []
+    for path, value in _quantities(tables):
+        if isinstance(value, str):
+            with_units.append(path)
+        elif value != 0:
+            bare.append(path)
+    if with_units and bare:
+        few = f"{bare[0]}: must have a unit, since {with_units[0]} has one"
+        if len(with_units) == 1 and len(bare) > 1:
+            few = f"{with_units[0]}: must be a bare number, since {bare[0]} and others are"
+        raise SpecError(f"{few}; give units to all quantities or to none")
+    return "SI" if with_units else "dimensionless"
+
+
+def _quantities(tables: dict[str, Any]) -> Iterator[tuple[str, Any]]:
+    """Every number or text given for a quantity, entries of lists one by one; not the angles."""
+    for part, table in tables.items():
+        for name, value in table.items() if isinstance(table, dict) else ():
+            field = FIELDS.get(f"{part}.{name}")
+            if field is not None and field.kind == "quantity" and field.measures != "angle":
+                for entry in value if isinstance(value, list) else [value]:
+                    yield field.path, entry
+
+
+def _with_dynamic_viscosity(tables: dict[str, Any]) -> dict[str, Any]:
+    """Tables with mu = nu rho in place of a kinematic viscosity nu."""
+    fluid = tables.get("fluid")
+    if not isinstance(fluid, dict):
+        return tables
+    given = fluid.get("kinematic_viscosity")
+    if given is not None and "viscosity" in fluid:
+        raise SpecError("fluid.viscosity, fluid.kinematic_viscosity: give one of the two")
+    path = "fluid.kinematic_viscosity"
+    if given is None:
+        path, given = "fluid.viscosity", fluid.get("viscosity")
+        if not has_unit(given) or not _measures(given, "kinematic viscosity"):
+            return tables
+    nu, rho = _number(path, given, "kinematic viscosity"), fluid.get("density", 0)
+    rho = _number("fluid.density", rho, "density")
+    if not rho > 0:
+        raise SpecError(path, given, "given together with fluid.density", "mu = nu rho")
+    rest = {k: v for k, v in fluid.items() if k not in ("viscosity", "kinematic_viscosity")}
+    return tables | {"fluid": rest | {"viscosity": nu * rho}}
+
+
+def _measures(text: str, dimension: str) -> bool:
+    try:
+        to_si(text, DIMENSIONS["viscosity"].si)
+    except ValueError:
+        try:
+            to_si(text, DIMENSIONS[dimension].si)
+        except ValueError:
+            return False
+        return True
+    return False
+
+
+def _number(path: str, value: Any, dimension: str) -> float:
+    if isinstance(value, bool) or not isinstance(value, (int, float, str)):
+        raise SpecError(path, value, "a number, or a quantity in quotes")
+    try:
+        number = to_si(value, DIMENSIONS[dimension].si) if isinstance(value, str) else float(value)
+    except (ValueError, OverflowError) as error:
+        raise SpecError(f"{path} = {value!r}: {error}") from None
+    if not (math.isfinite(number) and number >= 0):
+        raise SpecError(path, value, "a positive number")
+    return number
+
+
+def _build(spec: SpecTable, units: Literal["SI", "dimensionless"], trusted: Trusted) -> Swimmer:
     body, tail, law = (_given(t) for t in (spec.body, spec.tail, spec.coefficients))
     if spec.tail.kind == "custom":
-        tail["shape"] = _import_shape(tail["shape"])
+        tail["shape"] = trusted.function("tail.shape", tail["shape"])
     name = law.pop("law", "lighthill")
     if name == "constant" and not {"normal", "tangential"} <= law.keys():
         raise SpecError(
@@ -152,14 +254,6 @@ def _given(table: BaseModel) -> dict[str, Any]:
     return {k: frozen(v) for k, v in given.items() if v is not None}
 
 
-def _import_shape(name: str) -> Any:
-    module, _, function = name.partition(":")
-    try:
-        return getattr(importlib.import_module(module), function)
-    except (ImportError, AttributeError, ValueError):
-        raise SpecError("tail.shape", name, 'an importable function, "module:function"') from None
-
-
 def _sentence(error: ValidationError, tables: dict[str, Any]) -> SpecError:
     """The first complaint as one sentence."""
     first = error.errors()[0]
@@ -171,42 +265,49 @@ def _sentence(error: ValidationError, tables: dict[str, Any]) -> SpecError:
         case "missing":
             return SpecError(f"{path}: missing; add it")
         case "extra_forbidden":
-            known = list(_fields(tables))
-            return SpecError(f"{path}: no such field here; {_suggest(path, known)}")
+            return SpecError(f"{path}: no such field here; {_suggest(path, tables)}")
         case "value_error":
-            return SpecError(f"{path} = {value!r}: {context['error']}")
+            return SpecError(f"{path} = {_short(value)}: {context['error']}")
         case "bool_parsing" | "bool_type":
             return SpecError(path, value, "true or false")
+        case "literal_error" if path in FIELDS:
+            return _no_choice(path, value, FIELDS[path].choices)
         case "union_tag_invalid" | "union_tag_not_found":
             tag = context["discriminator"].strip("'")
-            shown = context.get("tag")
-            expected = context.get("expected_tags") or ", ".join(
-                f"'{t}'" for t in (SHAPES if tag == "shape" else TAILS)
+            return _no_choice(
+                f"{path}.{tag}", context.get("tag"), SHAPES if tag == "shape" else TAILS
             )
-            return SpecError(f"{path}.{tag}", shown, f"one of {expected}")
     message = first["msg"].removeprefix("Input should be ").removeprefix("Value error, ")
     return SpecError(path or "spec", value, message)
 
 
+def _short(value: Any) -> str:
+    shown = repr(value)
+    return shown if len(shown) <= 60 else shown[:57] + "..."
+
+
+def _no_choice(path: str, value: Any, choices: Any) -> SpecError:
+    close = nearest(value, choices)
+    mend = close if close.startswith("did") else None
+    return SpecError(path, value, "one of " + ", ".join(f'"{c}"' for c in choices), mend)
+
+
+def _suggest(path: str, tables: dict[str, Any]) -> str:
+    """What to write in place of an unknown field."""
+    part = path.partition(".")[0]
+    if part in ELSEWHERE and part not in TABLES:
+        return f"there is no [{part}] yet; {ELSEWHERE[part]}"
+    if path in SYNONYMS:
+        return f'did you mean "{SYNONYMS[path]}"?'
+    return nearest(path, _fields(tables) if "." in path else TABLES)
+
+
 def _fields(tables: dict[str, Any]) -> Iterator[str]:
     """Dotted names of the fields that a file of this kind may hold."""
-    choose = {"body": "shape", "tail": "kind"}
-    for name, info in SpecTable.model_fields.items():
-        options: Any = getattr(info.annotation, "__args__", (info.annotation,))
-        for table in options:
-            tag = choose.get(name)
-            given = tables.get(name)
-            given = given if isinstance(given, dict) else {}
-            if tag and table.model_fields[tag].annotation.__args__[0] != given.get(tag):
+    for name, kinds in TABLES.items():
+        tag, given = TAGS.get(name), tables.get(name)
+        chosen = given.get(tag) if tag and isinstance(given, dict) else None
+        for table in kinds:
+            if tag and table.model_fields[tag].annotation.__args__[0] != chosen:  # type: ignore[union-attr]
                 continue
             yield from (f"{name}.{f}" for f in table.model_fields)
-        yield name
-
-
-def _suggest(name: str, known: list[str]) -> str:
-    close = get_close_matches(name, known, n=1, cutoff=0.6)
-    if close:
-        return f'did you mean "{close[0]}"?'
-    table = name.partition(".")[0] + "."
-    near = [k for k in known if k.startswith(table)] or known
-    return "known: " + ", ".join(near)

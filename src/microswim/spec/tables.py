@@ -1,30 +1,35 @@
-"""What a spec file may hold: its tables, field by field, with the unit of each quantity.
+"""What a spec file may hold: its tables, field by field. The one place that says a field.
 
-pydantic reads them; the parts themselves check what makes physical sense.
+A field has a type (a quantity of some dimension, a number, a truth, one of some words), a label
+and a line of help; `microswim.spec.fields` reads them off for all who ask. pydantic reads files by
+these tables; the parts themselves check what makes physical sense.
 """
 
 from __future__ import annotations
 
 from functools import partial
-from typing import Annotated, Any, Literal
+from typing import Annotated, Any, Literal, get_args
 
-from pydantic import BaseModel, BeforeValidator, ConfigDict, Field, ValidationInfo
+from pydantic import BaseModel, BeforeValidator, ConfigDict, Field, StrictBool
 
-from microswim.spec.units import to_si
+from microswim.spec import fields
+from microswim.spec.fields import About, Measures
+from microswim.spec.units import DIMENSIONS, to_si
+from microswim.swimmer.fields import ALTERNATIVES as OF_A_SWIMMER
 
 
-def _read_quantity(value: Any, info: ValidationInfo, *, unit: str) -> Any:
-    """Convert a quantity and note in the context whether it came with a unit."""
+def _read_quantity(value: Any, *, measures: str) -> Any:
+    """Return the number of a quantity, or a bare number as it stands."""
     if isinstance(value, bool) or not isinstance(value, (int, float, str)):
         raise ValueError("must be a number, or a quantity in quotes")
-    seen = {} if info.context is None else info.context
-    if isinstance(value, str):
-        number = to_si(value, unit)
-        seen.setdefault("units", []).append(info.field_name)
-        return number
-    if value != 0:
-        seen.setdefault("bare", []).append(info.field_name)
-    return value
+    if not isinstance(value, str):
+        return value
+    dimension = DIMENSIONS[measures]
+    number = to_si(value, dimension.si)
+    refused = dimension.refused(number)
+    if refused:
+        raise ValueError(refused)
+    return number
 
 
 def _read_number(value: Any) -> Any:
@@ -33,16 +38,17 @@ def _read_number(value: Any) -> Any:
     return value
 
 
-def _quantity(unit: str) -> Any:
-    return Annotated[
-        float,
-        BeforeValidator(partial(_read_quantity, unit=unit)),
-        Field(json_schema_extra={"unit": unit}),
-    ]
+def _reads(measures: str) -> BeforeValidator:
+    return BeforeValidator(partial(_read_quantity, measures=measures))
 
 
 Number = Annotated[float, BeforeValidator(_read_number)]
-Length = _quantity("m")
+Length = Annotated[float, _reads("length"), Measures("length")]
+Frequency = Annotated[float, _reads("frequency"), Measures("frequency")]
+Viscosity = Annotated[float, _reads("viscosity"), Measures("viscosity")]
+Kinematic = Annotated[float, _reads("kinematic viscosity"), Measures("kinematic viscosity")]
+Density = Annotated[float, _reads("density"), Measures("density")]
+Angle = Annotated[float, _reads("angle"), Measures("angle")]
 
 
 class _Table(BaseModel):
@@ -52,134 +58,220 @@ class _Table(BaseModel):
 class FluidTable(_Table):
     """[fluid]"""
 
-    viscosity: _quantity("Pa s")  # type: ignore[valid-type]
-    density: _quantity("kg/m^3") = 0.0  # type: ignore[valid-type]
+    viscosity: Annotated[Viscosity, About("Viscosity", "dynamic", start=100.0)]
+    kinematic_viscosity: Annotated[
+        Kinematic | None,
+        About("Kinematic viscosity", "in place of viscosity: times the density it is the same"),
+    ] = None
+    density: Annotated[
+        Density,
+        About("Density", "for the Reynolds number, and finite elements with inertia", start=1.0),
+    ] = 0.0
+
+
+_SHAPE = About(
+    "Shape", "sphere: radius | spheroid, ellipsoid: semi_axes | none", words={"none": "None"}
+)
 
 
 class SphereTable(_Table):
     """[body] of shape "sphere"."""
 
-    shape: Literal["sphere"]
-    radius: Length  # type: ignore[valid-type]
+    shape: Annotated[Literal["sphere"], _SHAPE]
+    radius: Annotated[
+        Length, About("Radius", "the body touches the tail's joint with its rear", start=0.5)
+    ]
+
+
+_AXES = About(
+    "Semi-axes",
+    "half lengths along s, q (and r)",
+    entries=("Semi-axis along", "Semi-axis across", "Semi-axis across, r"),
+)
 
 
 class SpheroidTable(_Table):
     """[body] of shape "spheroid"."""
 
-    shape: Literal["spheroid"]
-    semi_axes: list[Length]  # type: ignore[valid-type]
-    drag: str = "exact"
+    shape: Annotated[Literal["spheroid"], _SHAPE]
+    semi_axes: Annotated[list[Length], _AXES]
+    drag: Annotated[
+        Literal["exact", "slender"], About("Drag", "exact | slender: the paper's Eqs. 18, 19")
+    ] = "exact"
 
 
 class EllipsoidTable(_Table):
     """[body] of shape "ellipsoid"."""
 
-    shape: Literal["ellipsoid"]
-    semi_axes: list[Length]  # type: ignore[valid-type]
+    shape: Annotated[Literal["ellipsoid"], _SHAPE]
+    semi_axes: Annotated[list[Length], _AXES]
 
 
 class NoBodyTable(_Table):
     """[body] of shape "none"."""
 
-    shape: Literal["none"]
+    shape: Annotated[Literal["none"], _SHAPE]
+
+
+_KIND = About("Kind", "helix | plane_wave | custom")
+_SECTIONS = Literal["perpendicular", "sheared"]
+_SURFACE = Literal["rigid", "translating", "bending"]
 
 
 class _TailTable(_Table):
-    length: Length  # type: ignore[valid-type]
-    radius: Length  # type: ignore[valid-type]
-    frequency: _quantity("Hz") = 1.0  # type: ignore[valid-type]
-    sections: str | None = None
-    surface_motion: str | None = None
-    wavelength: Length | None = None  # type: ignore[valid-type]
+    length: Annotated[Length, About("Length", "from the body to the tip", start=2.0)]
+    radius: Annotated[Length, About("Filament radius", "of the filament", start=0.05)]
+    frequency: Annotated[
+        Frequency, About("Frequency", "of the motor: the tail relative to the body", start=1.0)
+    ] = 1.0
+    sections: Annotated[
+        _SECTIONS | None,
+        About("Sections", "bem, fem: sheared: circles in s = const planes",
+              words={"perpendicular": "Normal"}),
+    ] = None  # fmt: skip
+    surface_motion: Annotated[
+        _SURFACE | None, About("Surface motion", "rigid: turns as a whole | translating | bending")
+    ] = None
+    wavelength: Annotated[Length | None, About("Wavelength", "along s, or waves")] = None
 
 
 class _WaveTable(_TailTable):
-    amplitude: Length  # type: ignore[valid-type]
-    waves: Number | None = None
-    ramp: Number = 0.1
-    length_measure: str = "apparent"
+    amplitude: Annotated[
+        Length, About("Amplitude", "of the wave; the radius of a helix", start=0.1)
+    ]
+    waves: Annotated[
+        Number | None,
+        About("Waves", "or wavelength, one of the two", start=3, usual=(0.5, 8.0)),
+    ] = None
+    ramp: Annotated[
+        Number,
+        About("Ramp", "fraction of the length over which the amplitude grows",
+              start=0.1, usual=(0.0, 1.0)),
+    ] = 0.1  # fmt: skip
+    length_measure: Annotated[
+        Literal["apparent", "arc"],
+        About("Length is", "apparent: along the axis s | arc: along the filament",
+              start="apparent"),
+    ] = "apparent"  # fmt: skip
 
 
 class HelixTable(_WaveTable):
     """[tail] of kind "helix"."""
 
-    kind: Literal["helix"]
-    handedness: str = "left"
+    kind: Annotated[Literal["helix"], _KIND]
+    handedness: Annotated[
+        Literal["left", "right"], About("Hand", "right for the mirror image", start="left")
+    ] = "left"
 
 
 class PlaneWaveTable(_WaveTable):
     """[tail] of kind "plane_wave"."""
 
-    kind: Literal["plane_wave"]
+    kind: Annotated[Literal["plane_wave"], _KIND]
 
 
 class CustomTable(_TailTable):
-    """[tail] kind = "custom": `shape` names an importable function, ``"my_module:my_function"``."""
+    """[tail] of kind "custom": `shape` is ``"module:function"`` of a trusted file."""
 
-    kind: Literal["custom"]
-    shape: str
-    breaks: list[Number] = []
-    sign: Number = 1.0
+    kind: Annotated[Literal["custom"], _KIND]
+    shape: Annotated[str, About("Centreline", "module:function of a file given to --trust")]
+    breaks: Annotated[list[Number], About("Breaks", "fractions of the length with kinks")] = []
+    sign: Annotated[Number, About("Sense", "+1 or -1, of a rigid tail's turning")] = 1.0
 
 
 class CoefficientsTable(_Table):
     """[coefficients]"""
 
-    law: Literal["lighthill", "gray_hancock", "cox", "constant"] = "lighthill"
-    spin: bool = True
-    tip: bool = False
-    normal: _quantity("Pa s") | None = None  # type: ignore[valid-type]
-    tangential: _quantity("Pa s") | None = None  # type: ignore[valid-type]
+    law: Annotated[
+        Literal["lighthill", "gray_hancock", "cox", "constant"],
+        About("Law", "lighthill | gray_hancock | cox | constant (normal, tangential)",
+              start="lighthill", words={"gray_hancock": "Gray–Hancock"}),
+    ] = "lighthill"  # fmt: skip
+    spin: Annotated[
+        StrictBool, About("Filament spin", "the filament resists spinning about itself", start=True)
+    ] = True
+    tip: Annotated[
+        StrictBool,
+        About("Tip", "true: the free end has a drag of its own, 3 pi mu r_t", start=False),
+    ] = False
+    normal: Annotated[Viscosity | None, About("Normal", "c_n of the constant law")] = None
+    tangential: Annotated[Viscosity | None, About("Tangential", "c_t of the constant law")] = None
+
+
+_ONES = [1.0, 1.0, 1.0]
 
 
 class InteractionTable(_Table):
     """[interaction]"""
 
-    translation: list[Number] = [1.0, 1.0, 1.0]
-    rotation: list[Number] = [1.0, 1.0, 1.0]
-    coupling: list[list[Number]] = [[0.0] * 3] * 3
-    tail: list[Number] = [1.0, 1.0, 1.0]
+    translation: Annotated[
+        list[Number],
+        About("Drag", "factors on the body's drag along s, q, r", start=_ONES, usual=(0.2, 6.0),
+              entries=("γ along s", "γ along q", "γ along r")),
+    ] = _ONES  # fmt: skip
+    rotation: Annotated[
+        list[Number],
+        About("Torque", "and about s, q, r; microswim calibrate finds them", start=_ONES,
+              usual=(0.2, 6.0), entries=("γ about s", "γ about q", "γ about r")),
+    ] = _ONES  # fmt: skip
+    coupling: Annotated[
+        list[list[Number]], About("Coupling", "force by rotation, 3 x 3", usual=(-1.0, 1.0))
+    ] = [[0.0] * 3] * 3
+    tail: Annotated[
+        list[Number],
+        About("Tail", "factors on c_t, c_n, c_r", usual=(0.2, 3.0),
+              entries=("Tail, tangential", "Tail, normal", "Tail, spin")),
+    ] = _ONES  # fmt: skip
 
 
 class MotionTable(_Table):
     """[motion]"""
 
-    free: str | list[str] = "all"
-    frequency_frame: str = "body"
-    line_element: str = "arc"
+    free: Annotated[
+        str | list[str], About("Free", 'or a list such as ["us", "uq", "ur", "os"]', start="all")
+    ] = "all"
+    frequency_frame: Annotated[
+        Literal["body", "lab"], About("Frequency in", "body: of the motor | lab: of the tail")
+    ] = "body"
+    line_element: Annotated[
+        Literal["arc", "apparent"], About("Line element", "arc | apparent: as Eqs. 5 and 14 may")
+    ] = "arc"
 
 
-def _read_angle(value: Any) -> Any:
-    """A bare number in rad or an angle with its unit; neither decides the units of the file."""
-    return to_si(value, "rad") if isinstance(value, str) else _read_number(value)
-
-
-Angle = Annotated[float, BeforeValidator(_read_angle), Field(json_schema_extra={"unit": "rad"})]
+_TILT = (-45.0, 45.0)
 
 
 class WallTable(_Table):
     """[wall]: a plane wall beside the swimmer (boundary elements)."""
 
-    distance: Length  # type: ignore[valid-type]
-    tilt: Angle = 0.0
-    azimuth: Angle = 0.0
+    distance: Annotated[Length, About("Distance", "of the body's centre from the wall")]
+    tilt: Annotated[Angle, About("Tilt", "nose away from the wall", usual=_TILT)] = 0.0
+    azimuth: Annotated[
+        Angle, About("Side, about s", "where about s the wall lies", usual=(-180.0, 180.0))
+    ] = 0.0
 
 
 class ChannelTable(_Table):
     """[channel]: the vessel around the swimmer (finite elements)."""
 
-    diameter: Length  # type: ignore[valid-type]
-    length: Length  # type: ignore[valid-type]
-    shape: str = "cylinder"
-    position: list[Length] = [0.0, 0.0, 0.0]  # type: ignore[valid-type]
-    tilt: Angle = 0.0
-    ends: str = "closed"
+    diameter: Annotated[Length, About("Diameter", "of the cylinder, or sides of the box")]
+    length: Annotated[Length, About("Length", "along the axis")]
+    shape: Annotated[
+        Literal["cylinder", "box"], About("Shape", "cylinder | box", words={"cylinder": "Tube"})
+    ] = "cylinder"
+    position: Annotated[
+        list[Length],
+        About("Place", "of the swimmer's middle from the channel's",
+              entries=("Place along", "Place across, q", "Place across, r")),
+    ] = [0.0, 0.0, 0.0]  # fmt: skip
+    tilt: Annotated[Angle, About("Tilt", "of the swimmer about r", usual=_TILT)] = 0.0
+    ends: Annotated[Literal["closed", "open"], About("Ends", "closed: walls | open")] = "closed"
 
 
 class RegionTable(_Table):
     """[region]: what ``microswim calibrate --region`` found, as text."""
 
-    data: str
+    data: Annotated[str, About("Region", "a region calibration, as text")]
 
 
 class SpecTable(_Table):
@@ -194,3 +286,20 @@ class SpecTable(_Table):
     region: RegionTable = None  # type: ignore[assignment]
     wall: WallTable = None  # type: ignore[assignment]
     channel: ChannelTable = None  # type: ignore[assignment]
+
+
+#: The kinds of each table, by its name.
+TABLES: dict[str, tuple[type[_Table], ...]] = {
+    name: get_args(info.annotation) or (info.annotation,)  # type: ignore[misc]
+    for name, info in SpecTable.model_fields.items()
+}
+#: Every field by its dotted name.
+FIELDS = fields.read_off(TABLES)
+#: Fields that say the same in two ways: one of the two is given.
+ALTERNATIVES = {
+    **OF_A_SWIMMER,
+    "fluid.viscosity": "fluid.kinematic_viscosity",
+    "fluid.kinematic_viscosity": "fluid.viscosity",
+}
+#: The field that chooses the kind of a table.
+TAGS = {"body": "shape", "tail": "kind"}

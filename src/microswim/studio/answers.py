@@ -20,9 +20,10 @@ from microswim.gait.quantities import summary
 from microswim.gait.stepping import pack
 from microswim.models.rft.batch import evaluate, is_regular
 from microswim.numerics.plain import plain
+from microswim.spec.toml import to_toml
 from microswim.studio import bounds as around
 from microswim.studio import budget
-from microswim.studio.spec_tables import canonical, swimmer_of, to_toml, units_of
+from microswim.studio.spec_tables import canonical, swimmer_of, units_of
 from microswim.swimmer.swimmer import Swimmer
 
 MAP_OUTPUTS = ("swimming_speed", "efficiency", "mean_power", "mean_torque", "body_rate")

@@ -6,31 +6,19 @@ anything is imported.
 
 from __future__ import annotations
 
-import json
 import math
-import re
-import tomllib
 from dataclasses import fields
 from typing import Any
 
 from microswim.errors import SpecError
 from microswim.numerics.plain import plain
 from microswim.spec.file import from_dict
+from microswim.spec.tables import FIELDS
+from microswim.spec.text import toml
 from microswim.swimmer.swimmer import Swimmer
 
 LARGEST_SPEC = 256 * 1024  #: bytes; a region calibration is the most of it
 MOST_WAVES = 60.0
-QUANTITIES = {
-    "length": (
-        *("radius", "semi_axes", "length", "amplitude", "wavelength"),
-        *("distance", "diameter", "position"),
-    ),
-    "viscosity": ("viscosity", "normal", "tangential"),
-    "density": ("density",),
-    "frequency": ("frequency",),
-}
-DIMENSION = {name: kind for kind, names in QUANTITIES.items() for name in names}
-ANGLES = ("tilt", "azimuth")
 
 
 def parse(text: str) -> dict[str, Any]:
@@ -43,10 +31,7 @@ def parse(text: str) -> dict[str, Any]:
     """
     if len(text) > LARGEST_SPEC:
         raise SpecError(f"the file has {len(text)} characters; a spec has at most {LARGEST_SPEC}")
-    try:
-        return tomllib.loads(text)
-    except (tomllib.TOMLDecodeError, RecursionError) as error:
-        raise SpecError(f"the file is not valid TOML: {' '.join(str(error).split())}") from None
+    return toml(text, "the file")
 
 
 def swimmer_of(tables: Any) -> Swimmer:
@@ -90,7 +75,7 @@ def canonical(swimmer: Swimmer) -> dict[str, Any]:
     around = {"wall": swimmer.wall, "channel": swimmer.channel}
     tables |= {name: _table(part) for name, part in around.items() if part is not None}
     return {
-        part: {k: _quantity(k, v, units) for k, v in table.items()}
+        part: {k: _quantity(f"{part}.{k}", v, units) for k, v in table.items()}
         for part, table in tables.items()
     }
 
@@ -116,25 +101,12 @@ def _table(part: Any) -> dict[str, Any]:
 
 def _quantity(name: str, value: Any, units: dict[str, tuple[str, float]]) -> Any:
     """A number with its unit, as the spec file has it."""
-    if isinstance(value, list) and DIMENSION.get(name):
+    measures = FIELDS[name].measures
+    if isinstance(value, list) and measures:
         return [_quantity(name, v, units) for v in value]
-    if name in ANGLES:
+    if measures == "angle":
         return f"{float(f'{math.degrees(value):.12g}')!r} deg"
-    if name not in DIMENSION or not units:
+    if measures is None or not units:
         return value
-    unit, size = units[DIMENSION[name]]
+    unit, size = units[measures]
     return f"{float(f'{value / size:.12g}')!r} {unit}"
-
-
-def to_toml(tables: dict[str, Any], title: str) -> str:
-    """Tables as the text of a spec file, a comment line first."""
-    lines = [f"# {' '.join(re.sub(r'[^ -~]', ' ', title).split())}"]
-    for name, table in tables.items():
-        lines += ["", f"[{name}]", *(f"{key} = {_literal(v)}" for key, v in table.items())]
-    return "\n".join(lines) + "\n"
-
-
-def _literal(value: Any) -> str:
-    if isinstance(value, list):
-        return "[" + ", ".join(_literal(v) for v in value) + "]"
-    return repr(value) if isinstance(value, float) else json.dumps(value, ensure_ascii=False)

@@ -15,6 +15,7 @@ MODELS = {
     "fem": "microswim.models.fem:channel_gait",
 }
 READ = "microswim.spec.file:read"
+READ_VALUE = "microswim.spec.values:from_python"
 READ_PRESET = "microswim.spec.file:read_preset"
 POLY_DATA = "microswim.output.io.vtk:poly_data"
 IMAGE_DATA = "microswim.output.io.vtk:image_data"

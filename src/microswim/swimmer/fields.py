@@ -2,8 +2,12 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable
 from dataclasses import fields
 from typing import Any
+
+#: Fields that say the same in two ways: one of the two is given, and setting one clears the other.
+ALTERNATIVES = {"tail.waves": "tail.wavelength", "tail.wavelength": "tail.waves"}
 
 
 def numbers_of(owner: Any, prefix: str = ".") -> list[tuple[str, float]]:
@@ -38,9 +42,21 @@ def replaced(owner: Any, name: str, value: Any) -> Any:
     return copy
 
 
-def nearest(path: str, known: Any) -> str:
-    """What an error can offer in place of an unknown name."""
-    from difflib import get_close_matches
+def without_other_names(given: Iterable[str]) -> set[str]:
+    """Return the fields that say in another way what `given` says already, and must be cleared."""
+    given = set(given)
+    return {ALTERNATIVES[name] for name in given if name in ALTERNATIVES} - given
 
-    match = get_close_matches(path, list(known), n=1)
-    return f'did you mean "{match[0]}"?' if match else "fields: " + ", ".join(known)
+
+def both_of_the_wave(tail: Any) -> dict[str, Any]:
+    """Return the number of waves and the wavelength of a tail that has them, by dotted name."""
+    waves = tail.number_of_waves
+    return {"tail.waves": waves, "tail.wavelength": tail.apparent_length / waves}
+
+
+def in_terms_of(swimmer: Any, names: Iterable[str]) -> Any:
+    """Return the swimmer with its wave said by the one of `waves` and `wavelength` in `names`."""
+    for name in names:
+        if name in ALTERNATIVES and name not in swimmer.numbers:
+            return swimmer.with_({name: float(both_of_the_wave(swimmer.tail)[name])})
+    return swimmer

@@ -7,11 +7,11 @@ from os import PathLike
 from typing import TYPE_CHECKING, Any, Literal, Protocol
 
 from microswim import checks
-from microswim.errors import SpecError
+from microswim.errors import SpecError, nearest
 from microswim.swimmer import doors
 from microswim.swimmer.drag.coefficients import Coefficients, Lighthill
 from microswim.swimmer.drag.interaction import Interaction
-from microswim.swimmer.fields import nearest, numbers_of, replaced, set_item
+from microswim.swimmer.fields import numbers_of, replaced, set_item, without_other_names
 from microswim.swimmer.fluid import Fluid
 from microswim.swimmer.geometry.bodies import Body
 from microswim.swimmer.geometry.surroundings import Channel, Wall
@@ -114,16 +114,21 @@ class Swimmer:
 
     @classmethod
     def from_toml(
-        cls, path: str | PathLike[str], overrides: dict[str, Any] | None = None
+        cls,
+        path: str | PathLike[str],
+        overrides: dict[str, Any] | None = None,
+        trust: str | PathLike[str] | None = None,
     ) -> Swimmer:
         """Read a spec file; `overrides` maps dotted fields to values, as ``--set`` does.
+
+        `trust` is the Python file whose functions the spec may name (``tail.kind = "custom"``).
 
         Raises
         ------
         SpecError
             One sentence: the field, its value, what is allowed, how to mend it.
         """
-        return doors.go(doors.READ, path, overrides)
+        return doors.go(doors.READ, path, overrides, trust)
 
     @classmethod
     def preset(cls, name: str, overrides: dict[str, Any] | None = None) -> Swimmer:
@@ -160,7 +165,8 @@ class Swimmer:
         """Copy with dotted fields replaced and checked again: ``{"tail.amplitude": 0.12}``.
 
         An entry of a list is ``"interaction.translation[1]"``. Setting one of `waves` and
-        `wavelength` clears the other.
+        `wavelength` clears the other. Numbers are SI or, without units, the swimmer's own; a
+        swimmer in SI also takes quantities as the spec file has them, ``"0.12 mm"``.
 
         Raises
         ------
@@ -169,6 +175,8 @@ class Swimmer:
         """
         grouped: dict[str, dict[str, Any]] = {}
         for path, value in changes.items():
+            if isinstance(value, str):  # a quantity with its unit, or a word
+                value = doors.go(doors.READ_VALUE, path, value, self.units)
             part, _, name = path.partition(".")
             name, *index = name.replace("]", "").split("[")
             owner, new = getattr(self, part, None), grouped.setdefault(part, {})
@@ -178,10 +186,9 @@ class Swimmer:
                 raise SpecError(path, value, "an entry of a list of this swimmer")
             old = new.get(name, getattr(owner, name))
             new[name] = set_item(old, [int(i) for i in index], value) if index else value
-        tail = grouped.get("tail", {})
-        for one, other in (("waves", "wavelength"), ("wavelength", "waves")):
-            if one in tail and other not in tail and hasattr(self.tail, "waves"):
-                tail[other] = None
+        for path in without_other_names(changes) & self.numbers.keys():
+            part, _, name = path.partition(".")
+            grouped[part][name] = None
         parts = {part: replace(getattr(self, part), **new) for part, new in grouped.items()}
         return replace(self, **parts)
 

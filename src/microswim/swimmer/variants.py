@@ -7,14 +7,13 @@
 
 from __future__ import annotations
 
-import json
 from collections.abc import Mapping
 from dataclasses import fields, replace
 from typing import Any
 
 import numpy as np
 
-from microswim.errors import SpecError
+from microswim.errors import SpecError, nearest
 from microswim.swimmer.drag.coefficients import LAWS
 from microswim.swimmer.geometry.bodies import SHAPES
 from microswim.swimmer.geometry.tails import HelicalTail, PlaneWaveTail
@@ -25,7 +24,6 @@ KINDS = {
     "body.shape": SHAPES,
     "coefficients.law": LAWS,
 }
-ALTERNATIVES = {"tail.wavelength": "tail.waves", "tail.waves": "tail.wavelength"}
 
 
 def vary(swimmer: Swimmer, values: Mapping[str, Any]) -> Swimmer:
@@ -92,11 +90,8 @@ def check_names(swimmer: Swimmer, names: Any) -> None:
     known = known_names(swimmer)
     for name in names:
         if name not in known:
-            from difflib import get_close_matches
-
-            near = get_close_matches(str(name), sorted(known), n=1)
-            mend = f'did you mean "{near[0]}"?' if near else "known: " + ", ".join(sorted(known))
-            raise SpecError(str(name), None, "a field of this swimmer that can vary", mend)
+            mend = nearest(name, sorted(known))
+            raise SpecError(f"{name}: no field of this swimmer that can vary; {mend}")
 
 
 def known_names(swimmer: Swimmer) -> set[str]:
@@ -104,36 +99,6 @@ def known_names(swimmer: Swimmer) -> set[str]:
     own = {f"{part}.{f.name}" for part in swimmer.parts for f in fields(getattr(swimmer, part))}
     waves = {"tail.handedness"} if isinstance(swimmer.tail, PlaneWaveTail) else set()
     return own | set(swimmer.numbers) | set(KINDS) | waves
-
-
-def describe(swimmer: Swimmer) -> dict[str, Any]:
-    """The swimmer as the tables of a spec file, plain numbers and strings only."""
-    tags = {"body": "shape", "tail": "kind", "coefficients": "law"}
-    tables: dict[str, Any] = {}
-    for part in swimmer.parts:
-        owner = getattr(swimmer, part)
-        table = {tags[part]: getattr(owner, tags[part])} if part in tags else {}
-        for f in fields(owner):
-            value = getattr(owner, f.name)
-            if value is not None:
-                table[f.name] = _name_of(value) if callable(value) else value
-        tables[part] = table
-    return tables | {"units": swimmer.units}
-
-
-def _name_of(function: Any) -> str:
-    return f"{function.__module__}:{getattr(function, '__qualname__', type(function).__name__)}"
-
-
-def spec_json(swimmer: Swimmer) -> str:
-    """`describe` as canonical JSON, for provenance and comparison."""
-    return json.dumps(describe(swimmer), sort_keys=True, default=_jsonable)
-
-
-def _jsonable(value: Any) -> Any:
-    if isinstance(value, np.ndarray):
-        return value.tolist()
-    return value.item() if isinstance(value, np.generic) else str(value)
 
 
 def designs(swimmer: Swimmer, front: Any) -> list[Swimmer]:

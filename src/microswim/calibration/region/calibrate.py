@@ -32,6 +32,7 @@ from microswim.errors import MachineError, MicroswimError, SpecError
 from microswim.gait.gait import Gait
 from microswim.jobs import references
 from microswim.jobs.processes import counted
+from microswim.spec.values import all_from_python
 from microswim.swimmer.swimmer import Swimmer
 
 POOL = 512  #: Sobol points of a region
@@ -100,6 +101,7 @@ def calibrate_region(
     >>> fitted.gait().info["outside"]
     []
     """
+    region = all_from_python(region, swimmer.units)
     _check(swimmer, region, solves)
     counted(workers)
     pool = _pool(swimmer, region, seed)

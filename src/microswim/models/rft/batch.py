@@ -36,6 +36,7 @@ from microswim.models.rft.segment import (
 from microswim.numerics.compiled import pays, settled
 from microswim.numerics.quadrature import gauss, panels
 from microswim.numerics.solve6 import solve
+from microswim.swimmer.fields import in_terms_of
 from microswim.swimmer.swimmer import Swimmer
 
 CHUNK = 8192
@@ -87,7 +88,7 @@ def evaluate(swimmer: Swimmer, values: dict[str, Any], tolerance: float = 1e-8) 
     checks.number("tolerance", tolerance, "from 1e-12 to 1e-3", least=1e-12, most=1e-3)
     arrays = {k: np.asarray(v, dtype=float).reshape(-1) for k, v in values.items()}
     n = max((a.size for a in arrays.values()), default=1)
-    swimmer = _alternatives(swimmer, arrays)
+    swimmer = in_terms_of(swimmer, arrays)
     seconds = as_python(swimmer, n)
     results = [
         _chunk(swimmer, {k: v[i : i + CHUNK] for k, v in arrays.items()}, tolerance, seconds)
@@ -108,16 +109,8 @@ def expected_errors(swimmer: Swimmer, values: dict[str, Any]) -> np.ndarray:
     """
     assert swimmer.region is not None
     arrays = {k: np.asarray(v, dtype=float).reshape(-1) for k, v in values.items()}
-    many = _alternatives(swimmer, arrays).lifted(arrays)
+    many = in_terms_of(swimmer, arrays).lifted(arrays)
     return swimmer.region.expected_of_many(many, max(a.size for a in arrays.values()))
-
-
-def _alternatives(swimmer: Swimmer, arrays: dict[str, Any]) -> Swimmer:
-    """Swimmer that has the one of `waves` and `wavelength` that varies."""
-    for one in ("tail.waves", "tail.wavelength"):
-        if one in arrays and one not in swimmer.numbers:
-            swimmer = swimmer.with_({one: float(np.ravel(arrays[one])[0])})
-    return swimmer
 
 
 def _chunk(

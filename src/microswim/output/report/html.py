@@ -158,6 +158,9 @@ def spec_table(swimmer: Swimmer) -> Table:
 
     axes = " x ".join(quantity(r, "m" if si else "") for r in d["semi_axes"])
     body = f"semi-axes {axes}" if any(d["semi_axes"]) else "an isolated tail"
+    wave = []
+    if d["wavenumber"] is not None:  # a tail of any shape has none
+        wave = [("wavenumber k", q("wavenumber", "1/m"), "2 pi over wavelength")]
     motion = f"{tail.sections} sections, {tail.surface_motion} surface motion"
     rows = [
         ("body", swimmer.body.shape, body),
@@ -166,7 +169,7 @@ def spec_table(swimmer: Swimmer) -> Table:
         ("arc length", q("arc_length", "m"), "along the filament, ramp left out"),
         ("alpha", significant(d["alpha"]), "apparent over arc length"),
         ("number of waves N", significant(d["number_of_waves"]), "L over wavelength"),
-        ("wavenumber k", q("wavenumber", "1/m"), "2 pi over wavelength"),
+        *wave,
         ("c_t", q("c_t", "Pa s"), f"along the filament, law {swimmer.coefficients.law}"),
         ("c_n", q("c_n", "Pa s"), "across the filament"),
         ("c_r", q("c_r", "Pa s m^2"), "spin about itself"),
@@ -178,8 +181,6 @@ def spec_table(swimmer: Swimmer) -> Table:
             f"motor rate read in the {swimmer.motion.frequency_frame} frame",
         ),
     ]
-    if d["wavenumber"] is None:
-        rows = [row for row in rows if row[0] != "wavenumber k"]
     return Table("What the spec works out to", ("", "value", ""), rows, swimmer.units)
 
 

@@ -9,12 +9,12 @@ from __future__ import annotations
 import csv
 from dataclasses import dataclass
 from os import PathLike
-from pathlib import Path
 from typing import Any
 
 import numpy as np
 
 from microswim.errors import SpecError
+from microswim.spec.text import LARGEST_TABLE, read_text
 
 _NAMES = {"t": "time", "qw": "w", "qx": "i", "qy": "j", "qz": "k"}
 _ATTITUDE = ("w", "i", "j", "k")
@@ -170,12 +170,11 @@ class Track:
 
 
 def _rows(path: str | PathLike[str]) -> tuple[list[str], list[list[str]]]:
+    lines = read_text(path, LARGEST_TABLE).splitlines()
     try:
-        lines = Path(path).read_text(encoding="utf-8").splitlines()
-    except (OSError, UnicodeDecodeError) as error:
-        reason = getattr(error, "strerror", None) or "not text"
-        raise SpecError(f"{path}: cannot be read: {reason}") from None
-    rows = [row for row in csv.reader(line for line in lines if not line.startswith("#")) if row]
+        rows = [r for r in csv.reader(line for line in lines if not line.startswith("#")) if r]
+    except csv.Error as error:
+        raise SpecError(f"{path}: not a CSV: {error}") from None
     if len(rows) < 2:
         raise SpecError(f"{path}: no rows; a track has a header and at least {FEWEST} rows")
     return rows[0], rows[1:]

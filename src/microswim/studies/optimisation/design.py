@@ -19,11 +19,12 @@ from scipy.stats import qmc
 from microswim.errors import MicroswimError, SpecError
 from microswim.numerics.compiled import settled
 from microswim.numerics.plain import plain
+from microswim.spec.describe import describe
 from microswim.studies.optimisation.merits import of_gait
 from microswim.studies.optimisation.problem import Problem
 from microswim.studies.optimisation.sensitivity import Sensitivity, sensitivities
 from microswim.swimmer.swimmer import Swimmer
-from microswim.swimmer.variants import describe, vary
+from microswim.swimmer.variants import vary
 
 STARTS = 4
 APART = 0.1  # least distance of two starts in the unit cube

@@ -15,7 +15,7 @@ from typing import Any
 
 import numpy as np
 
-from microswim.errors import SpecError
+from microswim.errors import SpecError, nearest
 
 LONGEST = 500
 
@@ -170,15 +170,8 @@ def _check(node: Any, text: str, known: Any, names: set[str]) -> None:
         case ast.Name() | ast.Attribute() | ast.Subscript():
             name = ast.unparse(node)
             if name not in known:
-                from difflib import get_close_matches
-
-                near = get_close_matches(name, list(known), n=1)
-                mend = (
-                    f'did you mean "{near[0]}"?' if near else "known: " + ", ".join(sorted(known))
-                )
-                raise SpecError(
-                    "expression", text, f'made of known quantities; "{name}" is none', mend
-                )
+                allowed = f'made of known quantities; "{name}" is none'
+                raise SpecError("expression", text, allowed, nearest(name, sorted(known)))
             names.add(name)
         case ast.BinOp() if type(node.op) in OPERATORS:
             _check(node.left, text, known, names)

@@ -13,6 +13,7 @@ import numpy as np
 from microswim.gait.gait import Gait
 from microswim.gait.screw import screw
 from microswim.studies.optimisation.expressions import magnitude
+from microswim.swimmer.fields import ALTERNATIVES, both_of_the_wave, in_terms_of
 from microswim.swimmer.swimmer import Swimmer
 
 MERITS = {
@@ -47,7 +48,7 @@ _OF_SPEED = {
 def known(swimmer: Swimmer) -> set[str]:
     """Names an expression about this swimmer may use: merits and numbers of the spec."""
     shape = set(GEOMETRY) if hasattr(swimmer.tail, "arc_length") else set()
-    both = {"tail.waves", "tail.wavelength"} if shape else set()
+    both = set(ALTERNATIVES) if shape else set()
     return set(MERITS) | shape | both | set(swimmer.numbers)
 
 
@@ -79,11 +80,11 @@ def of_many(
     swimmer: Swimmer, numbers: Mapping[str, Any], tolerance: float = 1e-8
 ) -> dict[str, Any]:
     """Merits of n designs by the batched kernel; NaN where a design makes no sense."""
-    from microswim.models.rft.batch import _alternatives, evaluate
+    from microswim.models.rft.batch import evaluate
 
     arrays = {name: np.asarray(v, dtype=float) for name, v in numbers.items()}
     r = evaluate(swimmer, arrays, tolerance)
-    many = _alternatives(swimmer, arrays).lifted(arrays)
+    many = in_terms_of(swimmer, arrays).lifted(arrays)
     basis = ("swimming_speed", "mean_velocity", "velocity_amplitude", "mean_power", "mean_torque")
     with np.errstate(all="ignore"):
         out = _derived(*(r[name] for name in basis), r["efficiency"], many) | _geometry(many)
@@ -130,6 +131,5 @@ def _geometry(swimmer: Swimmer) -> dict[str, Any]:
             "crowding": tail.radius / tail.room(),
             "winding": tail._wound_length() / tail.length,
             "slenderness": 5.2 * tail.radius * tail.alpha * tail.wavenumber / (2.0 * np.pi),
-            "tail.waves": tail.number_of_waves,
-            "tail.wavelength": tail.apparent_length / tail.number_of_waves,
+            **both_of_the_wave(tail),
         }

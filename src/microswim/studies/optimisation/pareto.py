@@ -8,10 +8,10 @@ import numpy as np
 
 from microswim.errors import MicroswimError, SpecError
 from microswim.numerics.compiled import settled
+from microswim.spec.describe import spec_json
 from microswim.studies.optimisation.merits import MERITS, of_many
 from microswim.studies.optimisation.problem import Problem
 from microswim.swimmer.swimmer import Swimmer
-from microswim.swimmer.variants import spec_json
 
 if TYPE_CHECKING:
     import xarray as xr

@@ -17,9 +17,11 @@ import numpy as np
 from microswim.errors import MicroswimError, SpecError
 from microswim.models.rft.batch import PHASES
 from microswim.numerics.complex_step import STEP, derivative_from
+from microswim.spec.values import all_from_python
 from microswim.studies.optimisation.expressions import Constraint, Expression, constraints, parse
 from microswim.studies.optimisation.merits import known, of_gait, of_many
 from microswim.swimmer.drag.coefficients import Lighthill
+from microswim.swimmer.fields import in_terms_of
 from microswim.swimmer.swimmer import Swimmer
 from microswim.swimmer.variants import KINDS, check_names, vary
 
@@ -62,6 +64,7 @@ class Problem:
             If a name is unknown, a range is empty, or there is nothing to make large or small.
         """
         check_names(swimmer, over)
+        over = all_from_python(over, swimmer.units)
         ranges, choices = {}, {}
         for name, values in over.items():
             if isinstance(values, tuple) and len(values) == 2 and name not in KINDS:
@@ -108,7 +111,7 @@ class Problem:
                 complaint = error
                 continue
             found = True
-            swimmer = _with_its_wave(swimmer, self.ranges)
+            swimmer = in_terms_of(swimmer, self.ranges)
             limits = self.limits + _buildable(swimmer)
             yield picked, replace(self, swimmer=swimmer, choices={}, limits=limits)
         if not found and complaint is not None:
@@ -181,17 +184,6 @@ class Problem:
         if not np.all(np.isfinite(stacked)):
             raise MicroswimError("not a swimmer")
         return stacked
-
-
-def _with_its_wave(swimmer: Swimmer, ranges: Mapping[str, Any]) -> Swimmer:
-    """The swimmer in terms of the one of `waves` and `wavelength` that varies."""
-    for one in ("waves", "wavelength"):
-        if f"tail.{one}" in ranges and getattr(swimmer.tail, one) is None:
-            length = swimmer.tail.apparent_length
-            now = {"waves": swimmer.tail.number_of_waves}
-            now["wavelength"] = length / now["waves"]
-            return swimmer.with_({f"tail.{one}": float(now[one])})
-    return swimmer
 
 
 def _texts(wanted: Any) -> list[str]:

@@ -16,6 +16,7 @@ from scipy.stats import norm, qmc
 from microswim.errors import MicroswimError, SpecError
 from microswim.studies.optimisation.expressions import constraints, parse
 from microswim.studies.optimisation.merits import MERITS, known, of_many
+from microswim.swimmer.fields import both_of_the_wave
 from microswim.swimmer.swimmer import Swimmer
 from microswim.swimmer.variants import check_names
 
@@ -89,11 +90,8 @@ def _spread(
 
 def spec_numbers(swimmer: Swimmer) -> dict[str, float]:
     """Numbers of the spec, both of waves and wavelength."""
-    tail, out = swimmer.tail, dict(swimmer.numbers)
-    if hasattr(tail, "number_of_waves"):
-        out.setdefault("tail.waves", tail.number_of_waves)
-        out.setdefault("tail.wavelength", tail.apparent_length / tail.number_of_waves)
-    return out
+    both = both_of_the_wave(swimmer.tail) if hasattr(swimmer.tail, "number_of_waves") else {}
+    return both | dict(swimmer.numbers)
 
 
 def robustness(

@@ -24,6 +24,8 @@ from microswim.gait.gait import DEGREES_OF_FREEDOM
 from microswim.jobs.cluster import connected
 from microswim.jobs.lock import locked
 from microswim.jobs.processes import counted
+from microswim.spec.describe import spec_json
+from microswim.spec.values import all_from_python
 from microswim.studies.sweeps.engines import Rows, Task, solved
 from microswim.studies.sweeps.layout import (
     FORMAT,
@@ -36,7 +38,7 @@ from microswim.studies.sweeps.rows import Job
 from microswim.studies.sweeps.space import Space
 from microswim.studies.sweeps.store import SweepStore
 from microswim.swimmer.swimmer import Swimmer
-from microswim.swimmer.variants import check_names, spec_json
+from microswim.swimmer.variants import check_names
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -122,7 +124,10 @@ def sweep(
     count = counted(workers)
     if count == 0 and (scheduler is not None or cluster is not None):
         raise SpecError("workers", workers, "at least 1 on a cluster")
-    space = Space.of(over, BLOCK["custom" if swimmer.tail.kind == "custom" else model])
+    space = Space.of(
+        all_from_python(over, swimmer.units),
+        BLOCK["custom" if swimmer.tail.kind == "custom" else model],
+    )
     check_names(swimmer, space.names)
     job = Job(swimmer, model, options, space.size)
     attributes = _provenance(job, space)

@@ -56,6 +56,10 @@ class Coefficients:
     tip: bool = False
     law: ClassVar[str]
 
+    def __post_init__(self) -> None:
+        checks.truth("coefficients.spin", self.spin)
+        checks.truth("coefficients.tip", self.tip)
+
     def pair(self, tail: Tail, viscosity: Any) -> tuple[Any, Any]:
         """``(c_t, c_n)``: force per unit length and velocity, along and across the filament."""
         raise TypeError("a law is Lighthill, GrayHancock, Cox or Constant")
@@ -221,6 +225,7 @@ class Constant(Coefficients):
     law: ClassVar[str] = "constant"
 
     def __post_init__(self) -> None:
+        super().__post_init__()
         checks.positive("coefficients.normal", self.normal)
         checks.positive("coefficients.tangential", self.tangential)
 

@@ -197,9 +197,9 @@ def _resolve(shape: Callable[[Any, Any], Any], lo: float, hi: float) -> np.ndarr
 
 
 def _sample(shape: Callable[[Any, Any], Any], s: np.ndarray, phase: np.ndarray) -> np.ndarray:
-    P = np.asarray(shape(s, phase[None, :]), dtype=float)
+    P = _called(shape, s, phase[None, :])
     P = np.broadcast_to(P, (s.shape[0], phase.size, 3)) if P.shape[-1:] == (3,) else P
-    again = np.asarray(shape(s, phase[None, :] + 2.0 * np.pi), dtype=float)
+    again = _called(shape, s, phase[None, :] + 2.0 * np.pi)
     if P.shape != (s.shape[0], phase.size, 3) or not np.isfinite(P).all():
         raise SpecError(
             "tail.shape",
@@ -209,6 +209,16 @@ def _sample(shape: Callable[[Any, Any], Any], s: np.ndarray, phase: np.ndarray) 
     if np.abs(P - again).max() > 1e-9 * np.abs(P).max():
         raise SpecError("tail.shape", getattr(shape, "__name__", "P"), "2 pi-periodic in phase")
     return P
+
+
+def _called(shape: Callable[[Any, Any], Any], s: np.ndarray, phase: np.ndarray) -> np.ndarray:
+    """Positions by the user's function; what it raises, as a sentence."""
+    try:
+        return np.asarray(shape(s, phase), dtype=float)
+    except Exception as error:
+        why = " ".join(f"{type(error).__name__}: {error}".split())
+        name = getattr(shape, "__name__", "P")
+        raise SpecError(f'tail.shape: "{name}" fails for arrays s and phase: {why}') from error
 
 
 def _trim(series: np.ndarray, floor: float) -> np.ndarray:

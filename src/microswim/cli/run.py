@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import click
 
@@ -18,6 +18,9 @@ from microswim.cli._options import (
     print_json,
     swimmer_options,
 )
+
+if TYPE_CHECKING:
+    from microswim.swimmer.swimmer import Swimmer
 
 
 @click.command(
@@ -55,6 +58,7 @@ def command(
 
     if out is not None:
         _folder.check(out, force)
+        _check_path(given.swimmer, model)
     from microswim.output import report
     from microswim.output.io import run as io
 
@@ -84,3 +88,13 @@ def command(
         click.echo(f"  solved in {seconds:.3g} s")
     if out is not None:
         _folder.say_where(out)
+
+
+def _check_path(swimmer: Swimmer, model: str) -> None:
+    """Refuse the files of a path beside a wall that would turn with the swimmer."""
+    from microswim.gait.one_pose import refusal
+
+    around = {"bem": ("wall", swimmer.wall), "fem": ("channel", swimmer.channel)}
+    name, boundary = around.get(model, ("", None))
+    if boundary is not None and not boundary.stays(swimmer.motion.mask):
+        raise refusal(name)

@@ -56,7 +56,7 @@ class Stepper:
     Raises
     ------
     SpecError
-        If a parameter is out of range.
+        If a parameter is out of range, or the gait holds at one pose beside a wall.
 
     Examples
     --------
@@ -78,6 +78,7 @@ class Stepper:
     most_steps: int = 100_000
 
     def __post_init__(self) -> None:
+        self.gait.check_path()
         checks.numbers("moment", self.moment, 3, "three finite numbers, in the body frame")
         checks.number("resolution", self.resolution, "4 or more steps per turn", least=4)
         allowed = "a whole number from 1 to 10000000"

@@ -15,6 +15,7 @@ from typing import Any
 import numpy as np
 
 from microswim.errors import MicroswimError
+from microswim.gait.one_pose import refusal
 from microswim.numerics.fourier import (
     evaluate,
     half_range,
@@ -157,6 +158,26 @@ class Gait:
                 "resists every free motion"
             ) from None
         return out
+
+    @property
+    def one_pose(self) -> str:
+        """What would turn with the swimmer along a path, ``"wall"`` or ``"channel"``; or nothing.
+
+        A gait beside a wall is right at the pose where it was solved. Carried along a path it
+        would carry the wall with it.
+        """
+        return str(self.info.get("one_pose", ""))
+
+    def check_path(self) -> None:
+        """Refuse what would follow a path if the gait holds at one pose.
+
+        Raises
+        ------
+        SpecError
+            One sentence.
+        """
+        if self.one_pose:
+            raise refusal(self.one_pose)
 
     @property
     def samples(self) -> int:

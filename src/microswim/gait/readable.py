@@ -57,10 +57,8 @@ def quantity(value: Any, unit: str, digits: int = 4) -> str:
     ('23.53 µm/s', '-0.03699')
     """
     value = float(value)
-    if math.isnan(value):
-        return "not defined"
-    if math.isinf(value):
-        return "infinite"
+    if not math.isfinite(value):
+        return significant(value)
     factor, name = prefixed(value, unit)
     text = significant(value * factor, digits)
     return text if is_dimensionless(unit) else f"{text} {name}"
@@ -68,7 +66,11 @@ def quantity(value: Any, unit: str, digits: int = 4) -> str:
 
 def significant(value: float, digits: int = 4) -> str:
     """A number to so many significant digits, with a proper exponent when it is extreme."""
-    if value == 0 or abs(value) < 1e-300:
+    if math.isnan(value):
+        return "not defined"
+    if math.isinf(value):
+        return "infinite"
+    if abs(value) < 1e-300:
         return "0"
     exponent = math.floor(math.log10(abs(value)) + 1e-12)
     if -5 < exponent < 6:

@@ -27,7 +27,8 @@ def screw(gait: Gait, steps: int | None = None) -> ScrewMotion:
     Returns
     -------
     ScrewMotion
-        From it swimming speed, pitch and path radius.
+        From it swimming speed, pitch and path radius; NaN for a gait that holds at one pose,
+        beside a wall (`Gait.one_pose`).
 
     Examples
     --------
@@ -35,6 +36,8 @@ def screw(gait: Gait, steps: int | None = None) -> ScrewMotion:
     >>> ms.screw(ms.Swimmer.preset("tabak/helix").gait()).quaternion.shape
     (4,)
     """
+    if gait.one_pose:
+        return ScrewMotion(np.full(3, np.nan), np.full(4, np.nan), gait.period)
     packed, free = pack(gait), np.array(gait.free)
     steps = steps or max(256, 4 * len(packed))
     kind = packed.dtype

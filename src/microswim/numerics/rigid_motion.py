@@ -89,7 +89,7 @@ class ScrewMotion:
     @property
     def turns(self) -> bool:
         """Whether the swimmer turns at all over the period (by more than 1e-9 rad)."""
-        return abs(self._sine) > 5e-10
+        return not abs(self._sine) <= 5e-10
 
     @property
     def angle(self) -> Any:

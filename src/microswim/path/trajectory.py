@@ -74,7 +74,7 @@ def trajectory(
     Raises
     ------
     SpecError
-        If an argument has the wrong shape or is not finite.
+        If an argument has the wrong shape or is not finite, or the gait holds at one pose.
 
     Examples
     --------
@@ -84,6 +84,7 @@ def trajectory(
     >>> bool(path.position[-1, 0] < 0)
     True
     """
+    gait.check_path()
     t = np.atleast_1d(np.asarray(times, dtype=float))
     if t.ndim != 1 or not np.isfinite(t).all() or (np.diff(t) <= 0).any():
         raise SpecError("times", times, "finite and increasing")

@@ -14,6 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from microswim.gait.gait import Gait
+from microswim.gait.one_pose import remark
 from microswim.models.bem.levels import Level, coarser, get_level
 from microswim.models.bem.solution import Solution, solve
 from microswim.numerics.fourier import MIRROR_Q, TURN_S
@@ -64,6 +65,8 @@ def _carried(sample: dict[str, Any], signs: Array) -> dict[str, Any]:
 def _info(solutions: list[Solution], level: str) -> dict[str, Any]:
     seconds = {k: sum(s.seconds[k] for s in solutions) for k in ("geometry", "assembly", "solve")}
     first = solutions[0]
+    wall = first.swimmer.wall
+    held = wall is not None and not wall.stays(first.free)
     return {
         "level": level,
         "order": first.surface.order,
@@ -73,8 +76,9 @@ def _info(solutions: list[Solution], level: str) -> dict[str, Any]:
         "seconds": seconds,
         "asymmetry": max(s.asymmetry for s in solutions),
         "reciprocity": max(s.reciprocity for s in solutions),
-        "wall": first.swimmer.wall,
-        "remarks": list(first.remarks),
+        "wall": wall,
+        "remarks": [*first.remarks, *([remark("wall")] if held else [])],
+        **({"one_pose": "wall"} if held else {}),
         "joint": "torque and lateral force on the body alone drift with the logarithm of the mesh "
         "size; R, F_p and velocities converge",
     }

@@ -20,6 +20,7 @@ import numpy as np
 
 from microswim.errors import MicroswimError, SpecError
 from microswim.gait.gait import Gait
+from microswim.gait.one_pose import remark
 from microswim.models.fem.displacement import Wave
 from microswim.models.fem.mesh import (
     Level,
@@ -247,11 +248,16 @@ def gait(
         del laid  # a filled mesh gives its memory back before the next
     if mirrored:
         shots += [mirror_image(shot) for shot in shots]
+    held = not channel.stays(swimmer.motion.mask)
     info = {
         "level": level if isinstance(level, str) else asdict(level),
         "mesh": "filled in anew at each phase" if anew else "displaced",
         **mesh_info,
-        "remarks": [LOOKING] if level == "coarse" else [],
+        "remarks": [
+            *([LOOKING] if level == "coarse" else []),
+            *([remark("channel")] if held else []),
+        ],
+        **({"one_pose": "channel"} if held else {}),
         "channel": asdict(channel),
         "wall_seconds": time.perf_counter() - start,
     }

@@ -7,6 +7,7 @@ boundary elements know the wall, the finite elements the vessel.
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any, Literal
 
@@ -17,6 +18,7 @@ from microswim import checks
 from microswim.errors import SpecError
 
 Array = NDArray[np.float64]
+ALONG = 1e-9  # a component of a unit vector below this is rounding
 
 
 @dataclass(frozen=True)
@@ -64,6 +66,16 @@ class Wall:
         """Point and unit normal (6,) of the wall for a body centred at `centre`."""
         n = np.array(self.normal)
         return np.concatenate([np.asarray(centre, float) - self.distance * n, n])
+
+    def stays(self, free: Sequence[bool]) -> bool:
+        """Whether the wall stays where it is, seen from a swimmer with these freedoms.
+
+        It does if the swimmer slides along the wall and turns about nothing but its normal.
+        """
+        across = np.abs(self.normal) > ALONG
+        slides = not (across & np.array(free[:3])).any()
+        turns = across.sum() > 1 or (~across & np.array(free[3:])).any()
+        return bool(slides and not (turns and any(free[3:])))
 
     def check_clear(self, points: Array, centre: Any) -> None:
         """Refuse a swimmer, given by points (n, 3) of its surface, that reaches into the wall."""
@@ -131,6 +143,14 @@ class Channel:
         """Whether a swimmer on the axis of a cylinder sees the same channel from every side."""
         aside = any(self.position[1:])
         return self.shape == "cylinder" and self.tilt == 0.0 and not aside
+
+    def stays(self, free: Sequence[bool]) -> bool:
+        """Whether the channel stays where it is, seen from a swimmer with these freedoms.
+
+        It does on the axis of a cylinder (as long as the swimmer does not leave it), and for a
+        swimmer that does nothing but slide along a channel which is not tilted.
+        """
+        return self.centred or not any(free[0 if self.tilt else 1 :])
 
     @property
     def axes(self) -> np.ndarray:

@@ -5,10 +5,16 @@ from __future__ import annotations
 import math
 from typing import Any
 
-_PREFIXES = {
-    -24: "y", -21: "z", -18: "a", -15: "f", -12: "p", -9: "n", -6: "µ", -3: "m", 0: "",
-    3: "k", 6: "M", 9: "G",
-}  # fmt: skip
+#: Units in which people of the field read a quantity, from large to small.
+_READ_IN = {
+    "m": {"m": 1.0, "mm": 1e-3, "µm": 1e-6, "nm": 1e-9},
+    "m/s": {"m/s": 1.0, "mm/s": 1e-3, "µm/s": 1e-6, "nm/s": 1e-9},
+    "s": {"s": 1.0, "ms": 1e-3, "µs": 1e-6},
+    "Hz": {"MHz": 1e6, "kHz": 1e3, "Hz": 1.0, "mHz": 1e-3},
+    "W": {"W": 1.0, "mW": 1e-3, "µW": 1e-6, "nW": 1e-9, "pW": 1e-12, "fW": 1e-15},
+    "N": {"N": 1.0, "mN": 1e-3, "µN": 1e-6, "nN": 1e-9, "pN": 1e-12, "fN": 1e-15},
+    "N m": {"N m": 1.0, "mN m": 1e-3, "µN m": 1e-6, "nN m": 1e-9, "pN µm": 1e-18},
+}
 
 
 def prefixed(largest: float, unit: str) -> tuple[float, str]:
@@ -19,8 +25,8 @@ def prefixed(largest: float, unit: str) -> tuple[float, str]:
     largest
         Largest magnitude to be shown.
     unit
-        Its unit; only SI units that begin with a metre, second, hertz, watt or newton get a
-        prefix. Torques far below a newton metre are given per micrometre, as the field does.
+        Its SI unit; lengths, speeds, times, rates, powers, forces and torques get a prefix that
+        people of the field use: nN m, pN µm, fW, never aW or fN µm.
 
     Returns
     -------
@@ -30,18 +36,17 @@ def prefixed(largest: float, unit: str) -> tuple[float, str]:
     Examples
     --------
     >>> from microswim.gait.readable import prefixed
-    >>> prefixed(2.3e-5, "m/s")[1]
-    'µm/s'
+    >>> prefixed(2.3e-5, "m/s")[1], prefixed(9.4e-10, "N m")[1]
+    ('µm/s', 'nN m')
     """
-    if unit not in ("m", "m/s", "s", "Hz", "W", "N", "N m") or not 0 < abs(largest) < math.inf:
+    if unit not in _READ_IN or not 0 < abs(largest) < math.inf:
         return 1.0, unit
-    scale = 1.0
-    if unit == "N m" and abs(largest) < 1e-9:
-        scale, unit = 1e6, "N µm"
-    exponent = 3 * math.floor(math.log10(abs(largest) * scale) / 3 + 1e-12)
-    highest = 0 if unit.startswith(("m", "s")) else 9
-    exponent = min(max(exponent, -24), highest)
-    return scale * 10.0**-exponent, _PREFIXES[exponent] + unit
+    name, size = unit, 1.0
+    for name, size in _READ_IN[unit].items():
+        least = 1e-3 * size if name == "nN m" else size  # 0.001 nN m rather than a million pN µm
+        if abs(largest) >= least * (1.0 - 1e-12):
+            break
+    return (1e18 if size == 1e-18 else 1.0 / size), name
 
 
 def quantity(value: Any, unit: str, digits: int = 4) -> str:

@@ -218,7 +218,11 @@ def _dataset(gait: Gait, t: Any, x: Any, q: Any, angle: Any) -> xr.Dataset:
     return xr.Dataset(
         {
             "position": (("time", "axis"), x, {"units": length, "long_name": "body centre, lab"}),
-            "quaternion": (("time", "wxyz"), q, {"long_name": "attitude, body to lab"}),
+            "quaternion": (
+                ("time", "wxyz"),
+                q,
+                {"units": "1", "long_name": "attitude, body to lab"},
+            ),
             "phase": ("time", np.asarray(angle), {"units": "rad"}),
         },
         coords={"time": ("time", t, {"units": time}), "axis": list("xyz"), "wxyz": list("wxyz")},

@@ -46,6 +46,10 @@ class Dimension:
     smallest: float = 1e-30
     largest: float = 1e30
 
+    def unit(self, units: str) -> str:
+        """Return the unit of numbers of a swimmer in SI, or the word where it has no units."""
+        return self.si if units == "SI" else self.word
+
     def refused(self, value: float) -> str | None:
         """Return the sentence about a number beyond what swims, or None."""
         if value == 0 or self.smallest <= abs(value) <= self.largest:

@@ -5,7 +5,6 @@ from __future__ import annotations
 import math
 import warnings
 from collections.abc import Callable
-from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -75,7 +74,7 @@ def judge(question: dict[str, Any], progress: Progress) -> dict[str, Any]:
     ours = answers.readings(swimmer, answers.surrogate(swimmer))
     theirs = answers.readings(swimmer, reference)
     answer = {
-        "answer": answers.describe(swimmer, replace(reference, units=swimmer.units)),
+        "answer": answers.describe(swimmer, reference),
         "rows": compare(ours, theirs),
         "unknowns": int(reference.info.get("unknowns", 0)),
         "phases": int(reference.info.get("phases_solved", 0)),

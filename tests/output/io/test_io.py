@@ -161,7 +161,14 @@ def test_poly_data_refuses_types_it_cannot_write():
         (999.9e-9, "m", "999.9 nm"),
         (-0.5, "m/s", "-500.0 mm/s"),
         (187.7, "Hz", "187.7 Hz"),
-        (1.692e-19, "N m", "169.2 fN µm"),
+        (1.692e-19, "N m", "0.1692 pN µm"),
+        (9.371e-10, "N m", "0.9371 nN m"),
+        (1.817e-9, "N m", "1.817 nN m"),
+        (4.0e-13, "N m", "400000 pN µm"),
+        (4.0e-17, "N m", "40.00 pN µm"),
+        (2.5e-17, "W", "0.02500 fW"),
+        (3.1e-13, "W", "310.0 fW"),
+        (1e-12, "N", "1.000 pN"),
         (0.002, "N m", "2.000 mN m"),
         (1500.0, "m", "1500 m"),
         (0.0, "m/s", "0 m/s"),
@@ -178,7 +185,7 @@ def test_quantities_read_well(value, unit, shown):
 @pytest.mark.parametrize("size", [1e-30, 3e-7, 1e-6, 9.99, 1e3, 1e12])
 def test_a_prefix_never_changes_the_value(size):
     registry = pint.UnitRegistry()
-    for unit in ("m", "s", "Hz", "W", "N", "m/s"):
+    for unit in ("m", "s", "Hz", "W", "N", "m/s", "N m"):
         factor, name = prefixed(size, unit)
         assert registry.Quantity(size * factor, name).to(unit).magnitude == pytest.approx(size)
 

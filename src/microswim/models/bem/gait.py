@@ -139,6 +139,7 @@ def _assembled(
     swimmer: Any, solutions: list[Solution], count: int, signs: Array | None, info: dict[str, Any]
 ) -> Gait:
     common = {"rate": solutions[0].rate, "free": solutions[0].free, "model": "bem", "info": info}
+    common["units"] = swimmer.units
     samples = [_arrays(s) for s in solutions]
     if count == 1:
         only = samples[0]

@@ -12,6 +12,8 @@ from typing import Any
 import numpy as np
 
 from microswim.gait.gait import DEGREES_OF_FREEDOM
+from microswim.output.io.run import unit
+from microswim.spec.tables import FIELDS
 from microswim.studies.sweeps.space import Space
 
 VECTORS = ("mean_velocity", "velocity_amplitude")
@@ -34,6 +36,36 @@ LONG_NAMES = {
 }
 
 
+#: What each output measures, as `microswim.output.io.unit` names it.
+MEASURES = {
+    "mean_velocity": "twist", "velocity_amplitude": "twist", "swimming_speed": "speed",
+    "mean_power": "power", "mean_torque": "torque",
+}  # fmt: skip
+
+
+def said(name: str, units: str) -> dict[str, str]:
+    """Return what a variable of a sweep says of itself: its unit, and of an output its meaning.
+
+    Parameters
+    ----------
+    name
+        An output, or the dotted name of a field that varies.
+    units
+        Of the swimmer.
+    """
+    if name in LONG_NAMES:
+        kind = "1" if name in (*VECTORS, *NUMBERS) else ""
+        told = {"units": unit(units, MEASURES.get(name, kind)), "long_name": LONG_NAMES[name]}
+        return {k: v for k, v in told.items() if v}
+    field = FIELDS.get(name.partition("[")[0])
+    if field is None or field.kind not in ("quantity", "number"):
+        return {}
+    dimension = field.dimension
+    if dimension is None:
+        return {"units": "1", "long_name": field.about.label}
+    return {"units": dimension.unit(units), "long_name": field.about.label}
+
+
 def blank(rows: int) -> dict[str, np.ndarray]:
     """Rows that hold nothing yet."""
     out: dict[str, np.ndarray] = {name: np.full((rows, 6), np.nan) for name in VECTORS}
@@ -52,7 +84,7 @@ def built(path: Path, space: Space, attributes: Mapping[str, Any]) -> Path:
     fresh = path.with_name(f"{path.name}.{os.getpid()}.new")
     try:
         group = zarr.create_group(fresh, zarr_format=2, attributes=dict(attributes))
-        _add_arrays(group, space)
+        _add_arrays(group, space, str(attributes["units"]))
         zarr.consolidate_metadata(fresh)
     except BaseException:
         shutil.rmtree(fresh, ignore_errors=True)
@@ -75,9 +107,9 @@ def mend(path: Path, template: Path) -> None:
         shutil.rmtree(template, ignore_errors=True)
 
 
-def _add_arrays(group: Any, space: Space) -> None:
+def _add_arrays(group: Any, space: Space, units: str) -> None:
     dims, shape, chunks = space.dims, space.shape, space.chunks
-    for name, note in LONG_NAMES.items():
+    for name in LONG_NAMES:
         vector = name in VECTORS
         kind, fill = {"status": ("i1", None), "reason": (str, None)}.get(name, ("f8", np.nan))
         group.create_array(
@@ -88,7 +120,7 @@ def _add_arrays(group: Any, space: Space) -> None:
             fill_value=fill,
             compressors=_codec(),
             attributes={
-                "long_name": note,
+                **said(name, units),
                 "_ARRAY_DIMENSIONS": [*dims, "component"] if vector else list(dims),
             },
         )
@@ -97,9 +129,10 @@ def _add_arrays(group: Any, space: Space) -> None:
     )
     # A fill value would make xarray read 0 and "" as missing; so every status is written.
     group["status"][...] = 0
-    _add_coordinate(group, "component", ("component",), np.array(DEGREES_OF_FREEDOM))
+    _add_coordinate(group, "component", ("component",), np.array(DEGREES_OF_FREEDOM), {})
     for name, values in zip(space.names, space.values):
-        _add_coordinate(group, name, (name,) if space.grid else ("design",), values)
+        dims = (name,) if space.grid else ("design",)
+        _add_coordinate(group, name, dims, values, said(name, units))
     group.attrs["coordinates"] = " ".join(space.names) if not space.grid else "component"
 
 
@@ -110,13 +143,15 @@ def _codec() -> Any:
     return Zstd(level=1, checksum=True)
 
 
-def _add_coordinate(group: Any, name: str, dims: tuple[str, ...], values: np.ndarray) -> None:
+def _add_coordinate(
+    group: Any, name: str, dims: tuple[str, ...], values: np.ndarray, told: dict[str, str]
+) -> None:
     words = values.dtype.kind == "U"
     array = group.create_array(
         name,
         shape=values.shape,
         dtype=str if words else values.dtype,
         compressors=_codec(),
-        attributes={"_ARRAY_DIMENSIONS": list(dims)},
+        attributes={"_ARRAY_DIMENSIONS": list(dims), **told},
     )
     array[...] = values.astype(object) if words else values

@@ -33,6 +33,7 @@ from microswim.studies.sweeps.layout import (
     VECTORS,
     WAITING,
     blank,
+    said,
 )
 from microswim.studies.sweeps.rows import Job
 from microswim.studies.sweeps.space import Space
@@ -296,12 +297,13 @@ def _in_memory(job: Job, space: Space, engine: Engine, attributes: Any, progress
         name: (
             (*space.dims, "component") if name in VECTORS else space.dims,
             whole[name].reshape(*space.shape, *whole[name].shape[1:]),
-            {"long_name": note},
+            said(name, job.swimmer.units),
         )
-        for name, note in LONG_NAMES.items()
+        for name in LONG_NAMES
     }
     data["reason"] = (data["reason"][0], data["reason"][1].astype(str), data["reason"][2])
     coords: dict[str, Any] = {"component": list(DEGREES_OF_FREEDOM)}
     for name, values in zip(space.names, space.values):
-        coords[name] = values if space.grid else ("design", values)
+        dims = name if space.grid else "design"
+        coords[name] = (dims, values, said(name, job.swimmer.units))
     return xr.Dataset(data, coords, attributes)

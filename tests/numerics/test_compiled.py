@@ -226,33 +226,24 @@ def test_processes_that_compile_at_once_leave_a_cache_that_serves(tmp_path):
 
 EDITED = """
 import numpy as np
-from microswim.calibration.region.kriging import predict
-from microswim.numerics.compiled import FAST
-z, one, none = np.zeros(1), np.ones((1, 1)), np.zeros((1, 4))
-out = np.zeros(1)
-tips, cut = np.array([[1.0], [0.0]]), np.array([0, 1])
-predict(out, z, 0.0, one, tips, one, none, cut, one, np.zeros(1), np.empty((2, 1)))
-print(out[0])
+from microswim.models.rft.plane_wave import fill_nodes
+nodes, none = np.empty((6, 4)), (np.ones(0), np.ones(0))
+rule = np.linspace(0.1, 0.9, 4), np.ones(4)
+fill_nodes.dispatcher(nodes, np.full(11, 0.5), none, rule)
+print(nodes[4, 0])
 """
 
 
-def test_an_edited_kernel_gives_new_numbers_where_another_calls_it(tmp_path):
-    """The callee stands in another function, the caller's own text stays as it was."""
+def test_an_edited_kernel_gives_new_numbers_where_a_kernel_of_another_file_calls_it(tmp_path):
     package = tmp_path / "microswim"
-    shutil.copytree(Path(ms.__file__).parent, package, ignore=shutil.ignore_patterns("*.nb?"))
-    callee = package / "calibration/region/kriging.py"
+    shutil.copytree(Path(ms.__file__).parent, package, ignore=shutil.ignore_patterns("__pycache__"))
     where = {"PYTHONPATH": str(tmp_path), "NUMBA_CACHE_DIR": str(tmp_path / "cache")}
     before = float(python(EDITED, **where))
-    text = callee.read_text()
-    law = "return near * (1.0 + q"
-    assert law in text
-    moved = (package / "numerics/matern.py", "from microswim.numerics.matern import matern\n")
-    body = text[text.index("@njit") : text.index("def covariance")]
-    head = "import numpy as np\nfrom microswim.numerics.compiled import FAST, njit\n"
-    moved[0].write_text(head + "from typing import Any\n" + body)
-    callee.write_text(text.replace(body, moved[1]))
     assert float(python(EDITED, **where)) == before
-    moved[0].write_text(moved[0].read_text().replace(law, "return 2.0 * near * (1.0 + q"))
+    callee = package / "models/rft/segment.py"
+    text, last = callee.read_text(), "    return c, s\n"
+    assert text.count(last) == 1
+    callee.write_text(text.replace(last, "    return 2.0 * c, s\n"))
     assert float(python(EDITED, **where)) == 2.0 * before
 
 

@@ -118,6 +118,11 @@ class Kernel:
         """Type by which Numba knows the kernel where compiled code calls it."""
         return self.dispatcher._numba_type_
 
+    @property
+    def targetoptions(self) -> dict[str, Any]:
+        """Options as Numba looks for them: ``inline="always"`` puts a formula into each loop."""
+        return self.options
+
     def written(self, *args: Any) -> Any:
         """Run as Python, and so all kernels that it calls; the numbers may be arrays."""
         token = _in_python.set(True)

@@ -26,10 +26,17 @@ from microswim.models.rft.gait import MOST_PHASES, body_resistance, parameters
 from microswim.models.rft.helix import FEWEST_WAVES, MOST_ON_RAMP, ramp_nodes
 from microswim.models.rft.plane_wave import SEGMENT
 from microswim.models.rft.segment import (
+    AMPLITUDE,
+    C_N,
+    C_T,
     HELIX,
+    LENGTH,
     MOST_NODES,
+    PARAMETERS,
     PLANE_WAVE,
+    RAMP,
     STEEPEST,
+    WAVENUMBER,
     node_numbers,
     wave_tail,
 )
@@ -123,14 +130,14 @@ def _chunk(
         warnings.simplefilter("ignore")
         many = swimmer.lifted(arrays)
         own = parameters if swimmer.region is None else swimmer.region.parameters
-        p = np.ascontiguousarray(np.broadcast_to(own(many), (n, 11)))
+        p = np.ascontiguousarray(np.broadcast_to(own(many), (n, PARAMETERS)))
         body = np.ascontiguousarray(np.broadcast_to(body_resistance(many), (n, 6, 6)))
         good = _buildable(many, p, body)
         rate = np.broadcast_to(many.tail.rate, (n,))
     if swimmer.region is not None:
         return _calibrated(swimmer, arrays, good, rate)
     if swimmer.tail.kind == "plane_wave":
-        good &= (p[:, 1] * p[:, 2] <= STEEPEST) & (_nodes(p).sum(axis=1) <= MOST_NODES)
+        good &= (shapes(p)[1] <= STEEPEST) & (_nodes(p).sum(axis=1) <= MOST_NODES)
     if swimmer.tail.kind == "helix":
         how = tolerance, _loops(seconds)
         return of_helices(swimmer, *_solved_helices(swimmer, p, body, good, *how), body, rate)
@@ -146,11 +153,11 @@ def _solved_helices(
 ) -> tuple[Any, Any]:
     """Twists (n, 1, 6) and tail powers (n, 1) of helices at phase 0."""
     arc, free = swimmer.motion.line_element == "arc", np.array(swimmer.motion.mask)
-    waves, digits = p[:, 0] * p[:, 2] / (2.0 * np.pi), min(12.0, MARGIN - np.log10(tolerance))
-    counts = _ramp_counts(waves, p[:, 1] * p[:, 2], p[:, 3], digits, good)
+    waves, bk, ramp = shapes(p)
+    counts = _ramp_counts(waves, bk, ramp, min(12.0, MARGIN - np.log10(tolerance)), good)
     V, power = loops.solve_helices(arc, p, body, free, counts)
     for i in np.flatnonzero(good & (counts < 0)):
-        rules = node_numbers(HELIX, waves[i], p[i, 1] * p[i, 2], p[i, 3])
+        rules = node_numbers(HELIX, waves[i], bk[i], ramp[i])
         R, F, G = wave_tail(HELIX, arc, p[i], 0.0, *map(gauss, rules))
         V[i] = -F
         solve(R + body[i], V[i], free)
@@ -226,19 +233,24 @@ def _buildable(many: Swimmer, p: np.ndarray, body: np.ndarray) -> np.ndarray:
     """Designs that make sense; the others stay NaN."""
     tail, numbers = many.tail, many.numbers
     good = np.isfinite(p).all(axis=1) & np.isfinite(body).all(axis=(1, 2))
-    good &= (p[:, 0] > 0) & (p[:, 1] >= 0) & (p[:, 2] > 0) & (p[:, 5] > 0) & (p[:, 6] > 0)
+    good &= (p[:, [LENGTH, WAVENUMBER, C_T, C_N]] > 0).all(axis=1) & (p[:, AMPLITUDE] >= 0)
     good &= (np.asarray(tail.radius) > 0) & (tail.radius < tail.room())
-    good &= (p[:, 3] >= 0) & (p[:, 3] <= 1) & (np.asarray(many.fluid.viscosity) > 0)
+    good &= (p[:, RAMP] >= 0) & (p[:, RAMP] <= 1) & (np.asarray(many.fluid.viscosity) > 0)
     for name, value in numbers.items():
         if name.startswith(("body.", "interaction.tail")):
             good &= np.asarray(value) > 0
     return good
 
 
+def shapes(p: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """Return waves, amplitude times wavenumber and ramp of designs p (n, 11)."""
+    k = p[:, WAVENUMBER]
+    return p[:, LENGTH] * k / (2.0 * np.pi), p[:, AMPLITUDE] * k, p[:, RAMP]
+
+
 def _nodes(p: np.ndarray) -> np.ndarray:
     """Nodes on ramp and rest (n, 2) of plane waves that reach rounding."""
-    waves, bk = p[:, 0] * p[:, 2] / (2.0 * np.pi), p[:, 1] * p[:, 2]
-    return np.stack(node_numbers.written(PLANE_WAVE, waves, bk, p[:, 3]), axis=-1)
+    return np.stack(node_numbers.written(PLANE_WAVE, *shapes(p)), axis=-1)
 
 
 def _groups(p: np.ndarray, tolerance: float) -> Any:

@@ -47,7 +47,7 @@ ALONE, TOGETHER = 5e-5, 1.5e-4
 
 
 def parameters(swimmer: Swimmer) -> np.ndarray:
-    """Kernel parameters of a swimmer with a wave tail, shape (..., 11), as in `PARAMETERS`."""
+    """Kernel parameters of a swimmer with a wave tail, shape (..., 11), as in `segment`."""
     tail, x = swimmer.tail, swimmer.interaction.tail
     local = swimmer.coefficients.local(tail, swimmer.fluid.viscosity)
     values = (
@@ -142,7 +142,9 @@ def gait(swimmer: Swimmer, *, nodes: int | None = None, phases: int | None = Non
 
 
 def _helix(arc: bool, p: np.ndarray, nodes: int | None, swimmer: Swimmer) -> tuple[Any, ...]:
-    waves, bk, ramp = (x.real for x in (p[0] * p[2] / (2.0 * np.pi), p[1] * p[2], p[3]))
+    tail = swimmer.tail
+    numbers = tail.number_of_waves, tail.amplitude * tail.wavenumber, tail.ramp
+    waves, bk, ramp = (np.real(x) for x in numbers)
     if nodes is not None or waves < FEWEST_WAVES:
         plain = rules(swimmer, nodes)
         much = pays(ALONE * sum(x.size for x, _ in plain))

@@ -5,10 +5,10 @@ measured from the body's centre, position, tangent and velocity per unit phase r
 
     X = (x, a c, -g a d),   v t = (1, a' c - a k d, -g (a' d + a k c)),   u = (0, a d, g a c)
 
-Behind the ramp a = b is constant, ``v^2 = 1 + b^2 k^2`` too, and the sums of `kernels.add_segment`
+Behind the ramp a = b is constant, ``v^2 = 1 + b^2 k^2`` too, and the sums of `segment.segment`
 are combinations of ``int x^m {1, c, d} dx`` (m = 0, 1) and ``int x^m {1, c^2, d^2, c d} dx``
 (m = 0, 1, 2). On the ramp the integrand is smooth: Gauss-Legendre. Both equal the plain quadrature
-of kernels to rounding; a test holds them to it.
+of segment to rounding; a test holds them to it.
 """
 
 from __future__ import annotations
@@ -17,7 +17,24 @@ from typing import Any
 
 import numpy as np
 
-from microswim.models.rft.segment import HELIX, add_sums, add_tip
+from microswim.models.rft.segment import (
+    AMPLITUDE,
+    C_N,
+    C_R,
+    C_T,
+    HELIX,
+    LENGTH,
+    OFFSET,
+    RAMP,
+    SIGN,
+    SPIN,
+    WAVENUMBER,
+    add_sums,
+    add_tip,
+    nothing,
+    plus,
+    segment,
+)
 from microswim.numerics.compiled import FAST, compiled
 
 #: Below this number of waves the closed integrals lose digits to cancellation.
@@ -44,16 +61,17 @@ def ramp_nodes(turns: Any, bk: Any, digits: float) -> Any:
 def add_constant_part(R: Any, F: Any, p: Any, phase: Any, arc: bool) -> Any:
     """Add the part behind the ramp to the lower triangle of ``B_t`` and to ``F_p``; returns G.
 
-    `p` as in `segment.PARAMETERS`. With ``B = b k`` the resistances per length along x
+    p as in `segment`. With ``B = b k`` the resistances per length along x
     are ``N = c_n v``, ``D = (c_t - c_n)/v``, ``S = c_r/v`` (`arc`; without it, over v more).
     """
-    L, b, k, ramp, g = p[0], p[1], p[2], p[3], p[4]
+    L, b, k, ramp, g = p[LENGTH], p[AMPLITUDE], p[WAVENUMBER], p[RAMP], p[SIGN]
+    offset, spin = p[OFFSET], p[SPIN]
     B = b * k
     v2 = 1.0 + B * B
     v = np.sqrt(v2) if arc else 1.0 + 0 * B
-    N, D, S, spin = p[6] * v, (p[5] - p[6]) * v / v2, p[7] * v / v2, p[9]
+    N, D, S = p[C_N] * v, (p[C_T] - p[C_N]) * v / v2, p[C_R] * v / v2
     s = ramp * L
-    x0, x1 = s + p[8], L + p[8]
+    x0, x1 = s + offset, L + offset
     c0, d0 = np.cos(k * s - phase), np.sin(k * s - phase)
     c1, d1 = np.cos(k * L - phase), np.sin(k * L - phase)
     # int x^m, and int x^m {cos, sin} by parts
@@ -121,72 +139,33 @@ def fill_trig(trig: Any, xi: Any, turn: Any, phase: Any) -> None:
 def add_ramp(R: Any, F: Any, p: Any, phase: Any, arc: bool, rule: Any, trig: Any) -> Any:
     """Add the ramp, ``a = b s/(ramp L)``, likewise; `trig` is scratch, (2, nodes).
 
-    The sums are those of `segment.add_segment`, each in a scalar of its own: without
-    stores in the loop the compiler takes several nodes at once.
+    Without stores in the loop the compiler takes several nodes at once.
     """
     xi, weight = rule
-    s, b, k, g, offset, spin = p[3] * p[0], p[1], p[2], p[4], p[8], p[9]
+    s, b, k, g = p[RAMP] * p[LENGTH], p[AMPLITUDE], p[WAVENUMBER], p[SIGN]
+    offset, spin = p[OFFSET], p[SPIN]
     if xi.size == 0:
         return 0 * b
     fill_trig(trig, xi, k * s, phase)
-    slope, c_n, d_c, c_r = b / s, p[6] * s, (p[5] - p[6]) * s, p[7] * s
-    z = p.dtype.type(0)  # a number: where the sums are arrays, each becomes one of its own
-    r00, r10, r11, r20, r21, r22 = z, z, z, z, z, z
-    r30, r31, r32, r33, r40, r41, r42, r43, r44 = z, z, z, z, z, z, z, z, z
-    r50, r51, r52, r53, r54, r55 = z, z, z, z, z, z
-    f0, f1, f2, f3, f4, f5, G = z, z, z, z, z, z, z
+    slope, c_n, d_c, c_r = b / s, p[C_N] * s, (p[C_T] - p[C_N]) * s, p[C_R] * s
+
+    sums = nothing(0 * b)
     for i in range(xi.size):
         c, d, a, x = trig[0, i], trig[1, i], b * xi[i], s * xi[i] + offset
         y, u = a * c, a * d
-        q, v = -g * u, g * y
+        z, v = -g * u, g * y
         t, w = slope * c - k * u, -g * (slope * d + k * y)
         v2 = 1.0 + t * t + w * w
         dl = weight[i] * (np.sqrt(v2) if arc else 1.0)
         n, D, S = c_n * dl, d_c * dl / v2, c_r * dl / v2
-        m3, m4, m5 = y * w - q * t, q - x * w, x * t - y
-        D3, D4, D5, St, Sw = D * m3, D * m4, D * m5, S * t, S * w
-        nx, ny, nq = n * x, n * y, n * q
-        r00 += D + n
-        r10 += D * t
-        r11 += D * t * t + n
-        r20 += D * w
-        r21 += D * t * w
-        r22 += D * w * w + n
-        r30 += D3
-        r31 += D3 * t - nq
-        r32 += D3 * w + ny
-        r33 += D3 * m3 + ny * y + nq * q + S
-        r40 += D4 + nq
-        r41 += D4 * t
-        r42 += D4 * w - nx
-        r43 += D4 * m3 - nx * y + St
-        r44 += D4 * m4 + nx * x + nq * q + St * t
-        r50 += D5 - ny
-        r51 += D5 * t + nx
-        r52 += D5 * w
-        r53 += D5 * m3 - nx * q + Sw
-        r54 += D5 * m4 - ny * q + Sw * t
-        r55 += D5 * m5 + nx * x + ny * y + Sw * w
-        along = D * (t * u + w * v)
-        e1, e2 = n * u + along * t, n * v + along * w
-        f0 += along
-        f1 += e1
-        f2 += e2
-        f3 += y * e2 - q * e1 + S * spin
-        f4 += q * along - x * e2 + St * spin
-        f5 += x * e1 - y * along + Sw * spin
-        G += e1 * u + e2 * v + S * spin * spin
-    sums = (
-        *(r00, r10, r11, r20, r21, r22, r30, r31, r32, r33),
-        *(r40, r41, r42, r43, r44, r50, r51, r52, r53, r54, r55),
-    )
-    add_sums(R, F, sums, (f0, f1, f2, f3, f4, f5))
-    return G
+        sums = plus(sums, segment((x, y, z), (1.0, t, w), (0.0, u, v), n, D, S, spin))
+    add_sums(R, F, sums[:21], sums[21:27])
+    return sums[27]
 
 
 @compiled()
 def helix_tail(arc: bool, p: Any, phase: Any, ramp_rule: Any) -> Any:
-    """``(B_t, F_p, G)`` of a rigid helix at one phase; p as in `segment.PARAMETERS`."""
+    """``(B_t, F_p, G)`` of a rigid helix at one phase; p as in `segment`."""
     R = np.zeros((6, 6, *p.shape[1:]), dtype=p.dtype)
     F = np.zeros((6, *p.shape[1:]), dtype=p.dtype)
     trig = np.empty((2, ramp_rule[0].size, *p.shape[1:]), dtype=p.dtype)

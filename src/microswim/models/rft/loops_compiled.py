@@ -14,7 +14,7 @@ import numpy as np
 
 from microswim.models.rft.helix import MOST_ON_RAMP, add_constant_part, add_ramp
 from microswim.models.rft.plane_wave import add_wave, fill_nodes
-from microswim.models.rft.segment import HELIX, PLANE_WAVE, add_tip
+from microswim.models.rft.segment import HELIX, PLANE_WAVE, TIP, add_tip
 from microswim.numerics.compiled import prange
 from microswim.numerics.cores import loop
 from microswim.numerics.quadrature import gauss
@@ -61,7 +61,7 @@ def _helices(arc: bool, p: Any, body: Any, free: Any, counts: Any, xi: Any, weig
                     R[i, j] = body[d, i, j]
             G = add_ramp(R, F[l], p[d], 0.0, arc, (xi[m, :m], weight[m, :m]), trig)
             G += add_constant_part(R, F[l], p[d], 0.0, arc)
-            power[d] = G + (add_tip(HELIX, R, F[l], p[d], 0.0) if p[d, 10] != 0 else 0.0)
+            power[d] = G + (add_tip(HELIX, R, F[l], p[d], 0.0) if p[d, TIP] != 0 else 0.0)
             for i in range(6):
                 U[i, l] = -F[l, i]
                 for j in range(i + 1):

@@ -4,7 +4,7 @@ With ``c = cos(k s - phase)``, ``d = sin(k s - phase)`` and x measured from the 
 
     X = (x, a c, 0),   v t = (1, a' c - a k d, 0),   u = (0, a d, 0)
 
-so that 13 of the 21 sums of `kernels.add_segment` are left. Both equal that plain quadrature to
+so that 13 of the 21 sums of `segment.segment` are left. Both equal that plain quadrature to
 rounding; a test holds them to it.
 """
 
@@ -14,7 +14,20 @@ from typing import Any
 
 import numpy as np
 
-from microswim.models.rft.segment import PLANE_WAVE, add_tip, cosine_sine
+from microswim.models.rft.segment import (
+    AMPLITUDE,
+    C_N,
+    C_R,
+    C_T,
+    LENGTH,
+    OFFSET,
+    PLANE_WAVE,
+    RAMP,
+    SPIN,
+    WAVENUMBER,
+    add_tip,
+    cosine_sine,
+)
 from microswim.numerics.compiled import FAST, compiled, pays
 
 #: Segments of all phases and designs that are added at once as Python.
@@ -25,18 +38,18 @@ SEGMENT = 3e-7
 
 @compiled(fastmath=FAST)
 def fill_nodes(nodes: Any, p: Any, ramp_rule: Any, rule: Any) -> None:
-    """Rows of `nodes`: x, weight, a, a', cos ks, sin ks; `p` as `segment.PARAMETERS`."""
+    """Rows of `nodes`: x, weight, a, a', cos ks, sin ks; p as in `segment`."""
     m = len(ramp_rule[0])
     fill_ramp(nodes[:, :m], p, ramp_rule)
     fill_rest(nodes[:, m:], p, rule)
     for i in range(nodes.shape[1]):
-        nodes[4, i], nodes[5, i] = cosine_sine(p[2] * (nodes[0, i] - p[8]))
+        nodes[4, i], nodes[5, i] = cosine_sine(p[WAVENUMBER] * (nodes[0, i] - p[OFFSET]))
 
 
 @compiled(fastmath=FAST)
 def fill_ramp(nodes: Any, p: Any, rule: Any) -> None:
     """Fill the first rows where the amplitude grows, ``a = b s/(ramp L)``."""
-    L, b, ramp, offset = p[0], p[1], p[3], p[8]
+    L, b, ramp, offset = p[LENGTH], p[AMPLITUDE], p[RAMP], p[OFFSET]
     for i in range(len(rule[0])):
         s = ramp * rule[0][i] * L
         nodes[0, i] = s + offset
@@ -48,7 +61,7 @@ def fill_ramp(nodes: Any, p: Any, rule: Any) -> None:
 @compiled(fastmath=FAST)
 def fill_rest(nodes: Any, p: Any, rule: Any) -> None:
     """Fill the first rows behind the ramp."""
-    L, b, ramp, offset = p[0], p[1], p[3], p[8]
+    L, b, ramp, offset = p[LENGTH], p[AMPLITUDE], p[RAMP], p[OFFSET]
     for i in range(len(rule[0])):
         s = (ramp + (1.0 - ramp) * rule[0][i]) * L
         nodes[0, i] = s + offset
@@ -60,7 +73,7 @@ def fill_rest(nodes: Any, p: Any, rule: Any) -> None:
 @compiled(fastmath=FAST, error_model="numpy")
 def add_wave(R: Any, F: Any, p: Any, nodes: Any, phase: float, arc: bool) -> Any:
     """Add ``B_t`` (lower triangle) and ``F_p`` at one phase; returns G."""
-    k, c_n, d_c, c_r, spin = p[2], p[6], p[5] - p[6], p[7], p[9]
+    k, c_n, d_c, c_r, spin = p[WAVENUMBER], p[C_N], p[C_T] - p[C_N], p[C_R], p[SPIN]
     C, S = np.cos(phase), np.sin(phase)
     z = p.dtype.type(0)  # a number: where the sums are arrays, each becomes one of its own
     r00, r10, r11, r22, r32, r33, r42, r43, r44 = z, z, z, z, z, z, z, z, z
@@ -136,7 +149,7 @@ def side_by_side(arc: bool, p: Any, phases: Any, ramp_rule: Any, rule: Any) -> A
     in_rows = [[x.reshape(1, -1, *[1] * len(each)) for x in r] for r in (ramp_rule, rule)]
     fill_ramp.written(nodes[:, None, :n], p, in_rows[0])
     fill_rest.written(nodes[:, None, n:], p, in_rows[1])
-    nodes[4], nodes[5] = cosine_sine.written(p[2] * (nodes[0] - p[8]))
+    nodes[4], nodes[5] = cosine_sine.written(p[WAVENUMBER] * (nodes[0] - p[OFFSET]))
     R, F, G = (np.zeros((*s, m, *each), dtype=p.dtype) for s in ((6, 6), (6,), ()))
     at = phases.reshape(-1, *[1] * len(each))
     width = max(1, SIDE_BY_SIDE // max(1, G.size))

@@ -13,6 +13,14 @@ import numpy as np
 from microswim.numerics.compiled import FAST, compiled
 
 HELIX, PLANE_WAVE = 0, 1
+#: What the kernels know of a wave tail: where its numbers stand in an array p (11, ...), read as
+#: constants. Length L along s, amplitude b and wavenumber k of the wave, the ramp's share of L,
+#: sign g of a helix's hand, resistances of a segment (tangential, normal, about itself) with their
+#: interaction coefficients, offset of the joint from the body's centre, spin of a section per phase
+#: rate, drag of the tip: called as the fields of tail, coefficients and body are.
+LENGTH, AMPLITUDE, WAVENUMBER, RAMP, SIGN, C_T, C_N, C_R, OFFSET, SPIN, TIP = range(11)
+PARAMETERS = 11
+
 #: Amplitude times wavenumber up to which plane waves are resolved.
 STEEPEST = 25.0
 #: Most nodes of a tail: thousands of turns, unless they are steep.
@@ -52,9 +60,9 @@ def cosine_sine(x: Any) -> tuple[Any, Any]:
 
 @compiled(fastmath=FAST)
 def wave_nodes(kind: int, x: Any, phase: Any, on_ramp: Any, p: Any) -> Any:
-    """Centreline, slope and velocity at ``s = x L`` [Tabak Eqs. 11, 12]; p as in `PARAMETERS`."""
-    L, b, k, ramp, sign = p[0], p[1], p[2], p[3], p[4]
-    s = x * L
+    """Centreline, slope and velocity at ``s = x L`` [Tabak Eqs. 11, 12]."""
+    L, b, k = p[LENGTH], p[AMPLITUDE], p[WAVENUMBER]
+    ramp, g, s = p[RAMP], p[SIGN], x * L
     if on_ramp:
         amplitude, slope = b * x / ramp, b / (ramp * L)
     else:
@@ -63,53 +71,73 @@ def wave_nodes(kind: int, x: Any, phase: Any, on_ramp: Any, p: Any) -> Any:
     q, q_s, q_phase = amplitude * c, slope * c - amplitude * k * d, amplitude * d
     if kind == PLANE_WAVE:
         return s, q, 0 * q, q_s, 0 * q, q_phase, 0 * q
-    r, r_s = -sign * amplitude * d, -sign * (slope * d + amplitude * k * c)
-    return s, q, r, q_s, r_s, q_phase, sign * amplitude * c
+    r, r_s = -g * amplitude * d, -g * (slope * d + amplitude * k * c)
+    return s, q, r, q_s, r_s, q_phase, g * amplitude * c
+
+
+@compiled(fastmath=FAST, error_model="numpy", inline="always")
+def segment(X: Any, T: Any, U: Any, n: Any, d: Any, w: Any, spin: Any) -> Any:
+    """Return what one segment adds: 21 entries of ``B_t`` row by row, 6 of ``F_p``, and to G.
+
+    ``X`` position from the body's centre, ``T`` tangent of any length v, ``U`` velocity per unit
+    phase rate; resistances ``n = c_n dl``, ``d = (c_t - c_n) dl / v^2``, ``w = c_r dl / v^2``. With
+    ``m = X x T`` a rotation W moves the segment along T at ``m . W``:
+    B_t = n [I, -X^; X^, |X|^2 I - X X'] + d [T; m] [T; m]' + w [0; T] [0; T]'.
+    """
+    x, y, z = X
+    t0, t1, t2 = T
+    u0, u1, u2 = U
+    m0, m1, m2 = y * t2 - z * t1, z * t0 - x * t2, x * t1 - y * t0
+    nx, ny, nz = n * x, n * y, n * z
+    d0, d1, d2, D0, D1, D2 = d * t0, d * t1, d * t2, d * m0, d * m1, d * m2
+    w0, w1, w2 = w * t0, w * t1, w * t2
+    along = d0 * u0 + d1 * u1 + d2 * u2
+    f0, f1, f2 = n * u0 + along * t0, n * u1 + along * t1, n * u2 + along * t2
+    twist = w0 * spin
+    return (
+        d0 * t0 + n,
+        *(d1 * t0, d1 * t1 + n),
+        *(d2 * t0, d2 * t1, d2 * t2 + n),
+        *(D0 * t0, D0 * t1 - nz, D0 * t2 + ny, D0 * m0 + ny * y + nz * z + w0 * t0),
+        *(D1 * t0 + nz, D1 * t1, D1 * t2 - nx, D1 * m0 - nx * y + w1 * t0),
+        D1 * m1 + nx * x + nz * z + w1 * t1,
+        *(D2 * t0 - ny, D2 * t1 + nx, D2 * t2, D2 * m0 - nx * z + w2 * t0),
+        *(D2 * m1 - ny * z + w2 * t1, D2 * m2 + nx * x + ny * y + w2 * t2),
+        *(f0, f1, f2),
+        *(y * f2 - z * f1 + twist * t0, z * f0 - x * f2 + twist * t1, x * f1 - y * f0 + twist * t2),
+        f0 * u0 + f1 * u1 + f2 * u2 + twist * t0 * spin,
+    )
+
+
+@compiled(inline="always")
+def nothing(zero: Any) -> Any:
+    """Return the sums of no segment."""
+    row = (zero, zero, zero, zero, zero, zero, zero)
+    return row + row + row + row
+
+
+@compiled(fastmath=FAST, error_model="numpy", inline="always")
+def plus(a: Any, b: Any) -> Any:
+    """Return the sums of two segments: numbers of their own, which a loop keeps in registers."""
+    return (
+        *(a[0] + b[0], a[1] + b[1], a[2] + b[2], a[3] + b[3], a[4] + b[4], a[5] + b[5]),
+        *(a[6] + b[6], a[7] + b[7], a[8] + b[8], a[9] + b[9], a[10] + b[10], a[11] + b[11]),
+        *(a[12] + b[12], a[13] + b[13], a[14] + b[14], a[15] + b[15], a[16] + b[16]),
+        *(a[17] + b[17], a[18] + b[18], a[19] + b[19], a[20] + b[20], a[21] + b[21]),
+        *(a[22] + b[22], a[23] + b[23], a[24] + b[24], a[25] + b[25], a[26] + b[26]),
+        a[27] + b[27],
+    )
 
 
 @compiled(fastmath=FAST)
 def add_segment(R: Any, F: Any, X: Any, T: Any, U: Any, dl: Any, c: Any, spin: float) -> Any:
-    """Add one segment of length dl to ``B_t`` and ``F_p``; returns its activity.
+    """Add one `segment` of length dl and unit tangent T to R and F; returns its part of G.
 
-    ``X`` position from the body's centre, ``T`` unit tangent, ``U`` velocity per unit phase rate;
-    ``c = (c_t, c_n, c_r)``. With ``m = X x t`` a rotation W moves the segment along t at ``m . W``:
-    B_t = c_n [I, -X^; X^, |X|^2 I - X X'] + (c_t - c_n) [t; m] [t; m]' + c_r [0; t] [0; t]'.
+    ``c = (c_t, c_n, c_r)``.
     """
-    x, y, z = X
-    t0, t1, t2 = T
-    n = c[1] * dl
-    d = (c[0] - c[1]) * dl
-    w = c[2] * dl
-    g = (t0, t1, t2, y * t2 - z * t1, z * t0 - x * t2, x * t1 - y * t0)
-    for i in range(6):
-        for j in range(i + 1):
-            R[i, j] += d * g[i] * g[j]
-    for i in range(3):
-        R[i, i] += n
-        for j in range(i + 1):
-            R[3 + i, 3 + j] += w * g[i] * g[j]
-    R[3, 3] += n * (y * y + z * z)
-    R[4, 4] += n * (x * x + z * z)
-    R[5, 5] += n * (x * x + y * y)
-    R[4, 3] -= n * x * y
-    R[5, 3] -= n * x * z
-    R[5, 4] -= n * y * z
-    R[3, 1] -= n * z
-    R[3, 2] += n * y
-    R[4, 0] += n * z
-    R[4, 2] -= n * x
-    R[5, 0] -= n * y
-    R[5, 1] += n * x
-    along = d * (t0 * U[0] + t1 * U[1] + t2 * U[2])
-    f0, f1, f2 = n * U[0] + along * t0, n * U[1] + along * t1, n * U[2] + along * t2
-    twist = w * t0 * spin
-    F[0] += f0
-    F[1] += f1
-    F[2] += f2
-    F[3] += y * f2 - z * f1 + twist * t0
-    F[4] += z * f0 - x * f2 + twist * t1
-    F[5] += x * f1 - y * f0 + twist * t2
-    return f0 * U[0] + f1 * U[1] + f2 * U[2] + twist * t0 * spin
+    sums = segment(X, T, U, c[1] * dl, (c[0] - c[1]) * dl, c[2] * dl, spin)
+    add_sums(R, F, sums[:21], sums[21:27])
+    return sums[27]
 
 
 @compiled(fastmath=FAST)
@@ -123,36 +151,35 @@ def add_sums(R: Any, F: Any, sums: Any, forces: Any) -> None:
         F[i] += forces[i]
 
 
-PARAMETERS = ("L", "b", "k", "ramp", "sign", "c_t", "c_n", "c_r", "offset", "spin", "tip")
-
-
 @compiled(fastmath=FAST)
 def add_tip(kind: int, R: Any, F: Any, p: Any, phase: Any) -> Any:
     """Add the drag of the tip, a point at ``s = L`` that resists alike in all directions."""
-    s, q, r, _, _, u, v = wave_nodes(kind, 1.0 + 0 * p[3], phase, False, p)
-    X, T, U = (s + p[8], q, r), (1.0 + 0 * s, 0 * s, 0 * s), (0 * u, u, v)
-    return add_segment(R, F, X, T, U, 1.0, (p[10], p[10], 0 * p[10]), 0.0)
+    s, q, r, _, _, u, v = wave_nodes(kind, 1.0 + 0 * p[RAMP], phase, False, p)
+    X, T, U = (s + p[OFFSET], q, r), (1.0 + 0 * s, 0 * s, 0 * s), (0 * u, u, v)
+    return add_segment(R, F, X, T, U, 1.0, (p[TIP], p[TIP], 0 * p[TIP]), 0.0)
 
 
 @compiled(fastmath=FAST)
 def wave_tail(kind: int, arc: bool, p: Any, phase: Any, ramp_rule: Any, rule: Any) -> Any:
-    """``(B_t, F_p, G)`` of a wave tail at one phase; p as in `PARAMETERS`."""
+    """``(B_t, F_p, G)`` of a wave tail at one phase; p from `LENGTH` to `TIP`."""
     R = np.zeros((6, 6, *p.shape[1:]), dtype=p.dtype)
     F = np.zeros((6, *p.shape[1:]), dtype=p.dtype)
-    G = 0 * p[0]
-    c = (p[5], p[6], p[7])
-    spin = p[9]
+    L, ramp, offset, spin = p[LENGTH], p[RAMP], p[OFFSET], p[SPIN]
+    c_n, d_c, c_r = p[C_N], p[C_T] - p[C_N], p[C_R]
+    sums = nothing(0 * L)
     for panel in range(2):
         xi, weight = ramp_rule if panel == 0 else rule
-        start = 0 * p[3] if panel == 0 else p[3]
-        width = p[3] if panel == 0 else 1.0 - p[3]
+        start = 0 * ramp if panel == 0 else ramp
+        width = ramp if panel == 0 else 1.0 - ramp
         for i in range(xi.size):
             s, q, r, q_s, r_s, u, v = wave_nodes(kind, start + width * xi[i], phase, panel == 0, p)
-            speed = np.sqrt(1.0 + q_s * q_s + r_s * r_s)
-            dl = weight[i] * width * p[0] * (speed if arc else 1.0)
-            T = (1.0 / speed, q_s / speed, r_s / speed)
-            G += add_segment(R, F, (s + p[8], q, r), T, (0 * u, u, v), dl, c, spin)
-    G += add_tip(kind, R, F, p, phase)
+            v2 = 1.0 + q_s * q_s + r_s * r_s
+            dl = weight[i] * width * L * (np.sqrt(v2) if arc else 1.0)
+            n, d, w = c_n * dl, d_c * dl / v2, c_r * dl / v2
+            X, T, U = (s + offset, q, r), (1.0, q_s, r_s), (0.0, u, v)
+            sums = plus(sums, segment(X, T, U, n, d, w, spin))
+    add_sums(R, F, sums[:21], sums[21:27])
+    G = sums[27] + add_tip(kind, R, F, p, phase)
     for i in range(6):
         for j in range(i):
             R[j, i] = R[i, j]
@@ -160,19 +187,19 @@ def wave_tail(kind: int, arc: bool, p: Any, phase: Any, ramp_rule: Any, rule: An
 
 
 @compiled(fastmath=FAST)
-def centreline_tail(X: Any, P_s: Any, U: Any, ds: Any, arc: bool, c: Any, spin: float) -> Any:
+def centreline_tail(X: Any, P_s: Any, U_all: Any, ds: Any, arc: bool, c: Any, spin: float) -> Any:
     """``(B_t, F_p, G)`` from a centreline on nodes: arrays (n, 3), quadrature weights ds (n,)."""
     R = np.zeros((6, 6, *X.shape[2:]), dtype=X.dtype)
     F = np.zeros((6, *X.shape[2:]), dtype=X.dtype)
-    G = 0 * X[0, 0]
+    sums = nothing(0 * X[0, 0])
     for i in range(ds.size):
-        a, b, d = P_s[i, 0], P_s[i, 1], P_s[i, 2]
-        speed = np.sqrt(a * a + b * b + d * d)
-        T = (a / speed, b / speed, d / speed)
-        x = (X[i, 0], X[i, 1], X[i, 2])
-        u = (U[i, 0], U[i, 1], U[i, 2])
-        G += add_segment(R, F, x, T, u, ds[i] * (speed if arc else 1.0), c, spin)
+        T, U = (P_s[i, 0], P_s[i, 1], P_s[i, 2]), (U_all[i, 0], U_all[i, 1], U_all[i, 2])
+        v2 = T[0] * T[0] + T[1] * T[1] + T[2] * T[2]
+        dl = ds[i] * (np.sqrt(v2) if arc else 1.0)
+        n, d, w = c[1] * dl, (c[0] - c[1]) * dl / v2, c[2] * dl / v2
+        sums = plus(sums, segment((X[i, 0], X[i, 1], X[i, 2]), T, U, n, d, w, spin))
+    add_sums(R, F, sums[:21], sums[21:27])
     for i in range(6):
         for j in range(i):
             R[j, i] = R[i, j]
-    return R, F, G
+    return R, F, sums[27]

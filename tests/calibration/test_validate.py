@@ -90,3 +90,16 @@ def test_each_set_of_the_plane_wave_follows_from_the_other():
         paper, found = rows[law, "paper"], rows[law, f"from the velocities of {other}"]
         assert found["gamma_N,q"] == pytest.approx(paper["gamma_N,q"], rel=0.02)
         assert found["gamma_R,r"] < 0
+
+
+@pytest.mark.parametrize(
+    ("over", "says"),
+    [
+        ({"a": ["b"]}, "no field of this swimmer"),
+        ({"tail.waves": ["many"]}, "must be numbers"),
+        ({"tail.kind": ["helix", "plane_wave"]}, "must be numbers"),
+    ],
+)
+def test_axes_that_are_no_numbers_of_the_swimmer_are_refused(over, says):
+    with pytest.raises(ms.SpecError, match=says):
+        ms.validate(ms.Swimmer.preset("tabak/helix"), over, "rft", workers=0)

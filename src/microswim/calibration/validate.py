@@ -26,6 +26,7 @@ from microswim.errors import MicroswimError, SpecError
 from microswim.gait.gait import Gait
 from microswim.jobs import references
 from microswim.swimmer.swimmer import Swimmer
+from microswim.swimmer.variants import check_names
 
 STAGES = (
     "resistance",
@@ -183,7 +184,8 @@ def validate(
     >>> float(result.error("mean.us")[0])
     0.0
     """
-    axes = {name: np.atleast_1d(np.asarray(v, dtype=float)) for name, v in over.items()}
+    check_names(swimmer, over)
+    axes = {name: _axis(name, values) for name, values in over.items()}
     if not axes or any(v.size == 0 for v in axes.values()):
         raise SpecError("over", over, "at least one axis with values")
     for name in axes:
@@ -198,6 +200,13 @@ def validate(
     found = _compare(axes, names, dict(zip(built, solved)), built, reasons, against)
     own = {n: float(swimmer.numbers[n]) for n in axes if n in swimmer.numbers}
     return replace(found, at=own)
+
+
+def _axis(name: str, values: Any) -> np.ndarray:
+    try:
+        return np.atleast_1d(np.asarray(values, dtype=float))
+    except (TypeError, ValueError):
+        raise SpecError(f"over {name}", values, "numbers, or a grid of them") from None
 
 
 def _designs(swimmer: Swimmer, axes: dict[str, np.ndarray]) -> tuple[list, dict[int, str]]:

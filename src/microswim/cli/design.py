@@ -51,7 +51,12 @@ FILES = (
 )
 @click.option("--maximize", multiple=True, metavar="EXPRESSION", help="Such as speed/torque.")
 @click.option("--minimize", multiple=True, metavar="EXPRESSION", help="Two wishes: Pareto front.")
-@click.option("--subject-to", default="", metavar="LIST", help='"torque<=150, body_rate<=0.5".')
+@click.option(
+    "--subject-to",
+    default="",
+    metavar="LIST",
+    help='"torque<=150, body_rate<=0.5"; with units: "torque<=2 nN m".',
+)
 @click.option("--verify", type=click.Choice(["bem", "fem"]), help="Judge, calibrate, repeat.")
 @click.option("--tolerance", default=0.05, show_default=True, help="Miss accepted by --verify.")
 @click.option("--option", "options", multiple=True, metavar="NAME=VALUE", help="Of the reference.")
@@ -79,7 +84,10 @@ def command(given: Given, as_json: bool, out: Path | None, force: bool, **asked:
 
     if out is not None:
         _files.check_files("--out", out, FILES, force)
+    from microswim.studies.optimisation.limits import in_si
+
     over = bounds(asked["over"], given.swimmer.units)
+    asked["subject_to"] = in_si(asked["subject_to"], given.swimmer, bare=False)
     wishes = (*asked["maximize"], *asked["minimize"])
     if not wishes:
         raise SpecError("give --maximize or --minimize, for example --maximize speed")

@@ -29,8 +29,8 @@ OPERATORS: dict[type, Callable[[Any, Any], Any]] = {
     ast.Add: operator.add,
     ast.Sub: operator.sub,
     ast.Mult: operator.mul,
-    ast.Div: operator.truediv,
-    ast.Pow: operator.pow,
+    ast.Div: np.true_divide,  # zero and overflow give infinity, not an exception
+    ast.Pow: np.power,
 }
 FUNCTIONS: dict[str, tuple[int, Callable[..., Any]]] = {
     "abs": (1, magnitude),
@@ -104,11 +104,14 @@ def parse(text: str, known: Any) -> Expression:
 
     Examples
     --------
-    >>> parse("speed / torque**2", {"speed", "torque"})({"speed": 8.0, "torque": 2.0})
+    >>> float(parse("speed / torque**2", {"speed", "torque"})({"speed": 8.0, "torque": 2.0}))
     2.0
     """
     tree = _tree(text)
-    return _expression(tree, text, known)
+    made = _expression(tree, text, known)
+    if not made.names:
+        raise _bad(text, "about a quantity; this is a number")
+    return made
 
 
 def constraints(text: str, known: Any) -> tuple[Constraint, ...]:
@@ -137,6 +140,8 @@ def constraints(text: str, known: Any) -> tuple[Constraint, ...]:
                 raise _bad(ast.unparse(part), 'comparisons by "<=" or ">="')
             sense = 1.0 if isinstance(sign, (ast.LtE, ast.Lt)) else -1.0
             pair = [_expression(side, ast.unparse(side), known) for side in (left, right)]
+            if not pair[0].names | pair[1].names:
+                raise _bad(ast.unparse(part), "about a quantity; these are numbers")
             if not pair[0].names and pair[1].names:
                 pair, sense = pair[::-1], -sense
             said = f"{ast.unparse(left)} {'<=' if isinstance(sign, (ast.LtE, ast.Lt)) else '>='} "
@@ -160,6 +165,7 @@ def _tree(text: str) -> Any:
 def _expression(tree: Any, text: str, known: Any) -> Expression:
     names: set[str] = set()
     _check(tree, text, known, names)
+    _check_constants(tree, text)
     return Expression(text, frozenset(names), tree)
 
 
@@ -187,10 +193,29 @@ def _check(node: Any, text: str, known: Any, names: set[str]) -> None:
             raise _bad(text, "numbers, quantities, + - * / **, " + ", ".join(FUNCTIONS))
 
 
+def _check_constants(tree: Any, text: str) -> None:
+    """Refuse numbers, and what is computed of numbers alone, that are not finite."""
+    for node in ast.walk(tree):
+        if isinstance(node, (ast.Constant, ast.BinOp, ast.UnaryOp, ast.Call)) and not any(
+            isinstance(n, (ast.Attribute, ast.Subscript)) or _is_quantity(n) for n in ast.walk(node)
+        ):
+            with np.errstate(all="ignore"):
+                if not np.isfinite(_value(node, {})):
+                    raise _bad(text, "made of finite numbers")
+
+
+def _is_quantity(node: Any) -> bool:
+    """Whether a name is a quantity, and not the function of a call."""
+    return isinstance(node, ast.Name) and node.id not in FUNCTIONS
+
+
 def _value(node: Any, values: Mapping[str, Any]) -> Any:
     match node:
         case ast.Constant():
-            return float(node.value)
+            try:
+                return np.float64(node.value)  # overflows to infinity, not to an exception
+            except OverflowError:
+                return np.float64(np.inf)
         case ast.BinOp():
             return OPERATORS[type(node.op)](_value(node.left, values), _value(node.right, values))
         case ast.UnaryOp():

@@ -19,6 +19,7 @@ from microswim.models.rft.batch import PHASES
 from microswim.numerics.complex_step import STEP, derivative_from
 from microswim.spec.values import all_from_python
 from microswim.studies.optimisation.expressions import Constraint, Expression, constraints, parse
+from microswim.studies.optimisation.limits import in_si
 from microswim.studies.optimisation.merits import known, of_gait, of_many
 from microswim.swimmer.drag.coefficients import Lighthill
 from microswim.swimmer.fields import in_terms_of
@@ -84,7 +85,7 @@ class Problem:
             ranges,
             choices,
             tuple((parse(t, names), sense) for t, sense in wanted),
-            constraints(text, names),
+            constraints(in_si(text, swimmer), names),
         )
 
     @property

@@ -15,6 +15,7 @@ from scipy.stats import norm, qmc
 
 from microswim.errors import MicroswimError, SpecError
 from microswim.studies.optimisation.expressions import constraints, parse
+from microswim.studies.optimisation.limits import in_si
 from microswim.studies.optimisation.merits import MERITS, known, of_many
 from microswim.swimmer.fields import both_of_the_wave
 from microswim.swimmer.swimmer import Swimmer
@@ -140,7 +141,7 @@ def robustness(
 
     spreads = uncertainties(swimmer, uncertain)
     text = subject_to if isinstance(subject_to, str) else ", ".join(subject_to)
-    limits = constraints(text, known(swimmer))
+    limits = constraints(in_si(text, swimmer), known(swimmer))
     u = sobol_points(len(spreads), samples, seed)
     numbers = _spread(swimmer, spreads, u)
     merits = of_many(swimmer, numbers)

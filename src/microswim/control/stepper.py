@@ -14,7 +14,7 @@ from typing import Any
 import numpy as np
 
 from microswim import checks
-from microswim.control import motion, readout
+from microswim.control import linear, motion, readout
 from microswim.control.response import Response, response
 from microswim.control.state import State
 from microswim.errors import MicroswimError, SpecError
@@ -28,7 +28,7 @@ _NO_LOAD = np.zeros(6)
 WIDEST = np.pi / 2.0
 
 
-@dataclass(frozen=True, eq=False)
+@dataclass(frozen=True, eq=False, repr=False)
 class Stepper:
     """Steps a swimmer, or thousands at once, from sample to sample.
 
@@ -93,6 +93,19 @@ class Stepper:
     def of(cls, swimmer: Swimmer, model: str = "rft", **options: Any) -> Stepper:
         """Stepper of a swimmer that feels the strain of a flow; options as of the class."""
         return cls(swimmer.gait(model), swimmer, **options)
+
+    def __repr__(self) -> str:
+        """Model, magnet, motor and steps, in a few lines."""
+        felt = "felt" if self.swimmer is not None else "not felt"
+        motor = "locked" if self.locked else f"{float(np.real(self.gait.rate)):.4g} rad per time"
+        parts = f"{self.steps} internal steps, always"
+        if not self.steps:
+            parts = f"{self.resolution:g} internal steps a turn, at most {self.most_steps}"
+        return (
+            f"Stepper of a {self.gait.model} gait, {self.gait.units}\n"
+            f"  motor {motor}; magnetic moment {tuple(map(float, self.moment))}\n"
+            f"  {parts}; strain of a flow {felt}"
+        )
 
     @cached_property
     def response(self) -> Response:
@@ -258,6 +271,37 @@ class Stepper:
         self._check_turn(u[None], dt)
         columns = np.concatenate([np.arange(25)[motion.INPUTS[name]] for name in wrt])
         return readout.derivatives(*self._model, state.values, u, dt, self.steps or 0, columns)
+
+    def state_space(
+        self, state: State, *, dt: float, wrt: tuple[str, ...] = tuple(motion.INPUTS), **inputs: Any
+    ) -> linear.StateSpace:
+        """Return the step of one swimmer as state space in small differences, for a controller.
+
+        The state has seven numbers, ``[position (lab), small rotation (rad, body), phase]``,
+        about the state given and about the one that follows; the inputs are those of `wrt`, in
+        the order of `derivatives`. Exact, as `derivatives`.
+
+        Returns
+        -------
+        StateSpace
+            A (7, 7), B (7, m), C, D, as ``scipy.signal.StateSpace(*system, dt=dt)`` takes them.
+
+        Raises
+        ------
+        SpecError
+            As of `derivatives`.
+
+        Examples
+        --------
+        >>> import microswim as ms
+        >>> stepper = ms.Stepper(ms.Swimmer.preset("tabak/helix").gait())
+        >>> A, B, C, D = stepper.state_space(ms.State.at(), dt=0.1, wrt=("motor_rate", "torque"))
+        >>> A.shape, B.shape
+        ((7, 7), (7, 4))
+        """
+        A, B = self.derivatives(state, dt=dt, wrt=wrt, **inputs)
+        after = self.step(state, dt=dt, **inputs)
+        return linear.error_state(A, B, state.quaternion, after.quaternion)
 
 
 def _check_finite(values: np.ndarray) -> None:

@@ -259,6 +259,22 @@ def test_a_model_beyond_a_float_is_refused():
         ms.c_model(tiny, precision="half")
 
 
+def test_the_loop_of_the_docs_runs(tmp_path):
+    page = (Path(__file__).parents[3] / "docs" / "control.md").read_text(encoding="utf-8")
+    (main_,) = [part.split("```")[0] for part in page.split("```c\n")[1:]]
+    _, source = compiler.write(ms.c_model(stepper(), "robot"), tmp_path)
+    (tmp_path / "main.c").write_text(main_)
+    program = tmp_path / "loop"
+    command = [*compiler.required(), *compiler.FLAGS, "-o", program, tmp_path / "main.c", source]
+    subprocess.run([*command, "-lm"], check=True)
+    done = subprocess.run([program], check=True, capture_output=True, text=True)
+    state = ms.State.at()
+    for _ in range(1000):
+        force = [0.0, 0.0, -1e-9 if state.position[2] > 0 else 1e-9]
+        state = stepper().step(state, dt=1e-3, force=force)
+    assert [float(x) for x in done.stdout.split()] == pytest.approx(state.position, rel=1e-4)
+
+
 def test_the_c_is_also_that_of_gnu(tmp_path):
     """Whose math.h has more names than the standard's."""
     for precision in FLOATS:

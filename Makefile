@@ -5,6 +5,7 @@
 # make docs    the documentation, into site/; examples in docstrings run, links checked
 # make site    the same without the docstrings' examples, which `make test` runs too
 # make studio  the page of `microswim studio`, built anew: no difference to what is committed (wants Node 20)
+# make atlas   the shipped corrections, solved and fitted anew; goes on where it was (hours; ATLAS_ARGS="--designs 8192")
 # make clean   away with all that
 PYTHON ?= python3
 VENV   ?= .venv
@@ -15,7 +16,7 @@ INSTALL := $(BIN)/python -m pip install --quiet --disable-pip-version-check --no
 # pip compiles on one core, and the tests of every package too; this is quicker.
 COMPILE := $(BIN)/python -m compileall -q -j 0 -x '/tests?/' $(VENV)/lib >/dev/null || true
 
-.PHONY: demo test lint slow bench docs site studio clean
+.PHONY: demo test lint slow bench docs site studio atlas clean
 
 demo: $(VENV)/.core
 	@$(BIN)/microswim demo
@@ -48,6 +49,9 @@ STATIC := src/microswim/studio/static
 studio:
 	@cd studio && npm ci --silent && npm run --silent build -- --logLevel warn
 	@git diff --exit-code --stat -- $(STATIC) || { echo "the built page differs from the one committed: commit it" >&2; exit 1; }
+
+atlas: $(VENV)/.test
+	@$(BIN)/python -m microswim.calibration.atlas.campaign build/atlas $(ATLAS_ARGS)
 
 clean:
 	rm -rf $(VENV) site build dist out .pytest_cache .ruff_cache .hypothesis .import_linter_cache .numba_cache

@@ -68,6 +68,32 @@ def test_run_json_is_the_contract(spec):
     assert found["body_turns_per_period"] == pytest.approx(gait.mean_velocity[3] / (2 * math.pi))
 
 
+def test_run_takes_the_atlas_where_nobody_chose_a_law(tmp_path):
+    """Every velocity with its error and how it is known; a law chosen is a law used."""
+    path = tmp_path / "fresh.toml"
+    assert call("new", path).exit_code == 0
+    found = numbers("run", path)
+    assert found["model"] == "atlas"
+    error = found["expected_error"]
+    assert set(error) == {"us", "uq", "ur", "os", "oq", "or", "how"}
+    assert all(error[name] > 0 for name in ("us", "uq", "os", "or"))
+    assert "boundary-element" in error["how"]
+    assert "±" in call("run", path).stdout
+    shown = numbers("show", path)
+    assert (shown["model"], shown["expected_error"]) == ("atlas", error)
+    chosen = numbers("run", path, "--set", "coefficients.law=cox")
+    assert chosen["model"] == "rft"
+    assert chosen["expected_error"]["us"] > error["us"]
+
+
+def test_run_with_an_accuracy(spec):
+    found = numbers("run", spec, "--accuracy", "2%")
+    assert found["model"] == "bem"
+    assert found["expected_error"]["us"] <= 0.02
+    assert "accuracy" in sentence(call("run", spec, "--accuracy", "two"))
+    assert "accuracy" in sentence(call("run", spec, "--accuracy", "2%", "--model", "rft"))
+
+
 def test_run_in_si_gives_the_known_speed_of_a_cell():
     found = numbers("run", "--preset", "goto/C")  # reading notes: 10.21 um/s, 7.10 Hz
     assert found["units"] == "SI"

@@ -69,6 +69,19 @@ model_option = click.option(
     show_default=True,
     help="rft: the surrogate. bem, fem: the reference solvers.",
 )
+auto_option = click.option(
+    "--model",
+    type=click.Choice(("auto", "rft", "atlas", "bem", "fem")),
+    default="auto",
+    show_default=True,
+    help="auto: the atlas where it covers the swimmer and the spec chooses no law or coefficients, "
+    "else rft. atlas: rft with corrections that come along. bem, fem: the reference solvers.",
+)
+accuracy_option = click.option(
+    "--accuracy",
+    metavar="2%",
+    help="Largest error of u_s and Omega_s: the cheapest model that holds it, up to bem.",
+)
 level_option = click.option(
     "--level",
     type=click.Choice(["coarse", "standard", "fine", "paper"]),
@@ -139,6 +152,22 @@ def read(
     if overrides:
         text = to_toml(tables, f"{name}, with --set {' '.join(changes)}")
     return Given(name, tables, text, swimmer)
+
+
+def share(text: str | None) -> float | None:
+    """The share that ``2%`` or ``0.02`` means.
+
+    Raises
+    ------
+    SpecError
+        If it is neither.
+    """
+    if text is None:
+        return None
+    try:
+        return float(text.strip().removesuffix("%")) * (0.01 if text.strip().endswith("%") else 1.0)
+    except ValueError:
+        raise SpecError("--accuracy", text, "a share", "such as 2% or 0.02") from None
 
 
 def change(text: str) -> tuple[str, Any]:

@@ -70,16 +70,23 @@ def _print_lines(table: Table) -> None:
 
 
 def timed_gait(
-    swimmer: Any, model: str, level: str | None = None, estimate: bool = False
+    swimmer: Any,
+    model: str,
+    level: str | None = None,
+    estimate: bool = False,
+    accuracy: float | None = None,
 ) -> tuple[Any, float]:
     """Gait by a model, and the wall seconds it took; with a progress bar for the references.
 
     estimate : solve the next coarser level of the boundary elements too, for an error estimate.
+    accuracy : for the model "auto", which may then come to boundary elements.
     """
     options: dict[str, Any] = leveled(model, level)
     if estimate and model == "bem":
         options["estimate_error"] = True
-    if model == "rft":
+    if accuracy is not None:
+        options["accuracy"] = accuracy
+    if model in ("rft", "atlas") or (model == "auto" and accuracy is None):
         start = time.perf_counter()
         return swimmer.gait(model), time.perf_counter() - start
     with bar(f"{model}, {level or 'standard'}") as progress:

@@ -9,15 +9,18 @@ import click
 
 from microswim.cli._options import (
     Given,
+    accuracy_option,
+    auto_option,
     example,
     force_option,
     json_option,
     level_option,
-    model_option,
     out_option,
     print_json,
+    share,
     swimmer_options,
 )
+from microswim.errors import SpecError
 
 if TYPE_CHECKING:
     from microswim.swimmer.swimmer import Swimmer
@@ -28,10 +31,12 @@ if TYPE_CHECKING:
         "microswim run robot.toml",
         "microswim run --preset tabak/helix --set tail.amplitude=0.12 --json",
         "microswim run --preset goto/C --model bem --out results",
+        "microswim run robot.toml --accuracy 0.5%",
     )
 )
 @swimmer_options
-@model_option
+@auto_option
+@accuracy_option
 @level_option
 @json_option
 @out_option
@@ -44,6 +49,7 @@ if TYPE_CHECKING:
 def command(
     given: Given,
     model: str,
+    accuracy: str | None,
     level: str | None,
     as_json: bool,
     out: Path | None,
@@ -59,13 +65,18 @@ def command(
     if out is not None:
         _folder.check(out, force)
         _check_path(given.swimmer, model)
+    from microswim.calibration.atlas.expected import expected_error
     from microswim.output import report
     from microswim.output.io import run as io
 
-    gait, seconds = _print.timed_gait(given.swimmer, model, level, estimate=True)
+    asked = share(accuracy)
+    if asked is not None and model != "auto":
+        raise SpecError("--accuracy", accuracy, 'given without --model, or with "auto"')
+    gait, seconds = _print.timed_gait(given.swimmer, model, level, estimate=True, accuracy=asked)
     numbers: dict[str, Any] = {
         "swimmer": given.name,
         **io.numbers(given.swimmer, gait),
+        "expected_error": expected_error(given.swimmer, gait),
         "wall_seconds": seconds,
         "info": gait.info,
     }

@@ -11,12 +11,23 @@ from microswim.cli._options import Given, example, json_option, print_json, swim
 @swimmer_options
 @json_option
 def command(given: Given, as_json: bool) -> None:
-    """Print the swimmer of a spec with its derived numbers: alpha, k, arc length, c_t, c_n, Re."""
-    from microswim.output.report.html import derived, spec_table
+    """Print the swimmer of a spec with its derived numbers: alpha, k, arc length, c_t, c_n, Re.
 
+    And which model the other commands take for it, and how far off that may be.
+    """
+    from microswim.output.report.html import derived, percent, spec_table
+
+    gait = given.swimmer.gait("auto")
+    found = {"model": gait.model, "expected_error": gait.info["expected_error"]}
     if as_json:
-        print_json({"swimmer": given.name, "spec": given.tables, **derived(given.swimmer)})
+        print_json({"swimmer": given.name, "spec": given.tables, **derived(given.swimmer), **found})
         return
     from microswim.cli._print import print_table
 
     print_table(spec_table(given.swimmer))
+    error = found["expected_error"]
+    click.echo(
+        f"  model auto is {gait.model}; error of u_s: {percent(error['us'])} ({error['how']})"
+    )
+    for remark in gait.info["remarks"]:
+        click.echo(f"  note: {remark}")

@@ -69,6 +69,37 @@ def quantity(value: Any, unit: str, digits: int = 4) -> str:
     return text if is_dimensionless(unit) else f"{text} {name}"
 
 
+def with_error(value: Any, error: float | None, unit: str) -> str:
+    """A number with the error to expect of it: ``-30.7 ± 0.2 µm/s``.
+
+    Parameters
+    ----------
+    value
+        The number.
+    error
+        Its relative error; None where it is not known: the number stands alone.
+    unit
+        Its unit.
+
+    Examples
+    --------
+    >>> from microswim.gait.readable import with_error
+    >>> with_error(-3.0712e-05, 0.007, "m/s"), with_error(-0.4157, None, "rad/time")
+    ('-30.71 ± 0.21 µm/s', '-0.4157')
+    """
+    value = float(value)
+    if not error or value == 0 or not math.isfinite(value * error):
+        return quantity(value, unit)
+    factor, name = prefixed(value, unit)
+    half = abs(value * error * factor)
+    places = 1 - math.floor(math.log10(half) + 1e-12)
+    if not -6 < places < 8:
+        return f"{quantity(value, unit)} ± {significant(100.0 * error, 2)} %"
+    places = max(places - (half >= 10.0 ** (1 - places) * 9.95), 0)
+    text = f"{value * factor:.{places}f} ± {half:.{places}f}"
+    return text if is_dimensionless(unit) else f"{text} {name}"
+
+
 def significant(value: float, digits: int = 4) -> str:
     """A number to so many significant digits, with a proper exponent when it is extreme."""
     if math.isnan(value):

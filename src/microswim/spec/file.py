@@ -20,7 +20,7 @@ from microswim.spec.tables import ALTERNATIVES, FIELDS, TABLES, TAGS, SpecTable
 from microswim.spec.trusted import Trusted
 from microswim.spec.units import DIMENSIONS, has_unit, to_si
 from microswim.swimmer import doors
-from microswim.swimmer.drag.coefficients import LAWS
+from microswim.swimmer.drag.coefficients import LAWS, Unchosen
 from microswim.swimmer.drag.interaction import Interaction
 from microswim.swimmer.fluid import Fluid
 from microswim.swimmer.geometry.bodies import SHAPES
@@ -223,6 +223,7 @@ def _build(spec: SpecTable, units: Literal["SI", "dimensionless"], trusted: Trus
     body, tail, law = (_given(t) for t in (spec.body, spec.tail, spec.coefficients))
     if spec.tail.kind == "custom":
         tail["shape"] = trusted.function("tail.shape", tail["shape"])
+    chosen = bool(law)
     name = law.pop("law", "lighthill")
     if name == "constant" and not {"normal", "tangential"} <= law.keys():
         raise SpecError(
@@ -234,7 +235,7 @@ def _build(spec: SpecTable, units: Literal["SI", "dimensionless"], trusted: Trus
         body=SHAPES[body.pop("shape")](**body),
         tail=TAILS[tail.pop("kind")](**tail),
         fluid=Fluid(**_given(spec.fluid)),
-        coefficients=LAWS[name](**law),
+        coefficients=LAWS[name](**law) if chosen else Unchosen(),
         interaction=Interaction(**_given(spec.interaction)),
         motion=Motion(**_given(spec.motion)),
         units=units,

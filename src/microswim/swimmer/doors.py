@@ -10,7 +10,9 @@ from importlib import import_module
 from typing import Any
 
 MODELS = {
+    "auto": "microswim.calibration.atlas.choice:auto",
     "rft": "microswim.models.rft.gait:gait",
+    "atlas": "microswim.calibration.atlas.choice:gait",
     "bem": "microswim.models.bem.gait:gait",
     "fem": "microswim.models.fem:channel_gait",
 }

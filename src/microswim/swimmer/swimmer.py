@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any, Literal, Protocol
 from microswim import checks
 from microswim.errors import SpecError, nearest
 from microswim.swimmer import doors
-from microswim.swimmer.drag.coefficients import Coefficients, Lighthill
+from microswim.swimmer.drag.coefficients import Coefficients, Unchosen
 from microswim.swimmer.drag.interaction import Interaction
 from microswim.swimmer.fields import numbers_of, replaced, set_item, without_other_names
 from microswim.swimmer.fluid import Fluid
@@ -80,7 +80,7 @@ class Swimmer:
     body: Body
     tail: Tail
     fluid: Fluid
-    coefficients: Coefficients = field(default_factory=Lighthill)
+    coefficients: Coefficients = field(default_factory=Unchosen)
     interaction: Interaction = field(default_factory=Interaction)
     motion: Motion = field(default_factory=Motion)
     units: Literal["dimensionless", "SI"] = "dimensionless"
@@ -136,7 +136,7 @@ class Swimmer:
         return doors.go(doors.READ_PRESET, name, overrides)
 
     def gait(self, model: str = "rft", **options: Any) -> Gait:
-        """Gait by one of the models: ``"rft"`` (surrogate), ``"bem"``, ``"fem"`` (references).
+        """Gait by a model: surrogate ``"rft"`` or ``"atlas"``, reference ``"bem"`` or ``"fem"``.
 
         By the surrogate it takes about a millisecond, the first as the thousandth; after
         `microswim.warm_up` less than a tenth of that.
@@ -144,7 +144,8 @@ class Swimmer:
         Parameters
         ----------
         model
-            Name of the model.
+            Name of the model; ``"auto"`` takes the cheapest that is honest for the swimmer, and
+            says how far off it may be in ``info["expected_error"]``.
         options
             What the model takes, such as ``level="fine"`` of the boundary elements.
 

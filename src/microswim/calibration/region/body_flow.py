@@ -25,7 +25,7 @@ import numpy as np
 
 from microswim.models.rft.plane_wave import fill_nodes
 from microswim.models.rft.segment import add_sums
-from microswim.numerics.compiled import FAST, njit
+from microswim.numerics.compiled import FAST, compiled
 from microswim.numerics.quadrature import gauss
 from microswim.swimmer.drag.coefficients import GrayHancock
 from microswim.swimmer.swimmer import Swimmer
@@ -35,7 +35,7 @@ _LAW = GrayHancock(tip=True)
 ON_RAMP = 8  #: nodes on the ramp
 
 
-@njit(cache=True, fastmath=FAST, error_model="numpy")
+@compiled(fastmath=FAST, error_model="numpy")
 def add_tail(R: Any, F: Any, p: Any, nodes: Any, phase: float, g: float) -> Any:
     """Add tail and tip to the lower triangle of R and to ``F_p``; returns G.
 
@@ -50,7 +50,7 @@ def add_tail(R: Any, F: Any, p: Any, nodes: Any, phase: float, g: float) -> Any:
     """
     k, c_n, d_c, c_r, radius, spin = p[2], p[6], p[5] - p[6], p[7], p[8], p[9]
     C, S = np.cos(phase), np.sin(phase)
-    zero = 0 * k
+    zero = p.dtype.type(0)  # a number: where the sums are arrays, each becomes one of its own
     r00, r10, r11, r20, r21, r22 = zero, zero, zero, zero, zero, zero
     r30, r31, r32, r33, r40, r41, r42 = zero, zero, zero, zero, zero, zero, zero
     r43, r44, r50, r51, r52, r53, r54, r55 = zero, zero, zero, zero, zero, zero, zero, zero
@@ -111,7 +111,7 @@ def add_tail(R: Any, F: Any, p: Any, nodes: Any, phase: float, g: float) -> Any:
     return G
 
 
-@njit(cache=True)
+@compiled()
 def table(p: Any, size: int, ramp_rule: Any, xi: Any, weight: Any) -> Any:
     """Nodes (7, m): the rows of `microswim.models.rft.plane_wave.fill_nodes`, and a one at the tip.
 
@@ -126,7 +126,7 @@ def table(p: Any, size: int, ramp_rule: Any, xi: Any, weight: Any) -> Any:
     return nodes
 
 
-@njit(cache=True)
+@compiled()
 def fill_base(R: Any, F: Any, p: Any, D: Any, nodes: Any, phase: float, g: float) -> Any:
     """Fill R with the drags D (6,) of the body and the tail's R, and ``F_p``; returns G."""
     R[:], F[:] = 0.0, 0.0
@@ -139,7 +139,7 @@ def fill_base(R: Any, F: Any, p: Any, D: Any, nodes: Any, phase: float, g: float
     return G
 
 
-@njit(cache=True)
+@compiled(always=True)
 def base(p: Any, D: Any, nodes: Any, phases: Any, g: float) -> Any:
     """``(R, F_p, G)`` of body and tail at several phases: shapes (m, 6, 6), (m, 6), (m,)."""
     m = len(phases)

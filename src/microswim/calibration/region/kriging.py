@@ -17,31 +17,12 @@ from functools import cached_property
 from typing import Any
 
 import numpy as np
-from scipy.linalg import solve_triangular
-from scipy.optimize import minimize
 
+from microswim.calibration.region.matern import matern
 from microswim.numerics.compiled import FAST, njit
 
 PHASORS = 3
 NOISE = (1e-11, 1e-2)  # variance of the noise over that of the signal
-
-
-@njit(cache=True, fastmath=FAST, error_model="numpy")
-def matern(r2: Any) -> Any:
-    """Matern 5/2 of the squared scaled distance, ``(1 + q + q^2/3) exp(-q)``, ``q^2 = 5 r2``.
-
-    ``exp(-q) = exp(-q/128)^128`` by its series, zero beyond q = 40, to 1e-15: plain arithmetic,
-    which compilers do for several designs at once.
-    """
-    q = np.sqrt(5.0 * r2)
-    near = 1.0 * (q.real < 40.0)
-    x = q * (near / -128.0)
-    e = 1.0 + x / 9.0
-    for n in (8.0, 7.0, 6.0, 5.0, 4.0, 3.0, 2.0, 1.0):
-        e = 1.0 + x / n * e
-    for _ in range(7):
-        e = e * e
-    return near * (1.0 + q + q * q / 3.0) * e
 
 
 def covariance(A: Any, NA: Any, B: Any, NB: Any, lengths: Any, phasors: Any, real: bool) -> Any:
@@ -88,6 +69,8 @@ class Kriging:
     @cached_property
     def _factor(self) -> tuple[np.ndarray, np.ndarray]:
         """Inverse Cholesky factor ``F`` of the covariance, ``K^-1 = F^* F``, and ``F 1``."""
+        from scipy.linalg import solve_triangular  # what answers need not wait for
+
         K = self._own(self.Z, self.N) + self.noise * np.eye(len(self.Z))
         F = solve_triangular(np.linalg.cholesky(K), np.eye(len(K)), lower=True)
         F = np.ascontiguousarray(F, dtype=complex)
@@ -156,6 +139,8 @@ def fit(Z: np.ndarray, N: np.ndarray, Y: np.ndarray, phasors: int, start: Any = 
     start
         A former fit of the same group to start from.
     """
+    from scipy.optimize import minimize
+
     scale = np.sqrt(np.mean(np.abs(Y - Y.mean(axis=0)) ** 2, axis=0))
     flat = scale <= 1e-13 * np.abs(Y).max(axis=0) + 1e-100
     scale = np.where(flat, 1.0, scale)
@@ -195,10 +180,22 @@ def fit(Z: np.ndarray, N: np.ndarray, Y: np.ndarray, phasors: int, start: Any = 
     best = minimize(
         misfit, first, method="L-BFGS-B", bounds=bounds, options={"maxiter": 60, "ftol": 1e-7}
     ).x
-    L, w, mean, spread, _ = solved(best, y)
-    lengths, a, noise = unpack(best)
-    alpha = np.linalg.solve(L.conj().T, w) * scale
-    return Kriging(Z, N, lengths, a, noise, alpha, mean * scale, spread * scale**2)
+    return conditioned(Z, N, Y, *unpack(best))
+
+
+def conditioned(Z: Any, N: Any, Y: Any, lengths: Any, phasors: Any, noise: float) -> Kriging:
+    """Condition a process of known kernel on targets Y (n, m)."""
+    from scipy.linalg import solve_triangular
+
+    K = covariance(Z, N, Z, N, lengths, phasors, not np.iscomplexobj(Y)) + noise * np.eye(len(Z))
+    L = np.linalg.cholesky(K)
+    half = solve_triangular(L, np.concatenate([Y, np.ones((len(Z), 1))], axis=1), lower=True)
+    w, one = half[:, :-1], half[:, -1]
+    mean = (one.conj() @ w) / np.vdot(one, one).real
+    w = w - np.outer(one, mean)
+    alpha = solve_triangular(L, w, lower=True, trans="C")
+    variance = np.sum(np.abs(w) ** 2, axis=0) / (len(Z) - 1)
+    return Kriging(Z, N, lengths, phasors, noise, alpha, mean, variance)
 
 
 @njit(cache=True, fastmath=FAST, error_model="numpy")

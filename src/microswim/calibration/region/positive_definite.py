@@ -19,7 +19,7 @@ from typing import Any
 
 import numpy as np
 
-from microswim.numerics.compiled import njit
+from microswim.numerics.compiled import compiled
 
 REAL, VECTORS = 10, 6  #: helix: invariant corrections, and lateral vectors
 PLANES = ((0, 1, 5), (2, 3, 4))  #: plane wave: in the plane of the wave, and out of it
@@ -28,7 +28,7 @@ ODD = (1, 2, 7, 8, 11, 14)  #: and those that change sign
 _ORDER = (0, 3, 1, 2, 4, 5)
 
 
-@njit(cache=True)
+@compiled()
 def split(R: Any) -> Any:
     """Unit lower L and block diagonal C with ``P R P' = L C L'``, P the order 0, 3, 1, 2, 4, 5."""
     L, C = np.zeros_like(R), np.empty_like(R)
@@ -50,7 +50,7 @@ def split(R: Any) -> Any:
     return L, C
 
 
-@njit(cache=True)
+@compiled()
 def join(R: Any, L: Any, C: Any) -> None:
     """Fill R (6, 6) from L and C."""
     for i in range(6):
@@ -77,12 +77,12 @@ def encode_helix(R: Any, F: Any, G: Any, R0: Any, F0: Any, G0: Any, a: Any, mu: 
         *(np.log(pair[0] / pair[1]) for pair in lateral),
         *((K[0, 0] + K[1, 1]) / 2.0, (K[1, 0] - K[0, 1]) / 2.0),
     ]
-    vectors = [W[:2, 0], W[:2, 1] / a, W[2:, 0] / a, W[2:, 1]]
+    vectors = [W[:2, 0], W[:2, 1] * a, W[2:, 0] / a, W[2:, 1]]
     vectors += [-(B - B0)[1:3] / force, -(B - B0)[4:] / torque]
     return np.concatenate([invariant, *vectors])
 
 
-@njit(cache=True)
+@compiled()
 def decode_helix(y: Any, R: Any, F: Any, G: Any, a: Any, mu: Any, D: Any) -> Any:
     """Apply the corrections to R and ``F_p``, and return G; undoes `encode_helix`."""
     L, C = split(R)
@@ -103,7 +103,7 @@ def decode_helix(y: Any, R: Any, F: Any, G: Any, a: Any, mu: Any, D: Any) -> Any
             C[4 + i, 4 + j] *= t
         L[4 + i, 2 + i] += y[8] * a
         L[2 + i, 0] += y[10 + i]
-        L[2 + i, 1] += y[12 + i] * a
+        L[2 + i, 1] += y[12 + i] / a
         L[4 + i, 0] += y[14 + i] * a
         L[4 + i, 1] += y[16 + i]
     L[5, 2] += y[9] * a
@@ -115,7 +115,7 @@ def decode_helix(y: Any, R: Any, F: Any, G: Any, a: Any, mu: Any, D: Any) -> Any
     return G * np.exp(y[5])
 
 
-@njit(cache=True)
+@compiled()
 def _ldl(R: Any, plane: Any) -> Any:
     """Diagonal (3,) and the three entries of L below it (10, 20, 21)."""
     i, j, k = plane
@@ -128,7 +128,7 @@ def _ldl(R: Any, plane: Any) -> Any:
     return d, l
 
 
-@njit(cache=True)
+@compiled()
 def _units(a: Any) -> Any:
     """Lengths that make the entries of L numbers, for the two planes."""
     return ((1.0 + 0 * a, a, a), (a, a, 1.0 + 0 * a))
@@ -153,7 +153,7 @@ def encode_wave(R: Any, F: Any, G: Any, R0: Any, F0: Any, G0: Any, a: Any, scale
     return y
 
 
-@njit(cache=True)
+@compiled()
 def decode_wave(y: Any, R: Any, F: Any, G: Any, a: Any, scale: Any) -> Any:
     """Apply the corrections to R and ``F_p``, and return G; undoes `encode_wave`."""
     units = _units(a)

@@ -14,7 +14,7 @@ from importlib.resources import files
 from typing import TYPE_CHECKING, Any
 
 from microswim.gait.gait import DEGREES_OF_FREEDOM
-from microswim.gait.readable import quantity, significant
+from microswim.gait.readable import quantity, significant, with_error
 from microswim.output.report.document import document
 from microswim.output.report.document import table as document_table
 from microswim.swimmer.swimmer import Swimmer
@@ -57,7 +57,7 @@ def numbers_table(numbers: dict[str, Any], name: str) -> Table:
     Parameters
     ----------
     numbers
-        What `microswim.io.numbers` gives.
+        What `microswim.io.numbers` gives; with an ``expected_error`` the numbers carry it.
     name
         Name of the swimmer.
 
@@ -76,19 +76,20 @@ def numbers_table(numbers: dict[str, Any], name: str) -> Table:
     """
     si = numbers["units"] == "SI"
 
-    def q(value: float, unit: str) -> str:
-        return quantity(value, unit if si else "")
+    off = numbers.get("expected_error") or {}
+
+    def q(value: float, unit: str, of: str = "") -> str:
+        return with_error(value, off.get(of), unit if si else "")
 
     mean, amplitude = numbers["mean_velocity"], numbers["velocity_amplitude"]
     turns = f"{significant(numbers['body_turns_per_period'])} revolutions per period"
     hertz = f", {quantity(numbers['body_rotation_frequency'], 'Hz')}" if si else ""
-    rate = f"{significant(mean[3])} rad/s" if si else significant(mean[3])
     lengths = f"{significant(numbers['body_lengths_per_time'])} body lengths per {_time(si)}"
     rows = [
-        ("swimming speed", q(numbers["swimming_speed"], "m/s"), lengths),
-        ("mean velocity u_s", q(mean[0], "m/s"), "negative: the body leads"),
-        ("lateral amplitude u_q", q(amplitude[1], "m/s"), "half of peak to peak"),
-        ("body rate Omega_s", rate, turns + hertz),
+        ("swimming speed", q(numbers["swimming_speed"], "m/s", "us"), lengths),
+        ("mean velocity u_s", q(mean[0], "m/s", "us"), "negative: the body leads"),
+        ("lateral amplitude u_q", q(amplitude[1], "m/s", "uq"), "half of peak to peak"),
+        ("body rate Omega_s", q(mean[3], "rad/s", "os"), turns + hertz),
         (
             "path radius",
             q(numbers["path_radius"], "m"),
@@ -100,10 +101,17 @@ def numbers_table(numbers: dict[str, Any], name: str) -> Table:
         ("motor torque", q(numbers["mean_torque"], "N m"), "mean over the period"),
         ("efficiency", f"{significant(100.0 * numbers['efficiency'], 3)} %", "Eq. (24)"),
     ]
+    if off:
+        rows.append(("expected error of u_s", percent(off["us"]), str(off["how"])))
     what = "SI units" if si else "in the units of the spec"
     return Table(
         f"{name}, model {numbers['model']}", ("", "value", ""), rows, f"{what}; body frame"
     )
+
+
+def percent(error: float | None) -> str:
+    """A relative error in per cent, or that it is not known."""
+    return "not known" if error is None else f"{significant(100.0 * error, 2)} %"
 
 
 def _time(si: bool) -> str:

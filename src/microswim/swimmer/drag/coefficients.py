@@ -115,6 +115,16 @@ class Lighthill(Coefficients):
         return 2.0 * np.pi * viscosity / tangential, 4.0 * np.pi * viscosity / normal
 
 
+@dataclass(frozen=True, kw_only=True, eq=False)
+class Unchosen(Lighthill):
+    """Lighthill's law where nobody chose a law: `auto` may then take a model that needs none."""
+
+    @property
+    def is_open(self) -> bool:
+        """Whether all is as it comes: nobody chose spin or tip either."""
+        return self.spin and not self.tip
+
+
 def _warn_lighthill(epsilon: Any, meaningless: Any) -> None:
     """Refuse a single design beyond the limit (in a design map it becomes NaN), else warn."""
     mend = 'use the law "gray_hancock" or "cox" there'

@@ -1,0 +1,115 @@
+"""The campaign behind the atlas: designs, their solves, the fit (``make atlas``).
+
+Scrambled Sobol points over the logarithms of the numbers, denser towards the edges and a tenth
+beyond them, where no neighbour helps from outside: any first so many of them are a good design.
+Solves are kept in a folder as they come; run again with more, the campaign goes on.
+"""
+
+from __future__ import annotations
+
+import argparse
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from scipy.stats import qmc
+
+from microswim.calibration.atlas import coordinates
+from microswim.calibration.atlas.atlas import FILE
+from microswim.calibration.atlas.fit import fit
+from microswim.calibration.atlas.text import pack
+from microswim.calibration.region.calibrate import ASYMMETRY
+from microswim.calibration.region.fit import Solved
+from microswim.errors import SpecError
+from microswim.gait.gait import Gait
+from microswim.jobs import references
+from microswim.swimmer.fluid import Fluid
+from microswim.swimmer.geometry.bodies import Spheroid
+from microswim.swimmer.geometry.tails import HelicalTail
+from microswim.swimmer.swimmer import Swimmer
+
+SEED = 17
+LEVEL = "standard"
+#: Where designs are drawn: b k, k r_t, waves, body over filament radius, aspect ratio, ramp.
+LOW = (0.045, 0.018, 0.45, 1.8, 0.46, 0.04)
+HIGH = (2.7, 0.85, 8.5, 44.0, 5.4, 0.55)
+#: Further bounds: k a, a / L and filament length over radius.
+MOST = (8.0, 0.8, 1440.0)
+
+
+#: Boxes of the same numbers around robots and cells as people begin with them, and their designs.
+FAMILIAR = (
+    ((0.3, 0.12, 1.0, 5.0, 0.95, 0.08), (1.6, 0.6, 5.0, 16.0, 1.6, 0.15)),
+    ((0.3, 0.025, 1.5, 12.0, 1.0, 0.08), (1.4, 0.1, 5.0, 40.0, 3.0, 0.3)),
+)
+EACH = 64
+
+
+def familiar(seed: int = SEED) -> np.ndarray:
+    """Return numbers (2 EACH, 6) of designs such as people begin with."""
+    boxes = enumerate(FAMILIAR)
+    u = [np.array(a) * (np.array(b) / a) ** qmc.Sobol(6, seed=seed + n).random(EACH)
+         for n, (a, b) in boxes]  # fmt: skip
+    return np.concatenate(u)
+
+
+def drawn(count: int, seed: int = SEED) -> np.ndarray:
+    """Return numbers (count, 6) of designs, all logarithmic but the ramp."""
+    u = qmc.Sobol(6, seed=seed).random(count)
+    u = 0.5 * u + 0.25 * (1.0 - np.cos(np.pi * u))
+    low, high = np.array(LOW), np.array(HIGH)
+    x = low * (high / low) ** u
+    x[:, 5] = low[5] + (high[5] - low[5]) * u[:, 5]
+    return x
+
+
+def design(x: Any) -> Swimmer | None:
+    """Return the swimmer of six numbers, in units of 1/k; None where it cannot be built.
+
+    Parameters
+    ----------
+    x
+        b k, k r_t, waves, body over filament radius, aspect ratio, ramp.
+    """
+    bk, thick, waves, head, aspect, ramp = map(float, x)
+    a, length = head * thick, 2.0 * np.pi * waves
+    if a > MOST[0] or a > MOST[1] * length or length * np.hypot(1.0, bk) > MOST[2] * thick:
+        return None
+    body = Spheroid(semi_axes=(a * aspect ** (2.0 / 3.0), a * aspect ** (-1.0 / 3.0)))
+    try:
+        tail = HelicalTail(length=length, amplitude=bk, waves=waves, radius=thick, ramp=ramp)
+    except SpecError:
+        return None
+    return Swimmer(body=body, tail=tail, fluid=Fluid(viscosity=1.0))
+
+
+def solve(count: int, folder: Path, seed: int = SEED, **options: Any) -> list[Solved]:
+    """Return the designs among `count`, and the familiar ones, that boundary elements resolve."""
+    wanted = np.concatenate([drawn(count, seed), familiar(seed)])
+    designs = [s for s in map(design, wanted) if s is not None]
+    gaits = references.gaits(designs, "bem", folder=folder, level=LEVEL, **options)
+    return [
+        Solved(s, g)
+        for s, g in zip(designs, gaits)
+        if isinstance(g, Gait) and float(g.info.get("asymmetry") or 0.0) < ASYMMETRY
+    ]
+
+
+def main() -> None:
+    """Solve the campaign and write the atlas that comes with the package."""
+    parser = argparse.ArgumentParser(description="Solve and fit the atlas.")
+    parser.add_argument("folder", type=Path, help="where solves are kept")
+    parser.add_argument("--designs", type=int, default=4096, help="how many are drawn")
+    parser.add_argument("--workers", type=int, default=None, help="processes; all cores by default")
+    asked = parser.parse_args()
+    solved = solve(asked.designs, asked.folder, workers=asked.workers)
+    made = fit(solved, {"reference": "bem", "level": LEVEL, "designs": asked.designs})
+    Path(__file__).with_name(FILE).write_bytes(pack(made))
+    for i, name in enumerate(("u_s", "lateral u", "Omega_s", "lateral Omega")):
+        median, most = np.quantile(made.misses.missed[:, i], [0.5, 0.99])
+        print(f"{name}: left out, median {100 * median:.2g} %, 99 % {100 * most:.2g} %")
+    print(f"{len(solved)} solves, range {coordinates.NUMBERS}")
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,129 @@
+"""Models by name: the atlas, and the cheapest model that is honest for a swimmer (`auto`)."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from typing import Any
+
+import numpy as np
+
+from microswim.calibration.atlas import coordinates
+from microswim.calibration.atlas.atlas import shipped
+from microswim.calibration.atlas.expected import LEVELS, expected_error
+from microswim.errors import SpecError
+from microswim.gait.gait import Gait
+from microswim.swimmer.drag.coefficients import Unchosen
+from microswim.swimmer.drag.interaction import Interaction
+from microswim.swimmer.swimmer import Swimmer
+
+#: Mean velocities that an asked accuracy is about.
+MEANS = ("us", "os")
+
+
+def gait(swimmer: Swimmer) -> Gait:
+    """Gait by the atlas: resistive force theory corrected by boundary-element solves, shipped.
+
+    Parameters
+    ----------
+    swimmer
+        A rigid helix on a sphere or spheroid, in the range of `coordinates`; its law of local
+        resistance and its interaction coefficients do not count. Numbers may be complex.
+
+    Returns
+    -------
+    Gait
+        With ``model = "atlas"``.
+
+    Raises
+    ------
+    SpecError
+        If the atlas does not cover the swimmer.
+    """
+    missing, atlas = coordinates.outside(swimmer), shipped()
+    if atlas is None or missing:
+        why = "; ".join(missing) or "none comes with this build"
+        raise SpecError("model", "atlas", f"another one: the atlas does not cover this, {why}",
+                        'take "auto", "rft" or "bem"')  # fmt: skip
+    R, F, G, extra = atlas.matrices(swimmer)
+    sign = swimmer.tail.sign
+    drag = np.diag(np.array(swimmer.body.diagonal(swimmer.fluid.viscosity))).astype(R.dtype)
+    held = np.zeros(6, dtype=R.dtype)
+    drag[0, 0], drag[0, 3], held[0] = extra
+    fields = {"rate": swimmer.tail.rate, "free": swimmer.motion.mask, "units": swimmer.units}
+    made = Gait.from_rotation(
+        R, F, G, sign=sign, body_R=drag, body_F=held, model="atlas", info={}, **fields
+    )
+    if swimmer.motion.frequency_frame == "lab":
+        return made.in_lab_frame(swimmer.tail.rate, sign)
+    return made
+
+
+def is_open(swimmer: Swimmer) -> bool:
+    """Whether nobody chose a law of local resistance or coefficients for the surrogate."""
+    law = swimmer.coefficients
+    untouched = isinstance(law, Unchosen) and law.is_open
+    return untouched and swimmer.interaction == Interaction() and swimmer.region is None
+
+
+def auto(swimmer: Swimmer, accuracy: float | None = None, **options: Any) -> Gait:
+    """Gait by the cheapest model that serves a swimmer; it says which, and how far off it may be.
+
+    The atlas where it covers the swimmer and the user chose no law and no coefficients, else
+    resistive force theory; with an accuracy asked, boundary elements where neither holds it.
+
+    Parameters
+    ----------
+    swimmer
+        Any swimmer.
+    accuracy
+        Largest relative error of the mean ``us`` and ``os``, between 0 and 1; 19 of 20 hold it.
+    options
+        What the boundary elements take, if it comes to them.
+
+    Returns
+    -------
+    Gait
+        With ``info["expected_error"]``, as `expected_error` gives it.
+
+    Raises
+    ------
+    SpecError
+        If the accuracy is not a share, or no model serves.
+    """
+    if accuracy is not None and not 0.0 < accuracy < 1.0:
+        raise SpecError("accuracy", accuracy, "a share above 0 and below 1", 'such as "2%"')
+    why = _not_atlas(swimmer)
+    made = _with_error(swimmer, gait(swimmer) if not why else swimmer.gait("rft"), why)
+    if accuracy is None or _holds(made, accuracy):
+        return made
+    levels = [name for name, error in LEVELS.items() if error <= accuracy] or ["fine"]
+    found = swimmer.gait("bem", **{"level": levels[0], **options})
+    was = made.info["expected_error"]["us"]
+    off = "by an unknown error" if was is None else f"by up to {100.0 * was:.2g} %"
+    return _with_error(swimmer, found, f"{made.model} is off {off} in u_s here")
+
+
+def _holds(made: Gait, accuracy: float) -> bool:
+    errors = [made.info["expected_error"][name] for name in MEANS]
+    return all(error is not None and error <= accuracy for error in errors)
+
+
+def _not_atlas(swimmer: Swimmer) -> str:
+    """Return in words why the atlas does not serve a swimmer; empty where it does."""
+    if swimmer.region is not None:
+        return "calibrated over a region"
+    if not is_open(swimmer):
+        return "rft, as the spec chooses its law or its coefficients"
+    if shipped() is None:
+        return "rft, as no atlas comes with this build"
+    missing = coordinates.outside(swimmer)
+    advice = "boundary elements do better: accuracy 2%, or model bem"
+    return (
+        f"rft, as the atlas does not cover this: {'; '.join(missing)}; {advice}" if missing else ""
+    )
+
+
+def _with_error(swimmer: Swimmer, made: Gait, remark: str) -> Gait:
+    remarks = [*made.info.get("remarks", ()), *([remark] if remark else ())]
+    error = expected_error(swimmer, made)
+    return replace(made, info={**made.info, "remarks": remarks, "expected_error": error})

@@ -1,0 +1,93 @@
+"""Where a helical swimmer lies in the design space: dimensionless numbers, range, scales.
+
+Stokes flow knows shapes, not sizes: six numbers hold a rigid helix on a spheroid, ``b k``,
+``k r_t``, the number of waves N, ``k a`` with the body's mean radius ``a^3 = r_s r_q^2``, its
+aspect ratio ``r_s/r_q``, and the ramp. Either hand is the mirror image of the other.
+"""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+
+from microswim.swimmer.geometry.tails import HelicalTail
+from microswim.swimmer.swimmer import Swimmer
+
+#: Numbers of a design and the range of the atlas, as (words, lowest, highest).
+NUMBERS = (
+    ("amplitude x wavenumber", 0.05, 2.5),
+    ("filament radius x wavenumber", 0.02, 0.8),
+    ("waves", 0.5, 8.0),
+    ("body radius x wavenumber", 0.05, 7.0),
+    ("aspect ratio of the body", 0.5, 5.0),
+    ("ramp", 0.05, 0.5),
+)
+#: Further numbers that are bounded: ratios of those.
+RATIOS = (
+    ("body radius / filament radius", 2.0, 40.0),
+    ("body radius / length of the tail", 0.0, 0.7),
+    ("length along the filament / its radius", 0.0, 1300.0),
+)
+
+
+def numbers(swimmer: Swimmer) -> np.ndarray:
+    """Return the six dimensionless numbers of a design, shape (6, ...)."""
+    tail, (r_s, r_q, _) = swimmer.tail, swimmer.body.semi_axes3
+    assert isinstance(tail, HelicalTail)
+    k = tail.wavenumber
+    mean = (r_s * r_q * r_q) ** (1.0 / 3.0)
+    values = (
+        *(tail.amplitude * k, k * tail.radius, tail.number_of_waves),
+        *(k * mean, r_s / r_q, tail.ramp),
+    )
+    return np.array(np.broadcast_arrays(*values))
+
+
+def ratios(x: Any) -> tuple[Any, Any, Any]:
+    """Return the numbers of `RATIOS` of designs x (6, ...)."""
+    bk, thick, waves, head = x[:4]
+    length = 2.0 * np.pi * waves
+    return head / thick, head / length, length * np.sqrt(1.0 + bk * bk) / thick
+
+
+def features(x: Any) -> np.ndarray:
+    """Return the coordinates in which the corrections vary smoothly, shape (8, ...).
+
+    Two ratios beside the six numbers let the distance between designs count directions that are
+    not along one of them.
+    """
+    bk, thick, waves, head, aspect, ramp = x
+    logs = (bk, thick, waves, head, aspect)
+    return np.array([*map(np.log, logs), ramp, np.log(head / waves), np.log(head / bk)])
+
+
+def powers(x: Any) -> np.ndarray:
+    """Return what the powers of a correction's scale multiply, shape (6, ...)."""
+    return np.array([0.0 * x[0] + 1.0, *map(np.log, x[:5])])
+
+
+def outside(swimmer: Swimmer) -> list[str]:
+    """Return in words what puts a swimmer outside the atlas; empty inside."""
+    kind = unlike(swimmer)
+    if kind:
+        return kind
+    x = np.real(numbers(swimmer))
+    return [
+        f"{name} {value:.4g} is not in {low:g} to {high:g}"
+        for (name, low, high), value in zip((*NUMBERS, *RATIOS), (*x, *ratios(x)))
+        if not low * (1 - 1e-9) <= value <= high * (1 + 1e-9)
+    ]
+
+
+def unlike(swimmer: Swimmer) -> list[str]:
+    """Return in words what makes a swimmer another kind of thing than the atlas holds."""
+    tail, body = swimmer.tail, swimmer.body
+    if not isinstance(tail, HelicalTail):
+        return ["it holds helical tails"]
+    if not body.is_axisymmetric or not np.all(np.real(body.semi_axes3[0]) > 0):
+        return ["it holds bodies of revolution: a sphere or a spheroid"]
+    if tail.sections != "perpendicular" or tail.surface_motion != "rigid":
+        return ['it holds rigid helices: sections = "perpendicular", surface_motion = "rigid"']
+    around = [n for n in ("wall", "channel", "region") if getattr(swimmer, n) is not None]
+    return [f"it knows no {name}" for name in around]

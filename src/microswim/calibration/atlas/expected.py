@@ -1,0 +1,101 @@
+"""The error to expect of each mean velocity, whatever model gave it, and how it is known."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+
+from microswim.calibration.atlas import coordinates
+from microswim.calibration.atlas.atlas import shipped
+from microswim.calibration.atlas.near import QUANTITIES, Misses
+from microswim.gait.gait import DEGREES_OF_FREEDOM, Gait
+from microswim.swimmer.drag.interaction import Interaction
+from microswim.swimmer.swimmer import Swimmer
+
+#: Largest difference of a level of the boundary elements from the finest, over the design range.
+LEVELS = {"coarse": 0.0035, "standard": 0.002, "fine": 0.0005}
+#: Entry of `QUANTITIES` of each degree of freedom.
+_ENTRY = (0, 1, 1, 2, 3, 3)
+
+
+def expected_error(swimmer: Swimmer, gait: Gait) -> dict[str, Any]:
+    """Return the relative error to expect of each mean velocity of a gait.
+
+    Parameters
+    ----------
+    swimmer
+        The swimmer.
+    gait
+        Its gait, by any model.
+
+    Returns
+    -------
+    dict
+        ``us`` to ``or``: within it lie 95 of 100 such designs, relative to the mean velocity, or
+        to the amplitude where the velocity averages out; None where it is not known; ``how``.
+
+    Examples
+    --------
+    >>> import microswim as ms
+    >>> from microswim.calibration.atlas.expected import expected_error
+    >>> swimmer = ms.Swimmer.preset("tabak/helix-constant")
+    >>> expected_error(swimmer, swimmer.gait())["us"] is None
+    True
+    """
+    by_model = {"atlas": _of_atlas, "rft": _of_surrogate, "bem": _of_elements}
+    values, how = by_model.get(gait.model, _unknown)(swimmer, gait)
+    held = [0.0 if not free else value for value, free in zip(values, gait.free)]
+    return {**dict(zip(DEGREES_OF_FREEDOM, held)), "how": how}
+
+
+def _unknown(swimmer: Swimmer, gait: Gait) -> tuple[list[Any], str]:
+    return [None] * 6, f"not known for model {gait.model}"
+
+
+def _of_atlas(swimmer: Swimmer, gait: Gait) -> tuple[list[Any], str]:
+    atlas = shipped()
+    assert atlas is not None
+    how = f"19 of 20 of the {atlas.about['solves']} boundary-element solves, left out, lie within"
+    return _relative(atlas.misses, swimmer, gait), how
+
+
+def _of_surrogate(swimmer: Swimmer, gait: Gait) -> tuple[list[Any], str]:
+    atlas, calibrated = shipped(), gait.info.get("expected_errors")
+    if calibrated:
+        known = {"mean.us": "us", "mean.os": "os", "amplitude.uq": "uq", "amplitude.or": "or"}
+        errors = {known[name]: 2.0 * value for name, value in calibrated.items() if name in known}
+        return [errors.get(n) for n in DEGREES_OF_FREEDOM], "twice the error left out, calibrated"
+    law = swimmer.coefficients.law
+    if swimmer.interaction != Interaction() or law == "constant":
+        return [None] * 6, "not known: law or interaction coefficients are the user's own"
+    as_measured = swimmer.coefficients.spin and not swimmer.coefficients.tip
+    if atlas is None or not as_measured or law not in atlas.plain or coordinates.unlike(swimmer):
+        return [None] * 6, "not measured for such swimmers; compare with model bem"
+    where = "such designs" if not coordinates.outside(swimmer) else "the nearest designs measured"
+    how = f"within it {law} lies from boundary elements for 19 of 20 of {where}"
+    return _relative(atlas.plain[law], swimmer, gait), how
+
+
+def _of_elements(swimmer: Swimmer, gait: Gait) -> tuple[list[Any], str]:
+    level = gait.info.get("level", "")
+    if level not in LEVELS:
+        return [None] * 6, "not known for a level of one's own"
+    return [LEVELS[level]] * 6, f"largest difference of level {level} from finer ones"
+
+
+def _relative(misses: Misses, swimmer: Swimmer, gait: Gait) -> list[Any]:
+    """Return errors of the six velocities, lateral ones over their amplitudes."""
+    atlas = shipped()
+    assert atlas is not None
+    _, z, _ = atlas.place(swimmer)
+    found = misses(np.real(z)[None])[0]
+    rate, size = abs(float(np.real(gait.rate))), np.abs(np.real(gait.velocity_amplitude))
+    scale = {"u_lateral": rate * float(np.real(swimmer.tail.amplitude)), "o_lateral": rate}
+    out: list[Any] = []
+    for i, entry in enumerate(_ENTRY):
+        name, value = QUANTITIES[entry], float(found[entry])
+        if name in scale:
+            value = value * scale[name] / size[i] if size[i] > 0 else float("inf")
+        out.append(value if np.isfinite(value) else None)
+    return out

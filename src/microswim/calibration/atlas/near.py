@@ -1,0 +1,74 @@
+"""How far off an answer is: what designs nearby missed, measured, tails and all.
+
+Each design of a campaign has been left out in turn and its answer compared with boundary elements.
+The error to expect at another design is the quantile of what those around it missed, weighted by a
+Gaussian in scaled coordinates. No distribution is assumed: errors have heavier tails than a normal.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+SHARE = 0.95  #: of the designs that lie within the expected error
+WIDTH = 0.9  #: of the Gaussian, in spreads of the coordinates
+QUANTITIES = ("us", "u_lateral", "os", "o_lateral")
+
+
+@dataclass(frozen=True, eq=False)
+class Misses:
+    """Errors of designs whose truth is known.
+
+    Parameters
+    ----------
+    spots
+        Scaled coordinates (n, f).
+    missed
+        Size of the error of each of `QUANTITIES`, (n, 4), NaN where it is not known.
+    factor
+        By which the quantiles are widened, (4,), so that `SHARE` of the designs hold.
+    """
+
+    spots: np.ndarray
+    missed: np.ndarray
+    factor: np.ndarray
+
+    def __call__(self, z: np.ndarray) -> np.ndarray:
+        """Return the error to expect at designs z (m, f), shape (m, 4)."""
+        return self.factor * np.array([self._around(row, self.spots, self.missed) for row in z])
+
+    def _around(self, z: Any, spots: np.ndarray, missed: np.ndarray) -> np.ndarray:
+        far = np.sum((spots - z) ** 2, axis=1) / (2.0 * WIDTH**2)
+        weight = np.exp(far.min() - far)
+        return np.array([quantile(column, weight) for column in missed.T])
+
+    def left_out(self) -> np.ndarray:
+        """Return what the rule says at each design from all others, (n, 4)."""
+        keep = ~np.eye(len(self.spots), dtype=bool)
+        each = (self._around(z, self.spots[k], self.missed[k]) for z, k in zip(self.spots, keep))
+        return self.factor * np.array(list(each))
+
+    def held(self) -> np.ndarray:
+        """Return the share of designs within the error that all others let expect, (4,)."""
+        return np.mean(self.missed <= self.left_out(), axis=0)
+
+
+def quantile(values: np.ndarray, weight: np.ndarray, share: float = SHARE) -> float:
+    """Return the weighted quantile of values; NaN ones do not count."""
+    known = np.isfinite(values)
+    order = np.argsort(values[known])
+    total = np.cumsum(weight[known][order])
+    if not len(total):
+        return float("nan")
+    at = min(int(np.searchsorted(total, share * total[-1])), len(order) - 1)
+    return float(values[known][order][at])
+
+
+def measured(spots: np.ndarray, missed: np.ndarray) -> Misses:
+    """Return the errors of designs with factors that let `SHARE` of them hold."""
+    plain = Misses(spots, missed, np.ones(missed.shape[1]))
+    ratio = missed / np.maximum(plain.left_out(), 1e-300)
+    factor = np.nanquantile(ratio, SHARE, axis=0)
+    return Misses(spots, missed, np.maximum(factor, 1.0))

@@ -2,12 +2,17 @@
 
 from __future__ import annotations
 
+import json
 from pathlib import Path
+from typing import TYPE_CHECKING, Any
 
 import click
 
 from microswim.cli._options import example
 from microswim.errors import SpecError
+
+if TYPE_CHECKING:
+    from microswim.spec.fields import Field
 
 
 @click.command(
@@ -42,56 +47,59 @@ def command(file: Path | None, kind: str, units: str) -> None:
     click.echo(f"written: {file}\nnow try: microswim run {file}", err=True)
 
 
+#: Values of a new spec that no unit of length gives, by dimension.
+TYPICAL = {
+    "frequency": {"um": '"100 Hz"', "mm": '"10 Hz"'},
+    "viscosity": {"um": '"1 mPa s"', "mm": '"1 Pa s"'},
+    "density": {"um": '"1000 kg/m^3"', "mm": '"1000 kg/m^3"'},
+}
+
+
+#: Tables that stand as comments: a spec without them is corrected by what comes along.
+COMMENTED = ("coefficients", "interaction")
+
+
 def spec_text(kind: str, units: str) -> str:
-    """A commented spec of a kind of tail, in ``"none"``, ``"um"`` or ``"mm"``."""
-    si = units != "none"
+    """Return a commented spec of a kind of tail, in ``"none"``, ``"um"`` or ``"mm"``.
 
-    def length(value: float) -> str:
-        return f'"{value:g} {units}"' if si else repr(value)
+    Which fields it holds, their values and comments are those of `microswim.spec.tables`.
+    """
+    from microswim.spec.tables import FIELDS, TABLES, TAGS
 
-    own = {
-        "helix": ['handedness = "left"', "right for the mirror image"],
-        "plane_wave": ['sections = "sheared"', "bem, fem: circles in s = const planes"],
-    }[kind]
-    fast = {"none": "1.0", "um": '"100 Hz"', "mm": '"10 Hz"'}[units]
-    thick = {"none": "100.0", "um": '"1 mPa s"', "mm": '"1 Pa s"'}[units]
-    heavy = {"none": "1.0", "um": '"1000 kg/m^3"', "mm": '"1000 kg/m^3"'}[units]
     bare = "give units to all quantities or to none; none: a dimensionless swimmer"
-    lines: list[str | tuple[str, str]] = [
+    lines = [
         f"# A swimmer for microswim: a sphere with a {kind.replace('_', ' ')} for a tail.",
         f"# Quantities: {bare}.",
-        "",
-        "[fluid]",
-        (f"viscosity = {thick}", "dynamic"),
-        (f"density = {heavy}", "for the Reynolds number, and finite elements with inertia"),
-        "",
-        "[body]",
-        ('shape = "sphere"', "sphere: radius | spheroid, ellipsoid: semi_axes | none"),
-        (f"radius = {length(0.5)}", "the body touches the tail's joint with its rear"),
-        "",
-        "[tail]",
-        (f'kind = "{kind}"', "helix | plane_wave | custom"),
-        (f"length = {length(2.0)}", "from the body to the tip"),
-        ('length_measure = "apparent"', "apparent: along the axis s | arc: along the filament"),
-        (f"amplitude = {length(0.1)}", "of the wave; the radius of a helix"),
-        ("waves = 3", "or wavelength, one of the two"),
-        (f"radius = {length(0.05)}", "of the filament"),
-        (f"frequency = {fast}", "of the motor: the tail relative to the body"),
-        (own[0], own[1]),
-        ("ramp = 0.1", "fraction of the length over which the amplitude grows"),
-        "",
-        "# [coefficients]",
-        ('# law = "lighthill"', "without a law: corrected by what comes along (model auto)"),
-        ("# spin = true", "laws: lighthill, gray_hancock, cox, constant (normal, tangential)"),
-        ("# tip = false", "true: the free end has a drag of its own, 3 pi mu r_t"),
-        "",
-        "# [interaction]",
-        ("# translation = [1.0, 1.0, 1.0]", "factors on the body's drag along s, q, r"),
-        ("# rotation = [1.0, 1.0, 1.0]", "and about s, q, r; microswim calibrate finds them"),
-        "",
-        "[motion]",
-        ('free = "all"', 'or a list such as ["us", "uq", "ur", "os"]'),
     ]
-    return "".join(
-        f"{line}\n" if isinstance(line, str) else f"{line[0]:<30} # {line[1]}\n" for line in lines
-    )
+    chosen = {"body": "sphere", "tail": kind}
+    for name, kinds in TABLES.items():
+        tag = TAGS.get(name)
+        given = chosen.get(name)
+        table = next(t for t in kinds if given is None or given in _kinds_of(t, str(tag)))
+        fields = [FIELDS[f"{name}.{f}"] for f in table.model_fields]
+        shown = [(f, _start(f, units)) for f in fields if f.about.start is not None]
+        if tag:
+            shown.insert(0, (FIELDS[f"{name}.{tag}"], f'"{chosen[name]}"'))
+        mark = "# " if name in COMMENTED else ""
+        if shown:
+            lines += ["", f"{mark}[{name}]"]
+            lines += [
+                f"{mark + f.path.partition('.')[2] + ' = ' + value:<32} # {f.about.help}"
+                for f, value in shown
+            ]
+    return "\n".join(lines) + "\n"
+
+
+def _kinds_of(table: Any, tag: str) -> tuple[str, ...]:
+    """Words by which the field `tag` chooses a table."""
+    return table.model_fields[tag].annotation.__args__
+
+
+def _start(field: Field, units: str) -> str:
+    """Value of a field in a new spec, as TOML."""
+    value = field.about.start
+    if field.dimension is None or units == "none":
+        return json.dumps(value)
+    if field.measures == "length":
+        return f'"{value:g} {units}"'
+    return TYPICAL.get(str(field.measures), {}).get(units) or f'"{field.dimension.example}"'

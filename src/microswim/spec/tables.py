@@ -184,7 +184,7 @@ class CoefficientsTable(_Table):
 
     law: Annotated[
         Literal["lighthill", "gray_hancock", "cox", "constant"],
-        About("Law", "lighthill | gray_hancock | cox | constant (normal, tangential)",
+        About("Law", "or gray_hancock, cox, constant; without a law: model auto corrects",
               start="lighthill", words={"gray_hancock": "Gray–Hancock"}),
     ] = "lighthill"  # fmt: skip
     spin: Annotated[

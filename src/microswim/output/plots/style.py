@@ -16,6 +16,7 @@ if TYPE_CHECKING:
 
 BLUE, ORANGE, GREEN, PURPLE = "#0072B2", "#D55E00", "#009E73", "#CC79A7"
 SKY, GREY, BLACK = "#56B4E9", "#6E6E6E", "#222222"
+CYCLE = (BLUE, ORANGE, GREEN, PURPLE, SKY, "#E69F00", GREY, BLACK)
 BODY, TAIL = "#3f8fc9", "#e08a3c"  # of a swimmer, shaded
 LINES = ((BLUE, "-"), (ORANGE, (0, (5, 1.5))), (BLACK, (0, (5, 1, 1, 1))))
 WIDE, NARROW = 7.2, 3.5  # inches: two columns, one
@@ -45,9 +46,10 @@ STYLE: dict[str, Any] = {
 
 def look() -> Any:
     """Return the context in which figures are made and saved."""
+    from cycler import cycler
     from matplotlib import rc_context
 
-    return rc_context(STYLE)
+    return rc_context(STYLE | {"axes.prop_cycle": cycler(color=CYCLE)})
 
 
 def blank(width: float, height: float) -> Figure:

@@ -14,7 +14,7 @@ import numpy as np
 from matplotlib.figure import Figure
 
 from microswim.models.rft.batch import evaluate
-from microswim.output.plots.style import WIDE, letter, look, panels
+from microswim.output.plots.style import ORANGE, WIDE, letter, look, panels
 from microswim.studies.paper.context import AMPLITUDE, WAVES, Context, swimmer
 from microswim.swimmer.drag.coefficients import closed_form
 from microswim.swimmer.swimmer import Swimmer
@@ -180,7 +180,7 @@ def plot(result: dict[str, Any]) -> Figure:
 def _mark(ax: Any, result: dict[str, Any], values: np.ndarray, unit: str) -> None:
     i, j = np.unravel_index(np.nanargmax(values), values.shape)
     n, b = result["n"][j], result["b"][i]
-    ax.plot(n, b, marker="x", color="#D55E00", ms=7, mew=1.8, clip_on=False, zorder=5)
+    ax.plot(n, b, marker="x", color=ORANGE, ms=7, mew=1.8, clip_on=False, zorder=5)
     ax.annotate(
         f"{values[i, j]:.3g}{unit} at b = {b:.2g}, N = {n:.3g}", (n, b), xytext=(8, -10),
         textcoords="offset points", color="black", fontsize=7,

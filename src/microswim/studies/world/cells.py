@@ -17,6 +17,7 @@ from microswim import data
 from microswim.gait.screw import screw
 from microswim.jobs import references
 from microswim.models.rft.batch import evaluate
+from microswim.output.plots.style import look, panels
 from microswim.swimmer.drag.coefficients import GrayHancock
 from microswim.swimmer.fluid import Fluid
 from microswim.swimmer.geometry.bodies import Spheroid
@@ -173,10 +174,14 @@ def rows(bem: bool = True, level: str = "coarse", folder: Any = None) -> list[di
 
 def picture(table: list[dict[str, Any]]) -> Any:
     """Figure: predicted against measured speed, with spreads."""
-    from matplotlib.figure import Figure
+    with look():
+        figure, grid = panels(1, 1, (6.4, 4.2))
+        _speeds(grid[0, 0], table)
+    return figure
 
-    figure = Figure(figsize=(6.4, 4.2), layout="constrained")
-    ax = figure.subplots()
+
+def _speeds(ax: Any, table: list[dict[str, Any]]) -> None:
+    judged = [row for row in table if np.isfinite(row.get("bem", np.nan))]
     ends = [5.0, 500.0]
     ax.plot(ends, ends, color="0.6", linewidth=0.8)
     ax.fill_between(ends, [x / 2 for x in ends], [2 * x for x in ends], color="0.93", zorder=0)
@@ -186,14 +191,14 @@ def picture(table: list[dict[str, Any]]) -> Any:
         shown = ax.errorbar(x, y, yerr=bars, xerr=dx, fmt="o", capsize=2, linewidth=1, markersize=5)
         label = f"{row['cell']}"
         ax.plot([], [], "o", color=shown.lines[0].get_color(), label=label)
-        if np.isfinite(row.get("bem", np.nan)):
+        if row in judged:
             ax.plot(x, row["bem"], "D", color=shown.lines[0].get_color(), markerfacecolor="none")
-    ax.plot([], [], "D", color="k", markerfacecolor="none", label="bem")
+    if judged:
+        ax.plot([], [], "D", color="k", markerfacecolor="none", label="bem")
     ax.set(xscale="log", yscale="log", xlim=ends, ylim=ends)
-    ax.set(xlabel="measured speed (um/s)", ylabel="predicted speed (um/s)")
-    ax.set_title("bars: spread of speed, and of geometry; grey: within a factor of two", fontsize=8)
-    ax.legend(fontsize=7, loc="upper left")
-    return figure
+    ax.set(xlabel="measured speed (µm/s)", ylabel="predicted speed (µm/s)")
+    ax.set_title("bars: spread of speed, and of geometry; grey: within a factor of two")
+    ax.legend(loc="upper left")
 
 
 def without_spread(cell: Cell) -> list[str]:

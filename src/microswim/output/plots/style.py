@@ -77,9 +77,17 @@ def legend_above(figure: Figure, axes: Axes, columns: int = 3) -> None:
     drawn = [
         (handle, text)
         for handle, text in zip(*axes.get_legend_handles_labels())
-        if not hasattr(handle, "get_xdata") or len(handle.get_xdata())
+        if _is_drawn(handle)
     ]
     figure.legend(*zip(*drawn), loc="outside upper center", ncols=columns)
+
+
+def _is_drawn(handle: Any) -> bool:
+    """Whether a line has a point that is a number; anything else counts as drawn."""
+    import numpy as np
+
+    points = getattr(handle, "get_ydata", None)
+    return points is None or bool(np.isfinite(np.asarray(points(), dtype=float)).any())
 
 
 def few_ticks(axes: Axes, most: int = 5) -> None:

@@ -25,6 +25,7 @@ from microswim.calibration import observations as observe
 from microswim.errors import MicroswimError, SpecError
 from microswim.gait.gait import Gait
 from microswim.jobs import references
+from microswim.spec.describe import unit_of
 from microswim.swimmer.swimmer import Swimmer
 from microswim.swimmer.variants import check_names
 
@@ -199,7 +200,8 @@ def validate(
     )
     found = _compare(axes, names, dict(zip(built, solved)), built, reasons, against)
     own = {n: float(swimmer.numbers[n]) for n in axes if n in swimmer.numbers}
-    return replace(found, at=own)
+    units = {name: unit_of(name, swimmer.units) for name in axes}
+    return replace(found, at=own, axis_units=units)
 
 
 def _axis(name: str, values: Any) -> np.ndarray:

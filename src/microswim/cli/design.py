@@ -21,6 +21,7 @@ from microswim.cli._options import (
 from microswim.errors import SpecError
 
 FILES = (
+    "optimum.toml",
     "sensitivity.png",
     "map.png",
     "map.nc",
@@ -131,8 +132,14 @@ def _pictures(given: Given, best: Any, out: Path | None) -> None:
     if out is None:
         return
     from microswim.output.plots import design as plots_design
+    from microswim.spec.describe import to_tables
+    from microswim.spec.toml import to_toml
     from microswim.studies.sweeps.sweep import sweep
 
+    words = f"{given.name}: {best.objective} = {best.value:.6g}, the best in the given ranges"
+    calibration = {k: v for k, v in given.tables.items() if k == "region"}
+    text = to_toml(to_tables(best.swimmer) | calibration, words)
+    _files.write_text(out / "optimum.toml", text)
     _save(plots_design.sensitivity(best), out / "sensitivity.png")
     ranges = [k for k, s in best.sensitivity.items() if s.varied][:2]
     if len(ranges) == 2:

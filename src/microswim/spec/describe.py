@@ -8,6 +8,7 @@ from typing import Any
 
 import numpy as np
 
+from microswim.spec.tables import FIELDS
 from microswim.swimmer.swimmer import Swimmer
 
 
@@ -24,6 +25,45 @@ def describe(swimmer: Swimmer) -> dict[str, Any]:
                 table[f.name] = _name_of(value) if callable(value) else value
         tables[part] = table
     return tables | {"units": swimmer.units}
+
+
+def to_tables(swimmer: Swimmer) -> dict[str, Any]:
+    """Return the tables of a spec file that reads back as this swimmer, quantities with units.
+
+    Examples
+    --------
+    >>> import microswim as ms
+    >>> from microswim.spec.describe import to_tables
+    >>> to_tables(ms.Swimmer.preset("goto/C"))["tail"]["frequency"]
+    '73.95 Hz'
+    """
+    tables = describe(swimmer)
+    units = tables.pop("units")
+    return {
+        part: {name: _written(unit_of(f"{part}.{name}", units), v) for name, v in table.items()}
+        for part, table in tables.items()
+    }
+
+
+def _written(unit: str, value: Any) -> Any:
+    if isinstance(value, (list, tuple, np.ndarray)):
+        return [_written(unit, v) for v in value]
+    value = value.item() if isinstance(value, np.generic) else value
+    return f"{value!r} {unit}" if unit and isinstance(value, (int, float)) else value
+
+
+def unit_of(name: str, units: str) -> str:
+    """Return the SI unit of a field; empty for a bare number and without units.
+
+    Examples
+    --------
+    >>> from microswim.spec.describe import unit_of
+    >>> unit_of("body.semi_axes[0]", "SI"), unit_of("tail.waves", "SI")
+    ('m', '')
+    """
+    field = FIELDS.get(name.partition("[")[0])
+    known = units == "SI" and field is not None and field.dimension is not None
+    return field.dimension.si if known else ""  # type: ignore[union-attr]
 
 
 def _name_of(function: Any) -> str:

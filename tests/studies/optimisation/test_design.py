@@ -10,6 +10,7 @@ from click.testing import CliRunner
 import microswim as ms
 from microswim.cli import main
 from microswim.output.plots import design as plots_design
+from microswim.spec import presets
 from microswim.studies.optimisation import expressions, merits
 from microswim.studies.optimisation.problem import Problem
 
@@ -355,6 +356,22 @@ def test_the_command_prints_an_optimum_and_a_front(tmp_path):
     run = CliRunner().invoke(main, ["design", *over, "--maximize", "sped"])
     assert run.exit_code == 2
     assert 'did you mean "speed"?' in run.stderr
+
+
+def test_the_optimum_is_a_spec_that_reads_back(tmp_path):
+    """In the units of the swimmer, and the axes of its map too."""
+    spec = tmp_path / "robot.toml"
+    spec.write_text(presets.read("goto/C"))
+    over = ["--over", "tail.amplitude=0.1um:0.2um,tail.wavelength=1um:2um"]
+    asked = ["design", str(spec), *over, "--maximize", "speed", "--json"]
+    run = CliRunner().invoke(main, [*asked, "--out", str(tmp_path / "out")])
+    assert run.exit_code == 0, run.output
+    best = json.loads(run.stdout)["values"]
+    robot = ms.Swimmer.from_toml(tmp_path / "out" / "optimum.toml")
+    assert {name: robot.numbers[name] for name in best} == best
+    assert robot == ms.Swimmer.from_toml(spec).with_(best)
+    result = ms.sweep(robot, {"tail.amplitude": [1e-7, 2e-7], "tail.wavelength": [1e-6, 2e-6]})
+    assert plots_design.design_map(result).axes[0].get_ylabel() == "tail.amplitude (nm)"
 
 
 def test_pictures_show_what_they_are_given():

@@ -46,8 +46,7 @@ STYLE: dict[str, Any] = {
 
 def look() -> Any:
     """Return the context in which figures are made and saved."""
-    from cycler import cycler
-    from matplotlib import rc_context
+    from matplotlib import cycler, rc_context
 
     return rc_context(STYLE | {"axes.prop_cycle": cycler(color=CYCLE)})
 

@@ -43,7 +43,7 @@ def test_velocity_curves_are_the_datasets(cell):
 
 
 def test_every_axis_has_a_label_and_si_has_units(cell):
-    assert {"velocity (µm/s)", "body rate (rad/s)", "motor power (aW)"} <= set(
+    assert {"velocity (µm/s)", "body rate (rad/s)", "motor power (fW)"} <= set(
         labels(ms.plots.velocity(cell))
     )
     assert {"displacement (nm)", "time (periods)"} <= set(labels(ms.plots.trajectory(cell)))

@@ -145,6 +145,13 @@ def test_errors_of_the_surrogate_are_those_of_its_law():
     assert expected_error(own, own.gait("rft"))["us"] is None
 
 
+@pytest.mark.filterwarnings("error")
+def test_a_tail_without_a_wave_is_not_said_to_be_known():
+    straight = ROBOT.with_({"tail.amplitude": 0.0})
+    error = straight.gait("auto").info["expected_error"]
+    assert error["us"] is error["os"] is None
+
+
 def test_held_directions_have_no_error():
     held = replace(ROBOT, motion=ms.Motion(free=("us", "os")))
     error = expected_error(held, held.gait("auto"))

@@ -72,6 +72,10 @@ def _of_surrogate(swimmer: Swimmer, gait: Gait) -> tuple[list[Any], str]:
     as_measured = swimmer.coefficients.spin and not swimmer.coefficients.tip
     if atlas is None or not as_measured or law not in atlas.plain or coordinates.unlike(swimmer):
         return [None] * 6, "not measured for such swimmers; compare with model bem"
+    with np.errstate(divide="ignore"):
+        _, z, _ = atlas.place(swimmer)
+    if not np.all(np.isfinite(z)):
+        return [None] * 6, "not measured without a wave"
     where = "such designs" if not coordinates.outside(swimmer) else "the nearest designs measured"
     how = f"within it {law} lies from boundary elements for 19 of 20 of {where}"
     return _relative(atlas.plain[law], swimmer, gait), how

@@ -147,3 +147,10 @@ def test_suggestions_know_the_physics_and_are_short(change):
     line = refused("run", *BARE, "--set", change)
     assert SUGGESTED[change] in line
     assert len(line) < 250
+
+
+def test_a_grid_of_ten_thousand_million_designs_is_refused_before_it_starts(tmp_path):
+    over = "tail.waves=1:2:100000,tail.amplitude=0.05:0.1:100000"
+    line = refused("sweep", *BARE, "--over", over, "--out", tmp_path / "a.zarr")
+    assert "10000000000 designs" in line
+    assert not (tmp_path / "a.zarr").exists()

@@ -16,6 +16,8 @@ import numpy as np
 
 from microswim.errors import SpecError
 
+MOST_DESIGNS = 100_000_000  #: of a sweep: at a microsecond each, minutes; on disk, ten gigabytes
+
 
 @dataclass(frozen=True, eq=False)
 class Space:
@@ -61,7 +63,10 @@ class Space:
             raise SpecError("over", over, "a mapping of names to values or a list of such designs")
         if not names:
             raise SpecError("over", "{}", "at least one name with its values")
-        return cls(names, tuple(map(_axis, names, columns)), grid, block)
+        made = cls(names, tuple(map(_axis, names, columns)), grid, block)
+        if made.size > MOST_DESIGNS:
+            raise SpecError("over", f"{made.size} designs", f"at most {MOST_DESIGNS} designs")
+        return made
 
     @property
     def dims(self) -> tuple[str, ...]:

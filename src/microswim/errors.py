@@ -69,10 +69,10 @@ class MachineError(MicroswimError):
 
     Examples
     --------
-    >>> raise MachineError("run.nc: cannot be written: No space left on device")
+    >>> raise MachineError("run.nc: not written: No space left on device")
     Traceback (most recent call last):
         ...
-    microswim.errors.MachineError: run.nc: cannot be written: No space left on device
+    microswim.errors.MachineError: run.nc: not written: No space left on device
     """
 
 

@@ -1,12 +1,9 @@
 """Files that commands write: nothing replaced unasked, nothing half-written, no work lost."""
 
-import contextlib
-import os
-
 import pytest
 from click.testing import CliRunner
 
-from microswim.cli import _files, main
+from microswim.cli import _files, calibrate, main
 from microswim.errors import MicroswimError, SpecError
 from microswim.spec import presets
 
@@ -72,24 +69,11 @@ def test_a_result_that_cannot_be_written_is_printed(spec, tmp_path, monkeypatch)
     def full(path, text):
         raise MicroswimError(f"{path}: not written: No space left on device")
 
-    monkeypatch.setattr(_files, "write_text", full)
+    monkeypatch.setattr(calibrate, "write", full)
     run = call("calibrate", spec, "--measured", "mean.us=-0.05", "-o", tmp_path / "new.toml")
     assert run.exit_code == 1
     assert "[interaction]" in run.stdout
     assert "new.toml: not written" in run.stderr
-
-
-def test_a_file_appears_whole_or_not_at_all(tmp_path):
-    path = tmp_path / "deep" / "a.txt"
-    with contextlib.suppress(RuntimeError), _files.appearing(path) as scratch:
-        scratch.write_text("half")
-        raise RuntimeError
-    assert list(path.parent.iterdir()) == []
-    _files.write_text(path, "whole")
-    assert [p.name for p in path.parent.iterdir()] == ["a.txt"]
-    mask = os.umask(0)
-    os.umask(mask)
-    assert path.stat().st_mode & 0o777 == 0o666 & ~mask
 
 
 def test_a_file_where_a_folder_is_needed_is_named(tmp_path):

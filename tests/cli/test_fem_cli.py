@@ -16,6 +16,8 @@ from click.testing import CliRunner
 
 from microswim import Swimmer
 from microswim.cli import main
+from microswim.errors import MicroswimError
+from microswim.numerics import archive
 
 pytest.importorskip("ngsolve", reason="needs the extra fem")
 
@@ -120,6 +122,23 @@ def test_flow_files_that_no_checkpoint_vouches_for_are_removed(tmp_path):
     assert left == [f"flow-0000{n}{end}" for n in (2, 4) for end in (".skin.vtu", ".vtu")]
 
 
+def test_a_refused_resume_leaves_the_folder_as_it_was(spec, tmp_path, monkeypatch):
+    """The data in it are of the old spec, so the old spec stays beside them."""
+    from microswim.models import fem
+
+    def refuse(swimmer, **options):
+        raise MicroswimError("checkpoint = ...: it belongs to another swimmer")
+
+    monkeypatch.setattr(fem, "swim", refuse)
+    (tmp_path / "checkpoint.npz").write_bytes(b"of the old spec")
+    (tmp_path / "spec.toml").write_text("# the old spec\n")
+    before = {p.name: p.read_bytes() for p in tmp_path.iterdir() if p.is_file()}
+    asked = ("--set", "tail.amplitude=0.12", "--out", tmp_path, "--resume")
+    assert "another swimmer" in refusal(call("swim", spec, *asked), status=1)
+    after = {p.name: p.read_bytes() for p in tmp_path.iterdir() if p.is_file()}
+    assert after == before
+
+
 @pytest.mark.slow
 def test_killed_march_goes_on_to_the_same_numbers(spec, tmp_path):
     """kill -9 in the middle; --resume; the same table as without the kill, film included."""
@@ -140,8 +159,7 @@ def test_killed_march_goes_on_to_the_same_numbers(spec, tmp_path):
         process.kill()
         process.wait()
     assert not (broken / "swim.nc").exists()
-    with np.load(kept) as state:
-        assert 0 < int(state["step"]) < 6
+    assert 0 < archive.unpack(kept.read_bytes())[0]["step"] < 6
     assert "--resume goes on" in refusal(call("swim", spec, *options, "--out", broken))
     assert call("swim", spec, *options, "--out", broken, "--film", "--resume").exit_code == 0
     one, two = (xr.load_dataset(f / "swim.nc", engine="h5netcdf") for f in (whole, broken))

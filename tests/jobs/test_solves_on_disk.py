@@ -137,6 +137,6 @@ def test_a_full_disk_is_a_sentence_that_names_the_file(tmp_path, monkeypatch):
         raise OSError(28, "No space left on device")
 
     monkeypatch.setattr(Path, "write_bytes", full)
-    with pytest.raises(MachineError, match=r"\.npz: cannot be written: No space left on device"):
+    with pytest.raises(MachineError, match=r"\.npz: not written: No space left on device"):
         references.gaits([HELIX], "rft", folder=tmp_path, workers=0)
     assert list(tmp_path.iterdir()) == []

@@ -1,14 +1,12 @@
-"""Files that a command writes: refused before the work, whole or not at all afterwards."""
+"""Files that a command will write: refused before the work."""
 
 from __future__ import annotations
 
 import os
-import tempfile
-from collections.abc import Iterable, Iterator
-from contextlib import contextmanager
+from collections.abc import Iterable
 from pathlib import Path
 
-from microswim.errors import MicroswimError, SpecError
+from microswim.errors import SpecError
 
 
 def check_file(option: str, path: Path, force: bool) -> None:
@@ -53,41 +51,3 @@ def _check_place(option: str, folder: Path) -> None:
         raise SpecError(option, str(folder), "a folder", "this is a file")
     if not os.access(folder, os.W_OK | os.X_OK):
         raise SpecError(option, str(folder), "a folder that you may write in")
-
-
-@contextmanager
-def appearing(path: Path) -> Iterator[Path]:
-    """A scratch file that takes the name `path` once it is written; nothing is left otherwise.
-
-    Raises
-    ------
-    MicroswimError
-        If it cannot be written, with the name of the file.
-    """
-    try:
-        path.parent.mkdir(parents=True, exist_ok=True)
-        handle, name = tempfile.mkstemp(prefix=".", suffix=path.suffix, dir=path.parent)
-    except OSError as error:
-        raise MicroswimError(f"{path}: not written: {error.strerror}") from None
-    os.close(handle)
-    scratch = Path(name)
-    try:
-        yield scratch
-        scratch.chmod(0o666 & ~_mask())
-        scratch.replace(path)
-    except OSError as error:
-        raise MicroswimError(f"{path}: not written: {error.strerror or error}") from None
-    finally:
-        scratch.unlink(missing_ok=True)
-
-
-def write_text(path: Path, text: str) -> None:
-    """Write a text file, whole or not at all."""
-    with appearing(path) as scratch:
-        scratch.write_text(text, encoding="utf-8")
-
-
-def _mask() -> int:
-    mask = os.umask(0)
-    os.umask(mask)
-    return mask

@@ -3,13 +3,14 @@
 from __future__ import annotations
 
 import shutil
-import tempfile
 from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
 from pathlib import Path
 from typing import TYPE_CHECKING
 
 from microswim.errors import SpecError
+from microswim.numerics.files import scratch
+from microswim.numerics.files import write as write_file
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -52,10 +53,7 @@ def filled(folder: Path, force: bool) -> Iterator[Path]:
     With `force`, entries of an existing folder are replaced one by one; others stay.
     """
     check(folder, force)
-    folder.parent.mkdir(parents=True, exist_ok=True)
-    with tempfile.TemporaryDirectory(prefix=f".{folder.name}-", dir=folder.parent) as scratch:
-        new = Path(scratch) / "new"
-        new.mkdir()
+    with scratch(folder) as new:
         yield new
         if not folder.exists():
             new.rename(folder)
@@ -80,7 +78,7 @@ def write(
     from microswim.output.io import vtk
     from microswim.output.plots import run as plots
 
-    (folder / "spec.toml").write_text(run.attrs["spec"], encoding="utf-8")
+    write_file(folder / "spec.toml", run.attrs["spec"])
     io.save(run, folder / "run.nc")
     io.save(run, folder / "trajectory.csv")
     vtk.write_swimmer(folder, swimmer, run)
@@ -90,9 +88,9 @@ def write(
         ("velocity", plots.velocity(run), _VELOCITY_CAPTION),
     ):
         pictures.append((caption, report.png(figure)))
-        (folder / f"{stem}.png").write_bytes(pictures[-1][1])
+        write_file(folder / f"{stem}.png", pictures[-1][1])
     page = report.page(run, name, tables, pictures, lead)
-    (folder / "report.html").write_text(page, encoding="utf-8")
+    write_file(folder / "report.html", page)
 
 
 def _path_caption(run: xr.Dataset) -> str:

@@ -19,6 +19,7 @@ from microswim.cli._options import (
     swimmer_options,
 )
 from microswim.errors import MicroswimError, SpecError
+from microswim.numerics.files import write
 from microswim.spec.toml import to_toml
 
 
@@ -91,7 +92,7 @@ def command(given: Given, output: Path | None, force: bool, as_json: bool, **ask
     if output is not None:
         text = to_toml(tables, f"{given.name}, calibrated")
         try:
-            _files.write_text(output, text)
+            write(output, text)
         except MicroswimError:
             click.echo(text)  # the work of minutes is not lost to a full disk
             raise

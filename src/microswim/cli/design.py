@@ -19,6 +19,7 @@ from microswim.cli._options import (
     swimmer_options,
 )
 from microswim.errors import SpecError
+from microswim.numerics.files import fresh, write
 
 FILES = (
     "optimum.toml",
@@ -145,17 +146,18 @@ def _pictures(given: Given, best: Any, out: Path | None) -> None:
     if len(ranges) == 2:
         import numpy as np
 
+        from microswim.output.io.run import netcdf
+
         axes = {k: np.linspace(*best.ranges[k], 41) for k in ranges}
         merit = {"efficiency": "efficiency", "power": "mean_power", "torque": "mean_torque"}
         shown = merit.get(best.objective, "swimming_speed")
         result = sweep(best.swimmer, axes)
-        with _files.appearing(out / "map.nc") as scratch:
-            result.drop_attrs().to_netcdf(scratch)
+        write(out / "map.nc", netcdf(result.drop_attrs()))
         _save(plots_design.design_map(result, shown, optimum=best), out / "map.png")
 
 
 def _save(figure: Any, path: Path) -> None:
-    with _files.appearing(path) as scratch:
+    with fresh(path) as scratch:
         figure.savefig(scratch)
 
 
@@ -171,10 +173,10 @@ def _front(given: Given, over: Any, asked: dict[str, Any], out: Path | None) -> 
         seed=asked["seed"],
     )
     if out is not None:
+        from microswim.output.io.run import netcdf
         from microswim.output.plots.design import front
 
-        with _files.appearing(out / "front.nc") as scratch:
-            result.to_netcdf(scratch)
+        write(out / "front.nc", netcdf(result))
         _save(front(result, given.swimmer), out / "front.png")
     columns = {str(k): v.values.tolist() for k, v in result.variables.items() if v.ndim}
     return {"objectives": result.attrs["objectives"], "front": columns}

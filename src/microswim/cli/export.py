@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import re
-import tempfile
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -22,6 +21,7 @@ from microswim.cli._options import (
     swimmer_options,
 )
 from microswim.errors import SpecError
+from microswim.numerics.files import scratch
 
 if TYPE_CHECKING:
     from microswim.control.stepper import Stepper
@@ -157,10 +157,8 @@ def _written(
     from microswim.control.export import compiler
     from microswim.control.export.fmu import export_fmu
 
-    out.mkdir(parents=True, exist_ok=True)
     about: dict[str, Any] = {}
-    with tempfile.TemporaryDirectory(prefix=".export-", dir=out) as scratch:
-        here = Path(scratch)
+    with scratch(out / "export") as here:
         if files[0].endswith(".fmu"):
             about = export_fmu(stepper, here / files[0], name=code.name, fmi=fmi, spec=spec)
         else:

@@ -17,6 +17,7 @@ from microswim.cli._options import (
     print_json,
     swimmer_options,
 )
+from microswim.numerics.files import fresh
 
 PICTURE = "track.png"
 EXAMPLES = example(
@@ -101,5 +102,5 @@ def _draw(track: Any, path: Any, unit: str, file: Path) -> None:
     from microswim.output.plots.run import track_and_fit
 
     figure = track_and_fit(track.position, path, unit)
-    with _files.appearing(file) as scratch:
+    with fresh(file) as scratch:
         figure.savefig(scratch, dpi=200)

@@ -10,6 +10,7 @@ import click
 from microswim.cli import _files
 from microswim.cli._options import example, force_option, read
 from microswim.errors import MicroswimError
+from microswim.numerics.files import write
 
 
 @click.command(
@@ -55,7 +56,7 @@ def command(
         from microswim.studio import snapshot as page
 
         _files.check_file("--snapshot", snapshot, force)
-        _files.write_text(snapshot, page(given.tables, given.name))
+        write(snapshot, page(given.tables, given.name))
         click.echo(f"wrote {snapshot}")
         return
     try:

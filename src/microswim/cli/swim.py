@@ -20,6 +20,7 @@ from microswim.cli._options import (
     swimmer_options,
 )
 from microswim.errors import SpecError
+from microswim.numerics.files import fresh, write
 
 FILES = {
     "swim.nc": "velocities, forces and pose in time, netCDF",
@@ -89,8 +90,8 @@ def command(
         options["free"] = (False,) * 6
     _check(given, out, resume, force, flow or film, film)
     if out is not None:
-        out.mkdir(parents=True, exist_ok=True)
-        (out / "spec.toml").write_text(given.text, encoding="utf-8")
+        if not (out / "checkpoint.npz").exists():  # else it is of the run that goes on
+            write(out / "spec.toml", given.text)
         options["checkpoint"] = out / "checkpoint.npz"
         options["vtk"] = out / "flow" if flow or film else None
     data = _march(given, out, options)
@@ -166,9 +167,10 @@ def _report(given: Given, data: Any, options: dict[str, Any]) -> dict[str, Any]:
 
 def _write(out: Path, data: Any, spec: str, film: bool) -> None:
     from microswim import __version__
+    from microswim.output.io.run import netcdf
 
     data.attrs |= {"spec": spec, "microswim_version": __version__}
-    data.to_netcdf(out / "swim.nc", engine="h5netcdf")
+    write(out / "swim.nc", netcdf(data))
     _write_csv(out / "swim.csv", data)
     if (out / "flow").is_dir():
         from microswim.models.fem.picture import write_collection
@@ -191,7 +193,8 @@ def _write_csv(path: Path, data: Any) -> None:
     names += [f"{f}_{part}" for part in ("body", "tail") for f in data.force.values]
     names += ["x", "y", "z", "qw", "qx", "qy", "qz"]
     table = np.column_stack(parts)
-    np.savetxt(path, table, fmt="%.12g", delimiter=",", header=",".join(names), comments="")
+    with fresh(path) as part:
+        np.savetxt(part, table, fmt="%.12g", delimiter=",", header=",".join(names), comments="")
 
 
 def _print(report: dict[str, Any]) -> None:

@@ -21,6 +21,7 @@ from microswim.cli._options import (
     print_json,
     swimmer_options,
 )
+from microswim.numerics.files import fresh, write
 
 FILES = ("errors.csv", "validation.json", "errors.png")
 
@@ -88,15 +89,15 @@ def _write(out: Path, result: Any, report: dict[str, Any]) -> None:
     rows = result.rows()
     table, text_file, picture = (out / name for name in FILES)
     with (
-        _files.appearing(table) as scratch,
+        fresh(table) as scratch,
         scratch.open("w", encoding="utf-8", newline="") as file,
     ):
         writer = csv.DictWriter(file, list(rows[0]))
         writer.writeheader()
         writer.writerows(rows)
     text = json.dumps(plain(report), allow_nan=False, ensure_ascii=False, indent=1)
-    _files.write_text(text_file, text + "\n")
-    with _files.appearing(picture) as scratch:
+    write(text_file, text + "\n")
+    with fresh(picture) as scratch:
         error_maps(result).savefig(scratch, dpi=200)
 
 

@@ -9,6 +9,7 @@ import click
 from microswim.cli import _files
 from microswim.cli._options import example, force_option, json_option, print_json
 from microswim.cli._progress import bar
+from microswim.numerics.files import fresh, write
 
 
 @click.command(epilog=example("microswim world --no-bem", "microswim world --out docs/world.md"))
@@ -44,7 +45,7 @@ def command(bem: bool, out: Path | None, force: bool, as_json: bool) -> None:
     with bar("world"):
         found = world.boso(bem)
         text = world.page(bem, "img/cells.png", found)
-    with _files.appearing(picture) as scratch:
+    with fresh(picture) as scratch:
         cells.picture(found).savefig(scratch, dpi=150)
-    _files.write_text(out, text)
+    write(out, text)
     click.echo(f"{out}, {picture}")

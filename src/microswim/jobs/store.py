@@ -80,7 +80,6 @@ def keep(path: Path, result: Gait | str) -> None:
         arrays = {n: v for n in _SERIES if (v := getattr(result, n)) is not None}
         notes |= {"rate": float(result.rate), "free": list(map(bool, result.free))}
         notes |= {"model": result.model, "units": result.units, "info": _plain(result.info)}
-    path.parent.mkdir(parents=True, exist_ok=True)
     write(path, archive.pack(notes, arrays))
 
 

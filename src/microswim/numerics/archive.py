@@ -31,11 +31,23 @@ class DamagedError(ValueError):
 
 def pack(notes: Mapping[str, Any], arrays: Mapping[str, Any]) -> bytes:
     """Return an archive of notes (what JSON can hold) and arrays, the same bytes every time."""
-    text = json.dumps({"format": FORMAT, **notes})
-    held = {"notes": np.array(text), **{name: np.asarray(v) for name, v in arrays.items()}}
+    held = _held(notes, arrays)
     buffer = io.BytesIO()
     np.savez_compressed(buffer, **held, checksum=np.array(_digest(held)))
     return buffer.getvalue()
+
+
+def digest(notes: Mapping[str, Any], arrays: Mapping[str, Any]) -> str:
+    """Return the checksum of what `pack` would write; it does not depend on the compression."""
+    return _digest(_held(notes, arrays))
+
+
+def _held(notes: Mapping[str, Any], arrays: Mapping[str, Any]) -> dict[str, np.ndarray]:
+    text = json.dumps({"format": FORMAT, **notes})
+    return {
+        "notes": np.array(text),
+        **{name: np.asarray(v, order="C") for name, v in arrays.items()},
+    }
 
 
 def unpack(raw: bytes, most: int = MOST_BYTES) -> tuple[dict[str, Any], dict[str, np.ndarray]]:

@@ -1,8 +1,11 @@
-"""Files that are written whole or not at all."""
+"""Files and folders that are written whole or not at all."""
 
 from __future__ import annotations
 
+import glob
 import os
+import platform
+import re
 import shutil
 from collections.abc import Iterator
 from contextlib import contextmanager
@@ -16,7 +19,7 @@ def fresh(path: str | os.PathLike[str]) -> Iterator[Path]:
     """Give a path to write to, which takes the place of `path` once the block has ended well.
 
     What stood at `path` stays until then, and for good if the block fails. A device or a pipe is
-    written to directly.
+    written to directly. Folders on the way are made.
 
     Raises
     ------
@@ -26,15 +29,16 @@ def fresh(path: str | os.PathLike[str]) -> Iterator[Path]:
     asked = Path(path)
     place = Path(os.path.realpath(asked))
     direct = place.exists() and not place.is_file()
-    part = place if direct else place.with_name(f".{place.stem}.{os.getpid()}.part{place.suffix}")
+    part = place if direct else _beside(place, f".part{place.suffix}")
     try:
+        place.parent.mkdir(parents=True, exist_ok=True)
         yield part
         if not direct:
             if place.exists():
                 shutil.copymode(place, part)
             part.replace(place)
     except OSError as error:
-        raise MachineError(f"{asked}: cannot be written: {error.strerror or error}") from error
+        raise MachineError(f"{asked}: not written: {error.strerror or error}") from error
     finally:
         if not direct:
             part.unlink(missing_ok=True)
@@ -45,3 +49,50 @@ def write(path: str | os.PathLike[str], content: str | bytes) -> None:
     raw = content.encode() if isinstance(content, str) else content
     with fresh(path) as part:
         part.write_bytes(raw)
+
+
+@contextmanager
+def scratch(folder: Path) -> Iterator[Path]:
+    """Give an empty folder beside `folder`, removed when the block ends.
+
+    One that a killed process left is removed by the next.
+
+    Raises
+    ------
+    MachineError
+        If anything in the block cannot be written; the sentence names `folder`.
+    """
+    made = _beside(Path(os.path.realpath(folder)), ".new")
+    try:
+        shutil.rmtree(made, ignore_errors=True)
+        made.mkdir(parents=True)
+        yield made
+    except OSError as error:
+        raise MachineError(f"{folder}: not written: {error.strerror or error}") from error
+    except MachineError as error:
+        raise MachineError(str(error).replace(str(made), str(folder))) from error
+    finally:
+        shutil.rmtree(made, ignore_errors=True)
+
+
+def _beside(place: Path, ending: str) -> Path:
+    """Return a hidden name beside a place, of this process; those of dead ones are removed."""
+    host = re.sub(r"\W", "_", platform.node())
+    others = f".{glob.escape(place.stem)}.{host}-*{glob.escape(ending)}"
+    for left in place.parent.glob(others):
+        number = left.name.removesuffix(ending).rpartition("-")[2]
+        if number.isdecimal() and not _alive(int(number)):
+            shutil.rmtree(left) if left.is_dir() else left.unlink(missing_ok=True)
+    return place.with_name(f".{place.stem}.{host}-{os.getpid()}{ending}")
+
+
+def _alive(process: int) -> bool:
+    if os.name != "posix":
+        return True
+    try:
+        os.kill(process, 0)
+    except ProcessLookupError:
+        return False
+    except OSError:
+        return True
+    return True

@@ -17,6 +17,7 @@ pytest.importorskip("ngsolve", reason="needs the extra fem")
 from microswim.models import fem
 from microswim.models.fem.gait import problem, snapshot
 from microswim.models.fem.mesh import Level
+from microswim.models.fem.record import load_march
 
 pytestmark = pytest.mark.fem
 
@@ -83,6 +84,11 @@ def test_killed_run_resumes_to_the_same_numbers(four_steps, tmp_path):
         assert np.abs(resumed[name].values - whole[name].values).max() <= 1e-10 * scale, name
     with pytest.raises(MicroswimError, match="another swimmer"):
         swim(swimmer(density=2.0), 4, checkpoint=kept)
+    raw = kept.read_bytes()
+    for damaged in (b"", raw[:-30], raw[:200] + b"x" + raw[201:], raw[: len(raw) // 2]):
+        kept.write_bytes(damaged)
+        with pytest.raises(MicroswimError, match="damaged, or not a checkpoint"):
+            load_march(kept, None)
 
 
 def test_without_density_it_is_the_quasi_steady_gait():

@@ -48,7 +48,10 @@ def features(swimmer: Swimmer) -> np.ndarray:
 def words(swimmer: Swimmer) -> dict[str, str]:
     """What is chosen by word, and must be as it was in the calibration."""
     own = {w: str(getattr(swimmer.tail, w)) for w in _WORDS if hasattr(swimmer.tail, w)}
-    return own | {"shape": swimmer.body.shape}
+    around = "free fluid" if swimmer.wall is None else "a wall"
+    if swimmer.channel is not None:
+        around = f"a {swimmer.channel.shape}"
+    return own | {"shape": swimmer.body.shape, "surroundings": around}
 
 
 def fixed_numbers(swimmer: Swimmer, names: Any) -> dict[str, float]:
@@ -206,7 +209,7 @@ class Correction:
         expected = self._expected(*inputs)
         info = {
             "expected_error": expected["mean.us"] if not missing else float("nan"),
-            "expected_errors": expected,
+            "expected_errors": expected if not missing else dict.fromkeys(expected, float("nan")),
             "outside": missing,
             "reference": self.about.get("reference", "bem"),
         }

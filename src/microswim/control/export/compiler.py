@@ -12,6 +12,7 @@ from pathlib import Path
 
 from microswim.control.export.cmodel import CModel
 from microswim.errors import MicroswimError
+from microswim.numerics import files
 
 FLAGS = [
     "-std=c99",
@@ -104,7 +105,7 @@ def write(model: CModel, folder: Path) -> list[Path]:
     """Write header and source into a folder."""
     paths = [folder / f"{model.name}.h", folder / f"{model.name}.c"]
     for path, text in zip(paths, (model.header, model.source)):
-        path.write_text(text, encoding="utf-8")
+        files.write(path, text)
     return paths
 
 

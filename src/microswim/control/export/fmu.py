@@ -9,7 +9,6 @@ from __future__ import annotations
 
 import platform
 import sys
-import tempfile
 import zipfile
 from hashlib import sha256
 from html import escape
@@ -22,6 +21,7 @@ from microswim import __version__, checks
 from microswim.control.export import cmodel, compiler
 from microswim.control.stepper import Stepper
 from microswim.errors import MicroswimError
+from microswim.numerics.files import scratch
 
 VERSIONS = ("3.0", "2.0")
 _EPOCH = (1980, 1, 1, 0, 0, 0)  # of every entry, so that the same model gives the same bytes
@@ -126,8 +126,7 @@ def export_fmu(
     wrapper = _wrapper(model, known, fmi)
     token = _token(model, wrapper, fmi)
     wrapper = wrapper.replace("@token@", token)
-    with tempfile.TemporaryDirectory(prefix=f".{path.stem}-", dir=path.parent) as scratch:
-        here = Path(scratch)
+    with scratch(path) as here:
         _, source = compiler.write(model, here)
         (here / "fmu.c").write_text(wrapper, encoding="utf-8")
         binary = here / ("model" + _suffix())

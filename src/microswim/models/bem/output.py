@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 
 from microswim.models.bem.element import chebyshev_nodes, lagrange
 from microswim.models.bem.surface import Surface
+from microswim.numerics.files import write
 from microswim.swimmer import doors
 
 if TYPE_CHECKING:
@@ -67,7 +68,7 @@ def write_field(
 
 
 def _written(path: Path, text: str) -> Path:
-    path.write_text(text, encoding="ascii")
+    write(path, text)
     return path
 
 

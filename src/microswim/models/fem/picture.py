@@ -12,6 +12,7 @@ import numpy as np
 
 from microswim.errors import MicroswimError, SpecError
 from microswim.models.fem.stokes import SWIMMER, Stokes
+from microswim.numerics import files as whole
 from microswim.swimmer import doors
 
 
@@ -64,7 +65,7 @@ def write_collection(folder: str | Path, step: float) -> list[Path]:
             for f in flow_files(folder)
         ]
         written.append(folder.parent / f"{name}.pvd")
-        written[-1].write_text(doors.go(doors.COLLECTION, frames), encoding="ascii")
+        whole.write(written[-1], doors.go(doors.COLLECTION, frames))
     return written
 
 

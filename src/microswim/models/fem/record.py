@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import hashlib
-import os
 import re
 from dataclasses import dataclass
 from pathlib import Path
@@ -15,7 +14,11 @@ import xarray as xr
 from microswim.errors import MicroswimError
 from microswim.gait.gait import DEGREES_OF_FREEDOM
 from microswim.models.fem.navier_stokes import Past
+from microswim.numerics import archive
+from microswim.numerics.files import write
 
+CONTENT = "march 1"
+MOST_BYTES = 1 << 36  # unpacked; of 10^8 unknowns
 FORCES = ["fs", "fq", "fr", "ts", "tq", "tr"]
 
 
@@ -57,36 +60,45 @@ def fingerprint(run: Any) -> str:
 
 
 def save_march(path: str | Path, march: March, run: Any) -> None:
-    """Write a checkpoint; a kill in the middle leaves the one before."""
-    path = Path(path)
-    path.parent.mkdir(parents=True, exist_ok=True)
-    fresh = path.with_name(path.name + ".part")
-    plain = {n: getattr(march, n) for n in ("twist", "twist_old", "shift", "turn", "rows")}
-    with fresh.open("wb") as file:
-        np.savez(
-            file,
-            step=march.step,
-            fingerprint=fingerprint(run),
-            velocity=np.array(march.past.velocity),
-            position=np.array(march.past.position),
-            **plain,
-        )
-    os.replace(fresh, path)
+    """Write a checkpoint; a kill in the middle leaves the one before.
+
+    Raises
+    ------
+    MachineError
+        If it cannot be written.
+    """
+    arrays = {n: getattr(march, n) for n in ("twist", "twist_old", "shift", "turn", "rows")}
+    arrays |= {n: np.array(getattr(march.past, n)) for n in ("velocity", "position")}
+    notes = {"content": CONTENT, "step": march.step, "fingerprint": fingerprint(run)}
+    write(path, archive.pack(notes, arrays))
 
 
 def load_march(path: str | Path | None, run: Any) -> March | None:
-    """The march kept in a checkpoint, None if there is none yet."""
+    """Read the march kept in a checkpoint; None if there is none yet.
+
+    Raises
+    ------
+    MicroswimError
+        If it is damaged, or of another run.
+    """
     if path is None or not Path(path).exists():
         return None
-    with np.load(path) as kept:
-        if str(kept["fingerprint"]) != fingerprint(run):
-            raise MicroswimError(
-                f"checkpoint = {path}: it belongs to another swimmer, channel, mesh or time step; "
-                "name another file or delete it"
-            )
-        past = Past(tuple(kept["velocity"]), tuple(kept["position"]))
-        plain = {n: kept[n] for n in ("twist", "twist_old", "shift", "turn", "rows")}
-        return March(step=int(kept["step"]), past=past, **plain)
+    try:
+        notes, kept = archive.unpack(Path(path).read_bytes(), MOST_BYTES)
+    except archive.DamagedError as error:
+        notes, kept = {"content": str(error)}, {}
+    if notes.pop("content", None) != CONTENT:
+        raise MicroswimError(
+            f"checkpoint = {path}: damaged, or not a checkpoint of this version; "
+            "name another file or delete it"
+        )
+    if notes["fingerprint"] != fingerprint(run):
+        raise MicroswimError(
+            f"checkpoint = {path}: it belongs to another swimmer, channel, mesh or time step; "
+            "name another file or delete it"
+        )
+    past = Past(tuple(kept.pop("velocity")), tuple(kept.pop("position")))
+    return March(step=int(notes["step"]), past=past, **kept)
 
 
 def dataset(run: Any, march: March, info: dict[str, Any]) -> xr.Dataset:

@@ -6,6 +6,7 @@ Every number carries its unit, and every file the version, date, model and spec 
 from __future__ import annotations
 
 from datetime import UTC, datetime
+from io import StringIO
 from os import PathLike
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -16,6 +17,7 @@ from microswim import __version__
 from microswim.errors import SpecError
 from microswim.gait.gait import DEGREES_OF_FREEDOM, Gait
 from microswim.gait.quantities import summary
+from microswim.numerics.files import write
 from microswim.path.trajectory import trajectory
 from microswim.swimmer.swimmer import Swimmer
 
@@ -240,7 +242,7 @@ def save(run: xr.Dataset, path: str | PathLike[str]) -> Path:
     path = Path(path)
     match path.suffix:
         case ".nc":
-            run.to_netcdf(path, engine="h5netcdf")
+            write(path, netcdf(run))
         case ".zarr":
             run.to_zarr(path, mode="w", zarr_format=2, consolidated=True)
         case ".csv":
@@ -248,6 +250,14 @@ def save(run: xr.Dataset, path: str | PathLike[str]) -> Path:
         case ending:
             raise SpecError("file ending", ending, ".nc, .zarr or .csv")
     return path
+
+
+def netcdf(data: xr.Dataset) -> bytes:
+    """Return a Dataset as the bytes of a netCDF file.
+
+    HDF5, left to write to a disk that fills up, ends the process.
+    """
+    return bytes(data.to_netcdf(engine="h5netcdf"))
 
 
 def load(path: str | PathLike[str]) -> xr.Dataset:
@@ -288,6 +298,6 @@ def _save_csv(run: xr.Dataset, path: Path) -> None:
     columns = (run.time, run.position, run.quaternion, run.motor_phase)
     table = np.column_stack([c.values for c in columns])
     comments = "".join(f"# {line}\n" for line in header[:2])
-    with path.open("w", encoding="utf-8", newline="\n") as file:
-        file.write(f"{comments}{header[2]}\n")
-        np.savetxt(file, table, fmt="%.12g", delimiter=",")
+    text = StringIO()
+    np.savetxt(text, table, fmt="%.12g", delimiter=",")
+    write(path, f"{comments}{header[2]}\n{text.getvalue()}")

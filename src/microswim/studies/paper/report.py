@@ -16,6 +16,7 @@ from typing import Any
 import numpy as np
 
 from microswim import __version__
+from microswim.numerics.files import fresh, write
 from microswim.output.plots.style import look
 from microswim.output.report.document import document
 from microswim.output.report.document import table as document_table
@@ -89,9 +90,9 @@ def reproduce(
     chosen = [c for c in load() if len(names) == len(ITEMS) or c.item in names]
     judged = judge_all(context, chosen)
     page = out / "report.html"
-    page.write_text(_page(judged, sections, context), encoding="utf-8")
+    write(page, _page(judged, sections, context))
     listed = [as_dict(j) for j in judged]
-    (out / "claims.json").write_text(json.dumps(listed, indent=1), encoding="utf-8")
+    write(out / "claims.json", json.dumps(listed, indent=1))
     broken = [j.claim.id for j in judged if not j.holds]
     return {"report": str(page), "verdicts": counts(judged), "broken": broken, "claims": listed}
 
@@ -122,9 +123,10 @@ def _save(figure: Any, path: Path) -> str:
     text = io.StringIO()
     with look():
         figure.savefig(text, format="svg", metadata={"Date": None, "Creator": None}, dpi=200)
-        figure.savefig(path.with_suffix(".pdf"), metadata={"CreationDate": None})
+        with fresh(path.with_suffix(".pdf")) as part:
+            figure.savefig(part, metadata={"CreationDate": None})
     svg = text.getvalue()
-    path.with_suffix(".svg").write_text(svg, encoding="utf-8")
+    write(path.with_suffix(".svg"), svg)
     svg = svg[svg.index("<svg") :]
     prefix = path.stem
     svg = re.sub(r'id="([^"]+)"', rf'id="{prefix}-\1"', svg)

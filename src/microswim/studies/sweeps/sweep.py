@@ -18,7 +18,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from microswim import __version__
-from microswim.calibration.region.text import pack
+from microswim.calibration.region.text import digest
 from microswim.errors import MachineError, SpecError
 from microswim.gait.gait import DEGREES_OF_FREEDOM
 from microswim.jobs.cluster import connected
@@ -183,7 +183,7 @@ def _provenance(job: Job, space: Space) -> dict[str, Any]:
 def _calibration(swimmer: Swimmer) -> str:
     """A fingerprint of the region calibration that the swimmer carries, if any."""
     region = getattr(swimmer, "region", None)
-    return "none" if region is None else hashlib.sha256(pack(region).encode()).hexdigest()
+    return "none" if region is None else digest(region)
 
 
 def _digest(space: Space) -> str:

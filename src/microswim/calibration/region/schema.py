@@ -82,11 +82,12 @@ def _check_errors(errors: Mapping[str, Any]) -> None:
 
 
 def _check_arrays(arrays: Mapping[str, np.ndarray], kind: str, quantities: int) -> None:
-    sizes = arrays["N"].shape if "N" in arrays else ()
-    _require(len(sizes) == 1 and 2 <= sizes[0] <= MOST_DESIGNS, "its number of designs")
-    columns = arrays["columns"].shape if "columns" in arrays else ()
-    _require(len(columns) == 2 and columns[1] <= FEATURES, "its number of features")
-    n, f = sizes[0], columns[1]
+    n, f = (
+        len(arrays[name].T) if name in arrays and arrays[name].ndim else 0
+        for name in ("N", "columns")
+    )
+    _require(2 <= n <= MOST_DESIGNS, "its number of designs")
+    _require(f <= FEATURES, "its number of features")
     spots = len(arrays["spots"]) if "spots" in arrays and arrays["spots"].ndim else 0
     _require(n <= spots <= 2 * MOST_DESIGNS, "the places of its errors")
     wanted: dict[str, tuple[tuple[int, ...], bool]] = {

@@ -50,7 +50,7 @@ def telling(x, tell):
     return x
 
 def asleep(x):
-    os.write(1, b"%d\n" % os.getpid())
+    os.write(1, b"%d\\n" % os.getpid())
     time.sleep(600)
 """
 
@@ -160,7 +160,7 @@ def endless(n):
 
 def busy(x):
     endless.compile("float64(int64)")
-    os.write(1, b"%d\n" % os.getpid())
+    os.write(1, b"%d\\n" % os.getpid())
     return endless(1000)
 """
 

@@ -20,8 +20,8 @@ def main():
     best = ms.design(
         robot,
         {"tail.amplitude": (0.02, 0.3), "tail.waves": (0.5, 4.0)},
-        maximize="speed",
-        subject_to=f"torque <= {LIMIT}",
+        maximize="swimming_speed",
+        subject_to=f"mean_torque <= {LIMIT}",
     )
     amplitude, waves = np.linspace(0.02, 0.3, 57), np.linspace(0.5, 4.0, 51)
     grid = np.meshgrid(amplitude, waves, indexing="ij")
@@ -35,7 +35,7 @@ def main():
         "best amplitude": best.values["tail.amplitude"],
         "best number of waves": best.values["tail.waves"],
         "best speed": best.value,
-        "torque of the best": best.quantities["torque"],
+        "torque of the best": best.quantities["mean_torque"],
     }
 
 

@@ -15,7 +15,7 @@ def main():
     made = ms.robustness(
         robot,
         {"tail.amplitude": "5%", "tail.radius": "10%", "tail.length": "2%"},
-        subject_to="speed >= 0.035",
+        subject_to="swimming_speed >= 0.035",
     )
     return {
         "yield": float(made.attrs["yield"]),
@@ -25,7 +25,7 @@ def main():
 
 
 def figure(results):
-    return plots_design.robustness(results["made"], "speed", results["nominal speed"])
+    return plots_design.robustness(results["made"], "swimming_speed", results["nominal speed"])
 
 
 if __name__ == "__main__":

@@ -19,7 +19,7 @@ INFERRED = {"C": 6.23, "G": 30.5}  # um/s; C serves the fit
 
 def main():
     cells = {name: ms.Swimmer.preset(f"goto/{name}") for name in "ABCDEFG"}
-    measured = {"speed": (6.23e-6, 0.06e-6), "body_rate": (4.83, 0.05)}
+    measured = {"forward_velocity": (6.23e-6, 0.06e-6), "body_rate_hz": (4.83, 0.05)}
     fit = ms.calibrate(cells["C"], measured)
     fitted = [replace(cell, interaction=fit.swimmer.interaction) for cell in cells.values()]
     return {

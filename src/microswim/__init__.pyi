@@ -4,7 +4,6 @@ from . import data as data
 from .calibration.calibrate import Calibration as Calibration
 from .calibration.calibrate import calibrate as calibrate
 from .calibration.observations import Observation as Observation
-from .calibration.observations import observed as observed
 from .calibration.region.calibrate import calibrate_region as calibrate_region
 from .calibration.validate import Validation as Validation
 from .calibration.validate import validate as validate
@@ -17,6 +16,7 @@ from .control.stepper import Stepper as Stepper
 from .errors import MicroswimError as MicroswimError
 from .errors import SpecError as SpecError
 from .gait.gait import Gait as Gait
+from .gait.observed import observed as observed
 from .gait.quantities import summary as summary
 from .gait.screw import screw as screw
 from .models.rft.batch import evaluate as evaluate

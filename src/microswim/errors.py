@@ -1,10 +1,11 @@
-"""The errors a user meets: of a specification, of a solution, of the machine.
+"""The errors a user meets, of a specification, a solution, the machine; and of old names.
 
 Every message is one sentence: the field and its value, what is allowed, how to mend it.
 """
 
 from __future__ import annotations
 
+import warnings
 from collections.abc import Iterable
 from typing import Any
 
@@ -74,6 +75,26 @@ class MachineError(MicroswimError):
         ...
     microswim.errors.MachineError: run.nc: not written: No space left on device
     """
+
+
+class RenamedWarning(FutureWarning):
+    """A name of an earlier version was used; it works for one release more.
+
+    Examples
+    --------
+    >>> import warnings
+    >>> with warnings.catch_warnings(record=True) as caught:
+    ...     warnings.simplefilter("always")
+    ...     renamed("torque", "mean_torque")
+    >>> print(caught[0].message)
+    torque is now called mean_torque; the old name works for one release more
+    """
+
+
+def renamed(old: str, new: str, level: int = 3) -> None:
+    """Warn that a name was replaced."""
+    text = f"{old} is now called {new}; the old name works for one release more"
+    warnings.warn(text, RenamedWarning, stacklevel=level)
 
 
 def _shown(value: Any) -> str:

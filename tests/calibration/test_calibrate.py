@@ -66,7 +66,7 @@ def test_several_swimmers_share_their_coefficients():
         ).gait()
         data += [
             ms.Observation(swimmer=swimmer, quantity=q, value=float(ms.observed(gait, q)))
-            for q in ("speed", "body_rate")
+            for q in ("forward_velocity", "body_rate_hz")
         ]
     fit = ms.calibrate(truth[0], data)
     assert fit.values == pytest.approx([2.37, 1.49], rel=1e-6)

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 import microswim as ms
-from microswim.gait.quantities import output
+from microswim.gait.observed import output
 
 OUTPUTS = ["mean_velocity", "swimming_speed", "efficiency", "mean_power", "path_radius"]
 

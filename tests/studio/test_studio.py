@@ -100,7 +100,7 @@ def test_readings_are_those_of_the_package(app, spec):
         -truth["mean_velocity"][0], rel=1e-6
     )
     turns = truth["mean_velocity"][3] / (2 * math.pi)
-    assert made["readings"]["body_rate"] == pytest.approx(turns, rel=1e-6, abs=1e-12)
+    assert made["readings"]["body_rate_hz"] == pytest.approx(abs(turns), rel=1e-6, abs=1e-12)
 
 
 @pytest.mark.parametrize("spec", [HELIX, WAVE], ids=["helix", "wave"])

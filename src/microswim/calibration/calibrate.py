@@ -54,7 +54,7 @@ class Calibration:
     --------
     >>> import microswim as ms
     >>> cell = ms.Swimmer.preset("goto/C")
-    >>> ms.calibrate(cell, {"speed": 6.23e-6}, ["translation.s"]).rank
+    >>> ms.calibrate(cell, {"swimming_speed": 6.23e-6}, ["translation.s"]).rank
     1
     """
 
@@ -134,8 +134,9 @@ def calibrate(
     swimmer
         The swimmer to calibrate; what is not unknown stays as it is.
     data
-        A reference gait, measured quantities of this swimmer (``{"speed": (30e-6, 1e-6)}``, value
-        and uncertainty), or a list of `Observation` of one or several swimmers.
+        A reference gait, measured quantities of this swimmer, value and uncertainty (such as
+        ``{"swimming_speed": (30e-6, 1e-6)}``), or a list of
+        `Observation` of one or several swimmers.
     unknowns
         Names: ``translation.s`` (also q, r, qr), ``rotation.s`` (q, r, qr), ``coupling.qr``,
         ``tail.t`` (n, r), or any dotted number; by default those of the paper for this tail.
@@ -203,15 +204,16 @@ class _Problem:
     def predict(self, values: Sequence[Any]) -> np.ndarray:
         """All observed quantities for the unknowns' values (numbers, real or complex)."""
         gaits: dict[int, Gait] = {}
+        lengths: dict[int, Any] = {}
         out = []
         for o in self.observations:
             if id(o.swimmer) not in gaits:
-                gaits[id(o.swimmer)] = self._gait(o.swimmer, values)
-            out.append(np.atleast_1d(observe.observed(gaits[id(o.swimmer)], o.quantity, o.phase)))
+                lifted = lift(o.swimmer, self.unknowns, values)
+                gaits[id(o.swimmer)], lengths[id(o.swimmer)] = surrogate(lifted), lifted.body_length
+            gait, length = gaits[id(o.swimmer)], lengths[id(o.swimmer)]
+            value = observe.observed(gait, o.quantity, o.phase, body_length=length)
+            out.append(np.atleast_1d(value))
         return np.concatenate(out)
-
-    def _gait(self, swimmer: Swimmer, values: Sequence[Any]) -> Gait:
-        return surrogate(lift(swimmer, self.unknowns, values))
 
     def jacobian(self, values: np.ndarray) -> np.ndarray:
         """d predict / d values by the complex step."""

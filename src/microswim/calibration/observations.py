@@ -1,106 +1,21 @@
-"""What is observed of a swimmer: numbers of a gait by name, and measurements with uncertainty.
-
-Names of quantities, with the degrees of freedom us, uq, ur, os, oq, or:
-
-===================== ==========================================================================
-``mean.us``           velocity averaged over the period
-``amplitude.uq``      half of peak to peak of a velocity over the period
-``speed``             magnitude of ``mean.us``
-``body_rate``         magnitude of ``mean.os`` in revolutions per time
-``velocity.us``       velocity at given phases (a time series)
-``resistance.us.os``  entry of R averaged over the period; ``tail_resistance``, ``body_resistance``
-``propulsion.os``     entry of F_p averaged over the period; ``tail_propulsion``
-===================== ==========================================================================
-
-All are analytic in the numbers of the swimmer, so the complex step differentiates them.
-"""
+"""Measurements of a swimmer, with their uncertainty: quantities of its gait, by name."""
 
 from __future__ import annotations
 
+import warnings
 from collections.abc import Iterable
 from dataclasses import dataclass, field
 from typing import Any
 
 import numpy as np
 
-from microswim.errors import SpecError
+from microswim.errors import RenamedWarning, SpecError
 from microswim.gait.gait import DEGREES_OF_FREEDOM, Gait
+from microswim.gait.observed import observed, parse
+from microswim.gait.quantities import NUMBERS, OLD
 from microswim.swimmer.swimmer import Swimmer
 
-_MATRICES = ("resistance", "tail_resistance", "body_resistance")
-_VECTORS = ("mean", "amplitude", "velocity", "propulsion", "tail_propulsion")
-_WHOLE = ("speed", "body_rate")
-_FORM = "such as mean.us, amplitude.uq, speed, body_rate, velocity.us, resistance.us.os"
-
-
-def parse(quantity: str) -> tuple[str, tuple[int, ...]]:
-    """Kind and indices of a quantity's name.
-
-    Raises
-    ------
-    SpecError
-        If there is no such quantity.
-    """
-    kind, *names = str(quantity).split(".")
-    wanted = 0 if kind in _WHOLE else 2 if kind in _MATRICES else 1 if kind in _VECTORS else -1
-    if len(names) != wanted or any(name not in DEGREES_OF_FREEDOM for name in names):
-        raise SpecError("quantity", quantity, _FORM)
-    return kind, tuple(DEGREES_OF_FREEDOM.index(name) for name in names)
-
-
-def observed(gait: Gait, quantity: str, phase: Any = None) -> Any:
-    """Value of a quantity, from a gait of any model.
-
-    Parameters
-    ----------
-    gait
-        What a model says; may be complex.
-    quantity
-        Name as in the module's table.
-    phase
-        Phases of a time series (``velocity.*`` alone).
-
-    Returns
-    -------
-    number or ndarray
-        An array of the phases' shape for a time series.
-
-    Raises
-    ------
-    SpecError
-        If there is no such quantity.
-
-    Examples
-    --------
-    >>> import microswim as ms
-    >>> gait = ms.Swimmer.preset("tabak/helix-constant").gait()
-    >>> round(float(ms.observed(gait, "mean.os")), 3)
-    -0.39
-    """
-    kind, index = parse(quantity)
-    if kind == "speed":
-        return np.sqrt(gait.mean_velocity[0] ** 2)
-    if kind == "body_rate":
-        return np.sqrt(gait.mean_velocity[3] ** 2) / (2.0 * np.pi)
-    if kind == "mean":
-        return gait.mean_velocity[index]
-    if kind == "amplitude":
-        return gait.velocity_amplitude[index]
-    if kind == "velocity":
-        if phase is None:
-            raise SpecError("quantity", quantity, "given with the phases of the samples")
-        return gait.velocity(phase)[..., index[0]]
-    return _of_part(gait, kind, index)
-
-
-def _of_part(gait: Gait, kind: str, index: tuple[int, ...]) -> Any:
-    """Mean entry of R or F_p, of all, of the body or of the tail (all less the body)."""
-    matrix = kind.endswith("resistance")
-    whole = gait.resistance_series if matrix else gait.propulsion_series
-    body = gait.body_resistance_series if matrix else gait.body_propulsion_series
-    own = 0.0 * whole[0] if body is None else body[0]
-    part = own if kind.startswith("body") else whole[0] - (own if kind.startswith("tail") else 0.0)
-    return part[index]
+_ENTRY = {"mean_velocity": "such as mean.us", "velocity_amplitude": "such as amplitude.uq"}
 
 
 #: Standard uncertainty of what is given without one, of its largest value.
@@ -133,7 +48,7 @@ class Observation:
     --------
     >>> import microswim as ms
     >>> swimmer = ms.Swimmer.preset("goto/C")
-    >>> ms.Observation(swimmer=swimmer, quantity="speed", value=6.23e-6, sigma=1e-7).sigma
+    >>> ms.Observation(swimmer=swimmer, quantity="swimming_speed", value=6.23e-6, sigma=1e-7).sigma
     1e-07
     """
 
@@ -145,7 +60,7 @@ class Observation:
     assumed: bool = field(default=False, init=False)
 
     def __post_init__(self) -> None:
-        parse(self.quantity)
+        self._check_name()
         value = np.asarray(self.value, dtype=float)
         if not np.all(np.isfinite(value)) or value.size == 0:
             raise SpecError(self.quantity, self.value, "finite numbers")
@@ -158,6 +73,20 @@ class Observation:
         if not np.all(np.isfinite(sigma)) or np.any(np.asarray(sigma) <= 0):
             raise SpecError(f"uncertainty of {self.quantity}", self.sigma, "positive")
         object.__setattr__(self, "sigma", sigma)
+
+    def _check_name(self) -> None:
+        """Keep the name of today; say what changed its meaning, refuse what is no number."""
+        kind, index = parse(self.quantity)
+        if not index and kind not in NUMBERS:
+            raise SpecError("quantity", kind, "one number", f"name an entry, {_ENTRY[kind]}")
+        if kind == "body_rate":
+            warnings.warn(
+                "body_rate is in radians per time; what is in revolutions is body_rate_hz (it was "
+                "called body_rate until this release)",
+                RenamedWarning,
+                stacklevel=4,
+            )
+        object.__setattr__(self, "quantity", OLD.get(self.quantity, self.quantity))
 
     @property
     def scale(self) -> float:
@@ -186,7 +115,7 @@ def from_reference(
 
 
 def from_dict(swimmer: Swimmer, measured: dict[str, Any]) -> list[Observation]:
-    """Observations of one swimmer: ``{"speed": 30e-6, "body_rate": (8.9, 0.4)}``, value or pair."""
+    """Observations of one swimmer: ``{"swimming_speed": 30e-6, "body_rate_hz": (8.9, 0.4)}``."""
     out = []
     for name, entry in measured.items():
         value, sigma = entry if np.ndim(entry) == 1 and len(entry) == 2 else (entry, None)

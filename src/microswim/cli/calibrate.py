@@ -39,7 +39,7 @@ from microswim.spec.toml import to_toml
     "--measured",
     multiple=True,
     metavar="NAME=VALUE[:SIGMA]",
-    help="Measured quantities: speed, body_rate, mean.us, amplitude.uq, ... with uncertainty.",
+    help="Measured quantities: swimming_speed, body_rate_hz, mean.us, ... with uncertainty.",
 )
 @click.option(
     "--table",
@@ -200,7 +200,7 @@ def _measured(text: str) -> Any:
             numbers = []
         if not equals or not 1 <= len(numbers) <= 2:
             raise SpecError(
-                "--measured", text, "NAME=VALUE or NAME=VALUE:SIGMA", "speed=30e-6:1e-6"
+                "--measured", text, "NAME=VALUE or NAME=VALUE:SIGMA", "swimming_speed=30e-6:1e-6"
             )
         yield name.strip(), numbers[0] if len(numbers) == 1 else tuple(numbers)
 

@@ -36,11 +36,11 @@ FILES = (
 @click.command(
     epilog=example(
         "microswim design robot.toml --over tail.amplitude=0.01:0.5,tail.waves=0.5:5 \\",
-        '      --maximize speed --subject-to "torque<=150" --verify bem',
+        '      --maximize swimming_speed --subject-to "mean_torque<=150" --verify bem',
         "microswim design robot.toml --over tail.amplitude=0.01:0.3,tail.kind=helix,plane_wave \\",
-        "      --maximize speed --minimize torque --out front",
-        "microswim design robot.toml --over tail.waves=1:4 --maximize speed \\",
-        '      --uncertain tail.amplitude=5% --subject-to "speed>=0.03" --out robust',
+        "      --maximize swimming_speed --minimize mean_torque --out front",
+        "microswim design robot.toml --over tail.waves=1:4 --maximize swimming_speed \\",
+        '      --uncertain tail.amplitude=5% --subject-to "swimming_speed>=0.03" --out robust',
     )
 )
 @swimmer_options
@@ -51,13 +51,15 @@ FILES = (
     metavar="NAME=LOW:HIGH",
     help="What may vary: NAME=LOW:HIGH, or choices NAME=X,Y such as tail.handedness=left,right.",
 )
-@click.option("--maximize", multiple=True, metavar="EXPRESSION", help="Such as speed/torque.")
+@click.option(
+    "--maximize", multiple=True, metavar="EXPRESSION", help="Such as swimming_speed/mean_torque."
+)
 @click.option("--minimize", multiple=True, metavar="EXPRESSION", help="Two wishes: Pareto front.")
 @click.option(
     "--subject-to",
     default="",
     metavar="LIST",
-    help='"torque<=150, body_rate<=0.5"; with units: "torque<=2 nN m".',
+    help='"mean_torque<=150, body_rate<=0.5"; with units: "mean_torque<=2 nN m".',
 )
 @click.option("--verify", type=click.Choice(["bem", "fem"]), help="Judge, calibrate, repeat.")
 @click.option("--tolerance", default=0.05, show_default=True, help="Miss accepted by --verify.")
@@ -77,9 +79,10 @@ FILES = (
 def command(given: Given, as_json: bool, out: Path | None, force: bool, **asked: Any) -> None:
     """Find the best design in given ranges.
 
-    Wishes and constraints are arithmetic on speed, efficiency, power, torque, body_rate, wobble,
-    yaw, speed_per_torque, speed_per_power, distance_per_cycle, energy_per_distance,
-    amplitude_wavenumber, arc_length, length_over_amplitude, ... and the numbers of the spec.
+    Wishes and constraints are arithmetic on swimming_speed, efficiency, mean_power, mean_torque,
+    body_rate, lateral_amplitude, yaw_amplitude, speed_per_torque, speed_per_power,
+    distance_per_cycle, energy_per_distance, body_lengths_per_time, amplitude_wavenumber,
+    arc_length, length_over_amplitude, ... and the numbers of the spec.
     """
     from microswim.cli._over import bounds
     from microswim.cli._progress import bar
@@ -92,7 +95,7 @@ def command(given: Given, as_json: bool, out: Path | None, force: bool, **asked:
     asked["subject_to"] = in_si(asked["subject_to"], given.swimmer, bare=False)
     wishes = (*asked["maximize"], *asked["minimize"])
     if not wishes:
-        raise SpecError("give --maximize or --minimize, for example --maximize speed")
+        raise SpecError("give --maximize or --minimize, for example --maximize swimming_speed")
     if len(wishes) > 1 and (asked["verify"] or asked["uncertain"]):
         raise SpecError("--verify and --uncertain go with one wish; give one")
     find = _front if len(wishes) > 1 else _robust if asked["uncertain"] else _optimum
@@ -149,8 +152,8 @@ def _pictures(given: Given, best: Any, out: Path | None) -> None:
         from microswim.output.io.run import netcdf
 
         axes = {k: np.linspace(*best.ranges[k], 41) for k in ranges}
-        merit = {"efficiency": "efficiency", "power": "mean_power", "torque": "mean_torque"}
-        shown = merit.get(best.objective, "swimming_speed")
+        mapped = ("efficiency", "mean_power", "mean_torque")
+        shown = best.objective if best.objective in mapped else "swimming_speed"
         result = sweep(best.swimmer, axes)
         write(out / "map.nc", netcdf(result.drop_attrs()))
         _save(plots_design.design_map(result, shown, optimum=best), out / "map.png")
@@ -196,7 +199,7 @@ def _robust(given: Given, over: Any, asked: dict[str, Any], out: Path | None) ->
         from microswim.output.plots import design as plots_design
 
         _pictures(given, best, out)
-        merit = best.objective if best.objective in made else "speed"
+        merit = best.objective if best.objective in made else "swimming_speed"
         picture = plots_design.robustness(made, merit, best.quantities[merit])
         _save(picture, out / "yield.png")
         _save(plots_design.indices(blame), out / "indices.png")
@@ -244,7 +247,7 @@ def _print(report: dict[str, Any]) -> None:
     console.print("held, % per %: " + ", ".join(f"{k} {_short(s['elasticity'])}" for k, s in held))
     for text, margin in report["margins"].items():
         console.print(f"{text}: {'active' if abs(margin or 0) < 1e-5 else f'margin {margin:.0%}'}")
-    shown = ("speed", "torque", "power", "efficiency", "body_rate")
+    shown = ("swimming_speed", "mean_torque", "mean_power", "efficiency", "body_rate")
     console.print(", ".join(f"{k} {_short(report['quantities'].get(k))}" for k in shown))
     for line in _notes(report):
         console.print(line)

@@ -82,7 +82,7 @@ def command(
     }
     tables = [report.numbers_table(numbers, given.name), report.spec_table(given.swimmer)]
     if out is not None:
-        run = io.dataset(given.swimmer, gait, periods=periods, spec=given.text)
+        run = io.dataset(given.swimmer, gait, periods=periods, spec=given.text, known=numbers)
         run.attrs["wall_seconds"] = seconds
         with _folder.filled(out, force) as folder:
             _folder.write(folder, run, given.swimmer, given.name, tables)

@@ -1,58 +1,322 @@
-"""Single numbers of a gait."""
+"""Every number of a gait, once: its name, its dimension, one line, and how it is computed.
+
+``run``, `observed`, `calibrate`, `design`, `sweep`, studio, reports and files read `QUANTITIES`.
+Angular rates are in radians per time; what is in revolutions says so in its name. All are analytic
+in the numbers of the swimmer, so the complex step differentiates them.
+"""
 
 from __future__ import annotations
 
+from collections.abc import Callable
+from dataclasses import dataclass
+from functools import cached_property
 from typing import Any
 
-from microswim.errors import SpecError
+import numpy as np
+
+from microswim.errors import SpecError, renamed
 from microswim.gait.gait import Gait
 from microswim.gait.screw import screw
+from microswim.numerics.rigid_motion import ScrewMotion
+
+#: Unit of each dimension, in SI and of a dimensionless swimmer.
+UNITS = {
+    "number": ("1", "1"),
+    "speed": ("m/s", "length/time"),
+    "length": ("m", "length"),
+    "time": ("s", "time"),
+    "angle": ("rad", "rad"),
+    "frequency": ("Hz", "1/time"),
+    "rate": ("rad/s", "rad/time"),
+    "twist": ("m/s, rad/s", "length/time, rad/time"),
+    "power": ("W", "power"),
+    "torque": ("N m", "torque"),
+    "force": ("N", "power time/length"),
+    "speed per torque": ("m/(N m s)", "length/(torque time)"),
+    "speed per power": ("m/J", "length/(power time)"),
+}
+
+
+@dataclass(frozen=True)
+class Quantity:
+    """A number of a gait, or one for each degree of freedom.
+
+    Parameters
+    ----------
+    name
+        What it is called everywhere.
+    dimension
+        Key of `UNITS`.
+    meaning
+        One line.
+    of
+        Value from a `Basis` of one gait, or of many designs (arrays in place of numbers).
+    of_many
+        Whether the batched kernel knows what it needs.
+    """
+
+    name: str
+    dimension: str
+    meaning: str
+    of: Callable[[Any], Any]
+    of_many: bool = True
+
+
+def magnitude(x: Any) -> Any:
+    """Return the absolute value, analytic off zero."""
+    return np.where(np.real(x) < 0, -x, x)[()]
+
+
+def _ratio(a: Any, b: Any) -> Any:
+    with np.errstate(all="ignore"):
+        return np.divide(a, b)
+
+
+def _turns(b: Any) -> Any:
+    moving = np.real(b.rate) != 0
+    return np.where(moving, _ratio(b.mean_velocity[..., 3], magnitude(b.rate)), 0.0)[()]
+
+
+_LIST = (
+    Quantity(
+        "mean_velocity",
+        "twist",
+        "twist averaged over the period, body frame, about the body's centre",
+        lambda b: b.mean_velocity,
+    ),
+    Quantity(
+        "velocity_amplitude",
+        "twist",
+        "half of peak to peak of each component of the twist over the period",
+        lambda b: b.velocity_amplitude,
+    ),
+    Quantity(
+        "swimming_speed",
+        "speed",
+        "net displacement along the screw axis per time",
+        lambda b: b.swimming_speed,
+    ),
+    Quantity(
+        "forward_velocity",
+        "speed",
+        "mean velocity towards the body's end, -u_s; negative backwards",
+        lambda b: -b.mean_velocity[..., 0],
+    ),
+    Quantity(
+        "lateral_amplitude",
+        "speed",
+        "half of peak to peak of the velocity along q",
+        lambda b: b.velocity_amplitude[..., 1],
+    ),
+    Quantity(
+        "body_rate",
+        "rate",
+        "mean rate of rotation of the body about s, without sign",
+        lambda b: magnitude(b.mean_velocity[..., 3]),
+    ),
+    Quantity(
+        "body_rate_hz",
+        "frequency",
+        "mean revolutions of the body about s per time, without sign",
+        lambda b: magnitude(b.mean_velocity[..., 3]) / (2.0 * np.pi),
+    ),
+    Quantity(
+        "body_turns_per_period",
+        "number",
+        "revolutions of the body about s in a period of the motor, signed",
+        _turns,
+    ),
+    Quantity(
+        "yaw_amplitude",
+        "rate",
+        "half of peak to peak of the body's rate of rotation across s, the larger of q and r",
+        lambda b: np.maximum(b.velocity_amplitude[..., 4], b.velocity_amplitude[..., 5]),
+    ),
+    Quantity(
+        "path_radius",
+        "length",
+        "distance of the body's centre from the screw axis at phase 0",
+        lambda b: b.path_radius,
+        of_many=False,
+    ),
+    Quantity(
+        "path_pitch",
+        "length",
+        "advance per full turn of the screw motion of a period",
+        lambda b: b.path_pitch,
+        of_many=False,
+    ),
+    Quantity(
+        "rotation_per_period",
+        "angle",
+        "rotation of the screw motion of a period, 0 to 2 pi",
+        lambda b: b.rotation_per_period,
+        of_many=False,
+    ),
+    Quantity(
+        "frequency",
+        "frequency",
+        "cycles of the motor per time, negative when reversed",
+        lambda b: b.rate / (2.0 * np.pi),
+    ),
+    Quantity(
+        "mean_power", "power", "power of the motor, mean over the period", lambda b: b.mean_power
+    ),
+    Quantity(
+        "mean_torque",
+        "torque",
+        "torque of the motor, mean over the period: mean power over the phase rate",
+        lambda b: b.mean_torque,
+    ),
+    Quantity(
+        "efficiency",
+        "number",
+        "drag power of the body over the power of the motor [Tabak Eq. 24]",
+        lambda b: b.efficiency,
+    ),
+    Quantity(
+        "speed_per_torque",
+        "speed per torque",
+        "swimming speed over the size of the mean torque",
+        lambda b: _ratio(b.swimming_speed, magnitude(b.mean_torque)),
+    ),
+    Quantity(
+        "speed_per_power",
+        "speed per power",
+        "swimming speed over mean power",
+        lambda b: _ratio(b.swimming_speed, b.mean_power),
+    ),
+    Quantity(
+        "distance_per_cycle",
+        "length",
+        "net displacement along the screw axis in a period",
+        lambda b: _ratio(2.0 * np.pi * b.swimming_speed, magnitude(b.rate)),
+    ),
+    Quantity(
+        "energy_per_distance",
+        "force",
+        "mean power over swimming speed",
+        lambda b: _ratio(b.mean_power, b.swimming_speed),
+    ),
+    Quantity(
+        "body_length",
+        "length",
+        "length of the body along s (without a body: of the tail)",
+        lambda b: b.body_length,
+    ),
+    Quantity(
+        "body_lengths_per_time",
+        "frequency",
+        "swimming speed over body length",
+        lambda b: _ratio(b.swimming_speed, b.body_length),
+    ),
+)
+QUANTITIES = {q.name: q for q in _LIST}
+OF_SHAPE = ("body_length", "body_lengths_per_time")  #: these need the swimmer's shape too
+NUMBERS = tuple(q.name for q in _LIST if q.dimension != "twist")
+#: Names of earlier versions, with the name of today.
+OLD = {
+    "speed": "swimming_speed",
+    "forward_speed": "forward_velocity",
+    "power": "mean_power",
+    "torque": "mean_torque",
+    "wobble": "lateral_amplitude",
+    "yaw": "yaw_amplitude",
+}
+
+
+class Basis:
+    """What the quantities of one gait are made of; each part is computed when it is asked for.
+
+    Parameters
+    ----------
+    gait
+        Of any model; its series may be complex.
+    body_length
+        Length of the body along s, for what is counted in body lengths.
+    """
+
+    def __init__(self, gait: Gait, body_length: Any = None) -> None:
+        self.gait, self._length = gait, body_length
+
+    def __getattr__(self, name: str) -> Any:
+        """Return a number that the gait itself states."""
+        return getattr(self.gait, name)
+
+    @cached_property
+    def _screw(self) -> ScrewMotion:
+        return screw(self.gait)
+
+    @property
+    def swimming_speed(self) -> Any:
+        return self._screw.speed
+
+    @property
+    def path_radius(self) -> Any:
+        return self._screw.radius
+
+    @property
+    def path_pitch(self) -> Any:
+        return self._screw.pitch
+
+    @property
+    def rotation_per_period(self) -> Any:
+        return self._screw.angle
+
+    @property
+    def efficiency(self) -> Any:
+        """Return Eq. (24); NaN if the model did not tell the body's share."""
+        return np.nan if self.gait.body_resistance_series is None else self.gait.efficiency
+
+    @property
+    def body_length(self) -> Any:
+        if self._length is None:
+            raise SpecError("quantity: what is counted in body lengths needs the swimmer")
+        return self._length
 
 
 def summary(gait: Gait) -> dict[str, Any]:
-    """What one usually wants to know about a gait.
+    """Return every number that a gait alone tells, as plain numbers.
 
     Returns
     -------
     dict
-        ``mean_velocity`` (6,), ``velocity_amplitude`` (6,), ``swimming_speed`` (net displacement
-        along the screw axis per time), ``path_radius`` (distance of the body's centre from that
-        axis at phase 0), ``path_pitch``, ``rotation_per_period`` (rad), ``mean_power`` of the
-        motor, ``mean_torque`` (power over rate), ``efficiency`` [Tabak Eq. 24].
+        Name to number, or to a list with one entry for each degree of freedom us, uq, ur, os, oq,
+        or; docs/quantities.md lists them.
 
     Examples
     --------
     >>> import microswim as ms
-    >>> sorted(ms.summary(ms.Swimmer.preset("tabak/helix").gait()))[:2]
-    ['efficiency', 'mean_power']
+    >>> made = ms.summary(ms.Swimmer.preset("tabak/helix").gait())
+    >>> round(made["swimming_speed"], 4), len(made["mean_velocity"])
+    (0.0672, 6)
     """
-    motion = screw(gait)
-    return {
-        "mean_velocity": gait.mean_velocity,
-        "velocity_amplitude": gait.velocity_amplitude,
-        "swimming_speed": motion.speed,
-        "path_radius": motion.radius,
-        "path_pitch": motion.pitch,
-        "rotation_per_period": motion.angle,
-        "mean_power": gait.mean_power,
-        "mean_torque": gait.mean_torque,
-        "efficiency": gait.efficiency,
-    }
+    return numbers(gait)
 
 
-def output(gait: Gait, name: str) -> Any:
-    """A number or array of a gait by name: of the gait itself or of `summary`.
+def numbers(gait: Gait, body_length: Any = None) -> dict[str, Any]:
+    """Return every number of a gait, those in body lengths if the body's length is given."""
+    basis, left = Basis(gait, body_length), OF_SHAPE if body_length is None else ()
+    return {q.name: as_plain(q.of(basis)) for q in _LIST if q.name not in left}
 
-    Raises
-    ------
-    SpecError
-        If there is none of that name.
-    """
-    if not name.startswith("_") and hasattr(gait, name):
-        value = getattr(gait, name)
-        if not callable(value) and not isinstance(value, (str, dict)):
-            return value
-    motion = {"swimming_speed": "speed", "path_radius": "radius"}
-    if name in motion:
-        return getattr(screw(gait), motion[name])
-    raise SpecError("output", name, "a number of a gait, such as mean_velocity or efficiency")
+
+def as_plain(value: Any) -> Any:
+    """Return a real number or array as Python's numbers and lists."""
+    return np.asarray(np.real(value)).tolist()
+
+
+def current(name: str) -> str:
+    """Return the name of today of a quantity, with a warning if it was renamed."""
+    if name in OLD:
+        renamed(name, OLD[name])
+    return OLD.get(name, name)
+
+
+class Named(dict):
+    """Numbers by name; a name of an earlier version finds the number too, with a warning."""
+
+    def __missing__(self, name: str) -> Any:
+        """Look under the name of today."""
+        if name not in OLD:
+            raise KeyError(name)
+        return self[current(name)]

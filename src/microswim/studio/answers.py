@@ -10,13 +10,14 @@ import math
 import threading
 import time
 import warnings
+from types import SimpleNamespace
 from typing import Any
 
 import numpy as np
 
 from microswim.errors import SpecError
 from microswim.gait.gait import Gait
-from microswim.gait.quantities import summary
+from microswim.gait.quantities import NUMBERS, QUANTITIES, numbers
 from microswim.gait.stepping import pack
 from microswim.models.rft.batch import evaluate, is_regular
 from microswim.numerics.plain import plain
@@ -26,7 +27,7 @@ from microswim.studio import budget
 from microswim.studio.spec_tables import canonical, swimmer_of, units_of
 from microswim.swimmer.swimmer import Swimmer
 
-MAP_OUTPUTS = ("swimming_speed", "efficiency", "mean_power", "mean_torque", "body_rate")
+MAP_OUTPUTS = ("swimming_speed", "efficiency", "mean_power", "mean_torque", "body_rate_hz")
 MOST_DESIGNS = 4000
 MOST_SINGLY = (12, 9)  #: values along the sides where symmetry does not help and each design counts
 PIECE = 500  #: designs between two looks at the budget
@@ -101,25 +102,9 @@ def describe(swimmer: Swimmer, gait: Gait) -> dict[str, Any]:
 
 
 def readings(swimmer: Swimmer, gait: Gait) -> dict[str, Any]:
-    """The numbers beside the scene; body length is that of the body alone, or of a bare tail."""
-    made = summary(gait)
-    V, A = made["mean_velocity"], made["velocity_amplitude"]
-    body = 2.0 * float(swimmer.body.semi_axes3[0]) or float(swimmer.tail.apparent_length)
-    # forward is towards -s, ahead of the body
-    values = {
-        "swimming_speed": made["swimming_speed"],
-        "forward_velocity": -V[0],
-        "body_lengths": made["swimming_speed"] / body,
-        "body_rate": V[3] / (2.0 * math.pi),
-        "wobble": max(A[1], A[2]),
-        "path_radius": made["path_radius"],
-        "path_pitch": made["path_pitch"],
-        "efficiency": made["efficiency"],
-        "mean_power": made["mean_power"],
-        "mean_torque": made["mean_torque"],
-        "frequency": gait.rate / (2.0 * math.pi),
-    }
-    return {k: plain(v) for k, v in values.items()}
+    """Return the numbers beside the scene, all quantities of a gait that are one number."""
+    found = numbers(gait, swimmer.body_length)
+    return plain({name: found[name] for name in NUMBERS})
 
 
 def _felt(series: np.ndarray) -> list[list[float]]:
@@ -208,7 +193,7 @@ def _grid(swimmer: Swimmer, fx: str, X: Any, fy: str, Y: Any) -> dict[str, np.nd
         with KERNELS:
             pieces.append(evaluate(swimmer, {fx: gx[rows], fy: gy[rows]}, tolerance=TOLERANCE))
     made = {name: np.concatenate([piece[name] for piece in pieces]) for name in pieces[0]}
-    return {**made, "body_rate": made["mean_velocity"][:, 3] / (2.0 * np.pi)}
+    return {**made, "body_rate_hz": QUANTITIES["body_rate_hz"].of(SimpleNamespace(**made))}
 
 
 def _short(value: float) -> float | None:

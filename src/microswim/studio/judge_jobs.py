@@ -23,8 +23,8 @@ FLOW_PHASES = 8
 ROWS = (
     "swimming_speed",
     "forward_velocity",
-    "body_rate",
-    "wobble",
+    "body_rate_hz",
+    "lateral_amplitude",
     "mean_torque",
     "mean_power",
     "efficiency",
@@ -94,7 +94,7 @@ def compare(ours: dict[str, Any], theirs: dict[str, Any]) -> list[dict[str, Any]
         a, b = ours[name], theirs[name]
         if a is None or b is None:
             continue
-        zero = abs(b) <= 1e-9 * (1.0 + abs(theirs["frequency"])) and name == "body_rate"
+        zero = abs(b) <= 1e-9 * (1.0 + abs(theirs["frequency"])) and name == "body_rate_hz"
         error = None if b == 0 or zero else abs(a) / abs(b) - 1.0
         rows.append({"name": name, "surrogate": a, "reference": b, "error": error})
     return rows

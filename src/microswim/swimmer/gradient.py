@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING, Any
 
-from microswim.gait.quantities import output
+from microswim.gait.observed import output
 from microswim.numerics.complex_step import STEP, derivative_from
 
 if TYPE_CHECKING:

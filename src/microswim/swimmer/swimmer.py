@@ -6,6 +6,8 @@ from dataclasses import dataclass, field, fields, is_dataclass, replace
 from os import PathLike
 from typing import TYPE_CHECKING, Any, Literal, Protocol
 
+import numpy as np
+
 from microswim import checks
 from microswim.errors import SpecError, nearest
 from microswim.swimmer import doors
@@ -111,6 +113,12 @@ class Swimmer:
     def parts(self) -> tuple[str, ...]:
         """Names of the parts it has, as the tables of a spec file."""
         return PARTS + tuple(n for n in SURROUNDINGS if getattr(self, n) is not None)
+
+    @property
+    def body_length(self) -> Any:
+        """Length of the body along s; without a body that of the tail."""
+        axis = self.body.semi_axes3[0]
+        return 2.0 * axis if np.any(axis) else self.tail.apparent_length
 
     @classmethod
     def from_toml(

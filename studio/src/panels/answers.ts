@@ -3,7 +3,7 @@
 import { NAMES, digits, el, reading } from "../state/dom";
 import type { Store } from "../state/store";
 
-const LISTED = ["forward_velocity", "body_rate", "wobble", "path_radius", "efficiency", "mean_torque", "mean_power"];
+const LISTED = ["forward_velocity", "body_rate_hz", "lateral_amplitude", "path_radius", "efficiency", "mean_torque", "mean_power"];
 
 export class Answers {
   readonly node = el("section", { class: "answers" });
@@ -18,7 +18,7 @@ export class Answers {
     this.node.replaceChildren(
       many ? this.heads() : this.hero(),
       this.trust(),
-      el("dl", { class: many ? "list two" : "list" }, ...(many ? ["swimming_speed", "body_lengths", ...LISTED] : LISTED).flatMap((n) => this.row(n))),
+      el("dl", { class: many ? "list two" : "list" }, ...(many ? ["swimming_speed", "body_lengths_per_time", ...LISTED] : LISTED).flatMap((n) => this.row(n))),
     );
   }
 
@@ -26,14 +26,14 @@ export class Answers {
     const answer = this.store.shown(this.store.design);
     const r = answer.readings;
     const [n, unit] = reading("swimming_speed", r.swimming_speed, answer.dimensional);
-    const [l] = reading("body_lengths", r.body_lengths, answer.dimensional);
+    const [l] = reading("body_lengths_per_time", r.body_lengths_per_time, answer.dimensional);
     return el("div", { class: "hero", title: NAMES.swimming_speed.hint },
       el("div", { class: "caption" }, "Swimming speed"),
       el("div", { class: "figure" },
         el("span", { "data-reading": "swimming_speed", "data-value": String(r.swimming_speed) }, n),
         el("small", {}, unit)),
       el("div", { class: "under" },
-        el("b", { "data-reading": "body_lengths", "data-value": String(r.body_lengths) }, l),
+        el("b", { "data-reading": "body_lengths_per_time", "data-value": String(r.body_lengths_per_time) }, l),
         answer.dimensional ? " body lengths per second" : " body lengths per unit time"));
   }
 

@@ -7,7 +7,7 @@ import type { Controls } from "./controls";
 import { attempt, notice, type Store } from "../state/store";
 import type { Axis, MapAnswer, MapAsk, Tables } from "../state/types";
 
-const OUTPUTS = ["swimming_speed", "efficiency", "mean_torque", "mean_power", "body_rate"];
+const OUTPUTS = ["swimming_speed", "efficiency", "mean_torque", "mean_power", "body_rate_hz"];
 const STOPS: [number, number, number][] = [
   [18, 28, 48], [27, 62, 92], [32, 104, 122], [58, 150, 130], [132, 190, 118], [226, 205, 106], [255, 236, 178],
 ];

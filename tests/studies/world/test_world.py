@@ -20,7 +20,7 @@ def test_a_cell_is_the_row_of_the_bank(cell):
     assert 2e6 * swimmer.body.semi_axes3[0] == pytest.approx(float(row["B"]))
     assert 1e6 * swimmer.tail.arc_length == pytest.approx(float(row["L"]), rel=1e-6)
     assert swimmer.tail.frequency == float(row["f"])
-    assert cells.measured(cell)["speed"][0] == pytest.approx(1e-6 * float(row["U"]))
+    assert cells.measured(cell)["swimming_speed"][0] == pytest.approx(1e-6 * float(row["U"]))
 
 
 def test_spread_of_the_geometry_reaches_the_speed(monkeypatch):

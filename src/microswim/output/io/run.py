@@ -15,8 +15,10 @@ import numpy as np
 
 from microswim import __version__
 from microswim.errors import SpecError
+from microswim.gait import quantities
 from microswim.gait.gait import DEGREES_OF_FREEDOM, Gait
-from microswim.gait.quantities import summary
+from microswim.gait.observed import observed
+from microswim.gait.quantities import UNITS
 from microswim.numerics.files import write
 from microswim.path.trajectory import trajectory
 from microswim.swimmer.swimmer import Swimmer
@@ -25,29 +27,6 @@ if TYPE_CHECKING:
     import xarray as xr
 
 SAMPLES = 48  # per period of the trajectory
-_UNITS = {  # (SI, dimensionless)
-    "speed": ("m/s", "length/time"),
-    "length": ("m", "length"),
-    "frequency": ("Hz", "1/time"),
-    "power": ("W", "power"),
-    "torque": ("N m", "torque"),
-    "twist": ("m/s, rad/s", "length/time, rad/time"),
-    "time": ("s", "time"),
-    "rate": ("rad/s", "rad/time"),
-}
-_SCALARS = {
-    "swimming_speed": ("speed", "net displacement along the screw axis per time"),
-    "body_lengths_per_time": ("frequency", "swimming speed over body length"),
-    "body_length": ("length", "length of the body along s (without a body: of the tail)"),
-    "frequency": ("frequency", "cycles of the motor per time"),
-    "body_rotation_frequency": ("frequency", "mean rotation of the body about s"),
-    "lateral_amplitude": ("speed", "half of peak to peak of the velocity along q"),
-    "path_radius": ("length", "distance of the body's centre from the screw axis at phase 0"),
-    "path_pitch": ("length", "advance per full turn of the screw motion of a period"),
-    "mean_power": ("power", "power of the motor, mean over the period"),
-    "mean_torque": ("torque", "torque of the motor, mean over the period"),
-    "efficiency": ("1", "drag power of the body over the power of the motor"),
-}
 
 
 def numbers(swimmer: Swimmer, gait: Gait) -> dict[str, Any]:
@@ -73,26 +52,21 @@ def numbers(swimmer: Swimmer, gait: Gait) -> dict[str, Any]:
     >>> round(1e6 * float(ms.io.numbers(swimmer, swimmer.gait())["swimming_speed"]), 2)
     10.21
     """
-    found = {k: np.asarray(np.real(v)).tolist() for k, v in summary(gait).items()}
-    length = 2.0 * float(swimmer.body.semi_axes3[0]) or float(swimmer.tail.apparent_length)
-    frequency = float(np.real(gait.rate)) / (2.0 * np.pi)
-    turn = found["mean_velocity"][3] / (2.0 * np.pi)
+    found = quantities.numbers(gait, swimmer.body_length)
     return {
         "model": gait.model,
         "units": gait.units,
         "degrees_of_freedom": list(DEGREES_OF_FREEDOM),
         **found,
-        "frequency": frequency,
-        "body_rotation_frequency": turn,
-        "body_turns_per_period": turn / abs(frequency) if frequency else 0.0,
-        "lateral_amplitude": found["velocity_amplitude"][1],
-        "body_length": length,
-        "body_lengths_per_time": found["swimming_speed"] / length,
+        "body_rotation_frequency": found["mean_velocity"][3]
+        / (2.0 * np.pi),  # its old name, signed
     }
 
 
-def enough_periods(swimmer: Swimmer, gait: Gait) -> int:
-    """Periods in which a swimmer goes one and a half times its own length (4 to 400).
+def enough_periods(swimmer: Swimmer, gait: Gait, speed: float | None = None) -> int:
+    """Return the periods in which a swimmer goes one and a half times its own length (4 to 400).
+
+    `speed` is its swimming speed, where that is known already.
 
     Examples
     --------
@@ -102,7 +76,8 @@ def enough_periods(swimmer: Swimmer, gait: Gait) -> int:
     122
     """
     length = 2.0 * swimmer.body.semi_axes3[0] + swimmer.tail.apparent_length
-    step = float(summary(gait)["swimming_speed"]) * _period(gait)
+    speed = float(observed(gait, "swimming_speed")) if speed is None else speed
+    step = speed * _period(gait)
     return int(np.clip(np.ceil(1.5 * length / step), 4, 400)) if step > 0 else 4
 
 
@@ -111,7 +86,13 @@ def _period(gait: Gait) -> float:
 
 
 def dataset(
-    swimmer: Swimmer, gait: Gait, *, periods: float | None = None, spec: str = "", **loads: Any
+    swimmer: Swimmer,
+    gait: Gait,
+    *,
+    periods: float | None = None,
+    spec: str = "",
+    known: dict[str, Any] | None = None,
+    **loads: Any,
 ) -> xr.Dataset:
     """Everything about a run: velocities over the period, path, numbers, provenance.
 
@@ -126,6 +107,8 @@ def dataset(
         and a half times its own length.
     spec
         Text of the spec file, kept as an attribute.
+    known
+        What `numbers` gave for this swimmer and gait, if it was asked already.
     loads
         What `trajectory` takes: external force, field, flow, ...
 
@@ -150,14 +133,16 @@ def dataset(
     >>> run.position.dims, run.swimming_speed.units
     (('time', 'axis'), 'length/time')
     """
-    periods = enough_periods(swimmer, gait) if periods is None else periods
+    known = numbers(swimmer, gait) if known is None else known
+    if periods is None:
+        periods = enough_periods(swimmer, gait, known["swimming_speed"])
     if not 0 < periods <= 1e5:
         raise SpecError("periods", periods, "above 0 and at most 100000")
     times = np.linspace(0.0, periods * _period(gait), max(2, round(periods * SAMPLES) + 1))
     run = trajectory(gait, times, **loads).rename(phase="motor_phase")
     return (
         run.merge(_over_the_period(gait))
-        .merge(_scalars(swimmer, gait))
+        .merge(_scalars(known))
         .assign_attrs(
             title="Swimming of a micro-swimmer",
             source=f"microswim {__version__}, model {gait.model}",
@@ -180,14 +165,14 @@ def unit(gait_units: str, kind: str) -> str:
     >>> ms.io.unit("SI", "speed")
     'm/s'
     """
-    return _UNITS[kind][gait_units != "SI"] if kind in _UNITS else kind
+    return UNITS[kind][gait_units != "SI"] if kind in UNITS else kind
 
 
 def _over_the_period(gait: Gait) -> xr.Dataset:
     import xarray as xr
 
     phase = np.linspace(0.0, 2.0 * np.pi, 145)
-    text = {k: unit(gait.units, k) for k in _UNITS}
+    text = {k: unit(gait.units, k) for k in UNITS}
     variables: dict[str, Any] = {
         "velocity": (
             ("phase", "dof"),
@@ -206,21 +191,22 @@ def _over_the_period(gait: Gait) -> xr.Dataset:
     return xr.Dataset(variables, coords={"phase": phases, "dof": names, "dof_column": names})
 
 
-def _scalars(swimmer: Swimmer, gait: Gait) -> xr.Dataset:
+def _scalars(known: dict[str, Any]) -> xr.Dataset:
     import xarray as xr
 
-    values = numbers(swimmer, gait)
-    twist = unit(gait.units, "twist")
-    variables: dict[str, Any] = {
-        name: ((), values[name], {"units": unit(gait.units, kind), "long_name": meaning})
-        for name, (kind, meaning) in _SCALARS.items()
-    }
-    for name, meaning in (
-        ("mean_velocity", "velocity averaged over the period, body frame"),
-        ("velocity_amplitude", "half of peak to peak of the velocity over the period"),
-    ):
-        variables[name] = ("dof", values[name], {"units": twist, "long_name": meaning})
-    return xr.Dataset(variables)
+    listed = quantities.QUANTITIES.values()
+    about = {q.name: (q.dimension, q.meaning) for q in listed}
+    about["body_rotation_frequency"] = ("frequency", "old name of body_rate_hz, with its sign")
+    return xr.Dataset(
+        {
+            name: (
+                "dof" if kind == "twist" else (),
+                known[name],
+                {"units": unit(known["units"], kind), "long_name": meaning},
+            )
+            for name, (kind, meaning) in about.items()
+        }
+    )
 
 
 def save(run: xr.Dataset, path: str | PathLike[str]) -> Path:

@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 import xarray as xr
 
+from microswim.gait.quantities import current
 from microswim.output.io.surface import surface
 from microswim.output.plots.drawing import Camera, draw_surface, scale_bar
 from microswim.output.plots.style import BLUE, ORANGE, WIDE, blank, few_ticks, look, readable
@@ -227,8 +228,11 @@ def indices(result: xr.Dataset) -> Figure:
     return figure
 
 
-def robustness(made: xr.Dataset, merit: str = "speed", nominal: float | None = None) -> Figure:
+def robustness(
+    made: xr.Dataset, merit: str = "swimming_speed", nominal: float | None = None
+) -> Figure:
     """Histogram of a merit over made robots, good and bad; result of `robustness`."""
+    merit = current(merit)
     factor, name = _axis(made[merit], merit.replace("_", " "))
     values, good = factor * made[merit].values, made.good.values
     inside = np.isfinite(values)

@@ -81,15 +81,15 @@ def numbers_table(numbers: dict[str, Any], name: str) -> Table:
     def q(value: float, unit: str, of: str = "") -> str:
         return with_error(value, off.get(of), unit if si else "")
 
-    mean, amplitude = numbers["mean_velocity"], numbers["velocity_amplitude"]
+    mean = numbers["mean_velocity"]
     turns = f"{significant(numbers['body_turns_per_period'])} revolutions per period"
-    hertz = f", {quantity(numbers['body_rotation_frequency'], 'Hz')}" if si else ""
+    hertz = f", {quantity(numbers['body_rate_hz'], 'Hz')}" if si else ""
     lengths = f"{significant(numbers['body_lengths_per_time'])} body lengths per {_time(si)}"
     rows = [
         ("swimming speed", q(numbers["swimming_speed"], "m/s", "us"), lengths),
         ("mean velocity u_s", q(mean[0], "m/s", "us"), "negative: the body leads"),
-        ("lateral amplitude u_q", q(amplitude[1], "m/s", "uq"), "half of peak to peak"),
-        ("body rate Omega_s", q(mean[3], "rad/s", "os"), turns + hertz),
+        ("lateral amplitude u_q", q(numbers["lateral_amplitude"], "m/s", "uq"), "half of peak to peak"),
+        ("body rate |Omega_s|", q(numbers["body_rate"], "rad/s", "os"), turns + hertz),
         (
             "path radius",
             q(numbers["path_radius"], "m"),

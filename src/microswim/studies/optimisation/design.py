@@ -17,6 +17,7 @@ from scipy.optimize import minimize as descend
 from scipy.stats import qmc
 
 from microswim.errors import MicroswimError, SpecError
+from microswim.gait.quantities import OLD, Named
 from microswim.numerics.compiled import settled
 from microswim.numerics.plain import plain
 from microswim.spec.describe import describe
@@ -66,7 +67,7 @@ class Optimum:
     --------
     >>> import microswim as ms
     >>> robot = ms.Swimmer.preset("tabak/helix")
-    >>> best = ms.design(robot, {"tail.waves": (1, 4)}, maximize="speed", samples=64)
+    >>> best = ms.design(robot, {"tail.waves": (1, 4)}, maximize="swimming_speed", samples=64)
     >>> best.swimmer.tail.waves == best.values["tail.waves"]
     True
     """
@@ -92,7 +93,7 @@ class Optimum:
             "values": self.values,
             "objective": ("maximize " if self.sense > 0 else "minimize ") + self.objective,
             "value": self.value,
-            "quantities": self.quantities,
+            "quantities": self.quantities | {old: self.quantities[new] for old, new in OLD.items()},
             "margins": self.margins,
             "sensitivity": {k: s.as_dict() for k, s in self.sensitivity.items()},
             "expected_error": self.expected_error,
@@ -131,9 +132,9 @@ def design(
         ``["left", "right"]`` for ``tail.handedness``, ``tail.kind``, or a few numbers).
     maximize, minimize
         One of the two: a quantity (see `optimisation.merits`) or arithmetic on quantities and
-        numbers of the spec, such as ``"speed / torque"``.
+        numbers of the spec, such as ``"swimming_speed / mean_torque"``.
     subject_to
-        Constraints: ``"torque <= 300, 0.1 <= body_rate <= 0.5"``.
+        Constraints: ``"mean_torque <= 300, 0.1 <= body_rate <= 0.5"``.
     seed
         Of the random starts.
     samples
@@ -165,10 +166,10 @@ def design(
     >>> best = ms.design(
     ...     ms.Swimmer.preset("tabak/helix"),
     ...     {"tail.amplitude": (0.02, 0.2)},
-    ...     maximize="speed",
-    ...     subject_to="torque <= 100",
+    ...     maximize="swimming_speed",
+    ...     subject_to="mean_torque <= 100",
     ... )
-    >>> round(best.quantities["torque"], 3)
+    >>> round(best.quantities["mean_torque"], 3)
     100.0
     """
     begun = time.perf_counter()
@@ -285,7 +286,7 @@ def outcome(
         expression.text,
         sense,
         float(np.real(expression(values))),
-        {k: v for k, v in values.items() if "." not in k},
+        Named({k: v for k, v in values.items() if "." not in k}),
         {c.text: float(np.real(c.margin(values))) for c in problem.limits},
         sensitivities(problem, x),
         None if error is None or not np.isfinite(error) else float(error),

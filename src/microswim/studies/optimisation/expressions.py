@@ -1,8 +1,8 @@
 """Arithmetic on named quantities, and constraints: text to functions, nothing else runs.
 
-``speed / torque``, ``torque <= 300``, ``0.2 <= body_rate <= 0.5``. The grammar is Python's, of
-which only numbers, names, ``+ - * / **``, ``abs sqrt log min max`` and comparisons are understood.
-The values may be numbers, arrays or complex numbers (complex-step derivative).
+``swimming_speed / mean_torque``, ``0.2 <= body_rate <= 0.5``. The grammar is Python's, of which
+only numbers, names, ``+ - * / **``, ``abs sqrt log min max`` and comparisons are understood. The
+values may be numbers, arrays or complex numbers (complex-step derivative).
 """
 
 from __future__ import annotations
@@ -11,18 +11,28 @@ import ast
 import operator
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
+from difflib import get_close_matches
 from typing import Any
 
 import numpy as np
 
 from microswim.errors import SpecError, nearest
+from microswim.gait.quantities import OLD, current, magnitude
 
 LONGEST = 500
 
 
-def magnitude(x: Any) -> Any:
-    """Absolute value that stays analytic off zero."""
-    return np.where(np.real(x) < 0, -x, x)[()]
+#: What an old name stands for where it was a size.
+SIZES = {"torque": "abs(mean_torque)"}
+
+
+class _Today(ast.NodeTransformer):
+    """Names of earlier versions become those of today, with a warning."""
+
+    def visit_Name(self, node: ast.Name) -> ast.AST:
+        """Replace one name."""
+        new = current(node.id)
+        return node if new == node.id else ast.parse(SIZES.get(node.id, new), mode="eval").body
 
 
 OPERATORS: dict[type, Callable[[Any, Any], Any]] = {
@@ -70,7 +80,7 @@ class Constraint:
     Parameters
     ----------
     text
-        As it was written, such as ``"torque <= 300"``.
+        As it was written, such as ``"mean_torque <= 300"``.
     left, right
         The two sides.
     sense
@@ -104,7 +114,9 @@ def parse(text: str, known: Any) -> Expression:
 
     Examples
     --------
-    >>> float(parse("speed / torque**2", {"speed", "torque"})({"speed": 8.0, "torque": 2.0}))
+    >>> float(parse("efficiency / body_rate**2", {"efficiency", "body_rate"})(
+    ...     {"efficiency": 8.0, "body_rate": 2.0}
+    ... ))
     2.0
     """
     tree = _tree(text)
@@ -124,8 +136,9 @@ def constraints(text: str, known: Any) -> tuple[Constraint, ...]:
 
     Examples
     --------
-    >>> [c.text for c in constraints("torque <= 300, 0.1 <= speed", {"torque", "speed"})]
-    ['torque <= 300', '0.1 <= speed']
+    >>> from microswim.studies.optimisation.merits import MERITS
+    >>> [c.text for c in constraints("mean_torque <= 300, 0.1 <= mean_power", MERITS)]
+    ['mean_torque <= 300', '0.1 <= mean_power']
     """
     if not text.strip():
         return ()
@@ -133,7 +146,7 @@ def constraints(text: str, known: Any) -> tuple[Constraint, ...]:
     found: list[Constraint] = []
     for part in tree.elts if isinstance(tree, ast.Tuple) else [tree]:
         if not isinstance(part, ast.Compare):
-            raise _bad(ast.unparse(part), 'comparisons such as "torque <= 300"')
+            raise _bad(ast.unparse(part), 'comparisons such as "mean_torque <= 300"')
         sides = [part.left, *part.comparators]
         for left, sign, right in zip(sides, part.ops, sides[1:]):
             if not isinstance(sign, (ast.LtE, ast.GtE, ast.Lt, ast.Gt)):
@@ -159,11 +172,14 @@ def _tree(text: str) -> Any:
     try:
         return ast.parse(text.strip(), mode="eval").body
     except (SyntaxError, ValueError, RecursionError, MemoryError):
-        raise _bad(text, 'arithmetic on quantities, such as "speed / torque"') from None
+        raise _bad(
+            text, 'arithmetic on quantities, such as "swimming_speed / mean_torque"'
+        ) from None
 
 
 def _expression(tree: Any, text: str, known: Any) -> Expression:
     names: set[str] = set()
+    tree = _Today().visit(tree)
     _check(tree, text, known, names)
     _check_constants(tree, text)
     return Expression(text, frozenset(names), tree)
@@ -177,7 +193,7 @@ def _check(node: Any, text: str, known: Any, names: set[str]) -> None:
             name = ast.unparse(node)
             if name not in known:
                 allowed = f'made of known quantities; "{name}" is none'
-                raise SpecError("expression", text, allowed, nearest(name, sorted(known)))
+                raise SpecError("expression", text, allowed, _nearest(name, known))
             names.add(name)
         case ast.BinOp() if type(node.op) in OPERATORS:
             _check(node.left, text, known, names)
@@ -207,6 +223,13 @@ def _check_constants(tree: Any, text: str) -> None:
 def _is_quantity(node: Any) -> bool:
     """Whether a name is a quantity, and not the function of a call."""
     return isinstance(node, ast.Name) and node.id not in FUNCTIONS
+
+
+def _nearest(name: str, known: Any) -> str:
+    """Return what to offer instead: never a name of an earlier version."""
+    old = get_close_matches(name, OLD, n=1)
+    today = sorted(set(known) - set(OLD))
+    return f'did you mean "{OLD[old[0]]}"?' if old else nearest(name, today)
 
 
 def _value(node: Any, values: Mapping[str, Any]) -> Any:

@@ -61,16 +61,18 @@ def pareto(
     >>> front = ms.pareto(
     ...     ms.Swimmer.preset("tabak/helix"),
     ...     {"tail.amplitude": (0.02, 0.2), "tail.waves": (1, 4)},
-    ...     maximize="speed",
-    ...     minimize="torque",
+    ...     maximize="swimming_speed",
+    ...     minimize="mean_torque",
     ...     generations=5,
     ... )
-    >>> bool((front.speed.diff("design") >= 0).all())
+    >>> bool((front.swimming_speed.diff("design") >= 0).all())
     True
     """
     problem = Problem.of(swimmer, over, maximize, minimize, subject_to)
     if not 2 <= len(problem.objectives) <= 3:
-        raise SpecError("pareto: two or three objectives, such as maximize speed, minimize torque")
+        raise SpecError(
+            "pareto: two or three objectives, such as maximize swimming_speed, minimize mean_torque"
+        )
     found = []
     for picked, variant in problem.variants():
         x = _front(variant, population, generations, seed)

@@ -140,7 +140,7 @@ class Problem:
         margins = [np.broadcast_to(c.margin(values), (n,)) for c in self.limits]
         F = np.stack(goals, axis=1)
         G = np.stack(margins, axis=1) if margins else np.zeros((n, 0))
-        bad = ~np.isfinite(F).all(axis=1) | ~np.isfinite(values["speed"])
+        bad = ~np.isfinite(F).all(axis=1) | ~np.isfinite(values["swimming_speed"])
         F, G = np.where(bad[:, None], -np.inf, F), np.where(bad[:, None], -np.inf, G)
         return F, np.where(np.isnan(G), -np.inf, G)
 

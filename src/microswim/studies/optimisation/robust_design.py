@@ -70,7 +70,7 @@ def robust_design(
     >>> best = ms.robust_design(
     ...     ms.Swimmer.preset("tabak/helix"),
     ...     {"tail.amplitude": (0.05, 0.15)},
-    ...     maximize="speed",
+    ...     maximize="swimming_speed",
     ...     uncertain={"tail.amplitude": "5%"},
     ...     samples=8,
     ... )
@@ -149,7 +149,7 @@ def _worth(
     values = of_many(problem.swimmer, numbers, 1e-5)
     objective, sense = problem.objectives[0]
     J = np.broadcast_to(sense * objective(values), (n * m,))
-    good = np.isfinite(J) & np.isfinite(values["speed"])
+    good = np.isfinite(J) & np.isfinite(values["swimming_speed"])
     J = np.where(good, J, -1e30)
     for limit in problem.limits:
         good = good & (np.nan_to_num(limit.margin(values), nan=-1.0) >= 0.0)

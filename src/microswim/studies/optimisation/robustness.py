@@ -132,7 +132,9 @@ def robustness(
     --------
     >>> import microswim as ms
     >>> made = ms.robustness(
-    ...     ms.Swimmer.preset("tabak/helix"), {"tail.amplitude": "5%"}, subject_to="speed >= 0.03"
+    ...     ms.Swimmer.preset("tabak/helix"),
+    ...     {"tail.amplitude": "5%"},
+    ...     subject_to="swimming_speed >= 0.03",
     ... )
     >>> 0.5 < made.attrs["yield"] <= 1.0
     True
@@ -145,7 +147,7 @@ def robustness(
     u = sobol_points(len(spreads), samples, seed)
     numbers = _spread(swimmer, spreads, u)
     merits = of_many(swimmer, numbers)
-    good = np.isfinite(merits["speed"])
+    good = np.isfinite(merits["swimming_speed"])
     for limit in limits:
         good = good & (np.nan_to_num(limit.margin(merits), nan=-1.0) >= 0.0)
     share = float(good.mean())
@@ -171,7 +173,7 @@ def sobol_points(d: int, samples: int, seed: int) -> np.ndarray:
 def sobol_indices(
     swimmer: Swimmer,
     uncertain: Mapping[str, Any],
-    merit: str = "speed",
+    merit: str = "swimming_speed",
     *,
     samples: int = 1024,
     seed: int = 0,

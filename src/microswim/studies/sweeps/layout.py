@@ -12,6 +12,7 @@ from typing import Any
 import numpy as np
 
 from microswim.gait.gait import DEGREES_OF_FREEDOM
+from microswim.gait.quantities import QUANTITIES
 from microswim.output.io.run import unit
 from microswim.spec.tables import FIELDS
 from microswim.studies.sweeps.space import Space
@@ -24,23 +25,11 @@ MARKS = "checks/rows"  # in a group of its own, so that xarray does not show it
 
 # A row holds every output, NaN where it is not known; a failed row says why.
 LONG_NAMES = {
-    "mean_velocity": "twist averaged over the period, body frame, about the body's centre",
-    "velocity_amplitude": "half of peak to peak of each component over the period",
-    "swimming_speed": "net displacement along the screw axis per time",
-    "mean_power": "power of the motor, averaged over the period",
-    "mean_torque": "mean power over the phase rate",
-    "efficiency": "hydrodynamic efficiency, Eq. (24)",
+    **{name: QUANTITIES[name].meaning for name in (*VECTORS, *NUMBERS[:-1])},
     "expected_error": "expected relative error of a calibrated surrogate; NaN if not known",
     "status": "0 not solved yet, 1 solved, 2 failed",
     "reason": "why a design failed; empty if it did not",
 }
-
-
-#: What each output measures, as `microswim.output.io.unit` names it.
-MEASURES = {
-    "mean_velocity": "twist", "velocity_amplitude": "twist", "swimming_speed": "speed",
-    "mean_power": "power", "mean_torque": "torque",
-}  # fmt: skip
 
 
 def said(name: str, units: str) -> dict[str, str]:
@@ -54,8 +43,9 @@ def said(name: str, units: str) -> dict[str, str]:
         Of the swimmer.
     """
     if name in LONG_NAMES:
-        kind = "1" if name in (*VECTORS, *NUMBERS) else ""
-        told = {"units": unit(units, MEASURES.get(name, kind)), "long_name": LONG_NAMES[name]}
+        plain = "number" if name in NUMBERS else ""
+        kind = QUANTITIES[name].dimension if name in QUANTITIES else plain
+        told = {"units": unit(units, kind), "long_name": LONG_NAMES[name]}
         return {k: v for k, v in told.items() if v}
     field = FIELDS.get(name.partition("[")[0])
     if field is None or field.kind not in ("quantity", "number"):

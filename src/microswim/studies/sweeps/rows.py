@@ -14,7 +14,7 @@ from typing import Any
 import numpy as np
 
 from microswim.errors import MachineError, MicroswimError, SpecError
-from microswim.gait.screw import screw
+from microswim.gait.quantities import QUANTITIES, Basis
 from microswim.jobs.worker import in_words
 from microswim.numerics.compiled import much, settled
 from microswim.studies.sweeps.layout import DONE, FAILED, NUMBERS, VECTORS, blank
@@ -128,16 +128,12 @@ def _fail(out: dict[str, np.ndarray], row: int, reason: str) -> None:
 
 
 def outputs(gait: Any) -> dict[str, Any]:
-    """The numbers of a row from a gait."""
-    return {
-        "mean_velocity": gait.mean_velocity,
-        "velocity_amplitude": gait.velocity_amplitude,
-        "swimming_speed": screw(gait).speed,
-        "mean_power": gait.mean_power,
-        "mean_torque": gait.mean_torque,
-        "efficiency": gait.efficiency if gait.body_resistance_series is not None else np.nan,
-        "expected_error": gait.info.get("expected_error", np.nan),
+    """Return the numbers of a row from a gait."""
+    basis = Basis(gait)
+    found = {
+        name: QUANTITIES[name].of(basis) for name in (*VECTORS, *NUMBERS) if name in QUANTITIES
     }
+    return found | {"expected_error": gait.info.get("expected_error", np.nan)}
 
 
 def groups(columns: Mapping[str, np.ndarray]) -> list[tuple[dict[str, Any], np.ndarray]]:

@@ -94,7 +94,7 @@ def measured(cell: Cell) -> dict[str, tuple[float, float]]:
     out = {name: pair(*where) for name, where in _COLUMNS.items()}
     mean, spread = out["tail.amplitude"]
     out["tail.amplitude"] = (cell.share * mean, cell.share * spread)
-    return out | {"speed": pair("U", MICRO)}
+    return out | {"swimming_speed": pair("U", MICRO)}
 
 
 def swimmer(cell: Cell) -> Swimmer:
@@ -135,7 +135,7 @@ def spread(cell: Cell, samples: int = SAMPLES, seed: int = 1) -> np.ndarray:
     rng = np.random.default_rng(seed)
     values = {}
     for name, (mean, sigma) in measured(cell).items():
-        if name != "speed":
+        if name != "swimming_speed":
             low = max(-3.0, (0.1 * mean - mean) / sigma)
             draw = truncnorm.rvs(low, 3.0, size=samples, random_state=rng)
             values[name] = mean + sigma * draw
@@ -153,7 +153,7 @@ def rows(bem: bool = True, level: str = "coarse", folder: Any = None) -> list[di
         found = references.gaits(made, "bem", folder=folder, level=level)
     out = []
     for cell, own, judge in zip(CELLS, made, found):
-        speed, sigma = measured(cell)["speed"]
+        speed, sigma = measured(cell)["swimming_speed"]
         drawn = spread(cell) / MICRO
         low, high = np.quantile(drawn, [0.16, 0.84])
         row: dict[str, Any] = {

@@ -39,7 +39,7 @@ def vibrio() -> list[Row]:
     of_C = truth[SPECIMENS.index("C")] / (MICRO, 1.0)
     data_C = [
         Observation(swimmer=C, quantity=q, value=v, sigma=0.01 * v)
-        for q, v in zip(("speed", "body_rate"), of_C)
+        for q, v in zip(("forward_velocity", "body_rate_hz"), of_C)
     ]
     gamma = tuple(calibrate(C, data_C).values)
     rows = []

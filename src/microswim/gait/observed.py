@@ -1,0 +1,116 @@
+"""Numbers of a gait by name: quantities, and entries of its vectors and matrices.
+
+With the degrees of freedom us, uq, ur, os, oq, or:
+
+===================== ==========================================================================
+``mean.us``           velocity averaged over the period
+``amplitude.uq``      half of peak to peak of a velocity over the period
+``velocity.us``       velocity at given phases (a time series)
+``resistance.us.os``  entry of R averaged over the period; ``tail_resistance``, ``body_resistance``
+``propulsion.os``     entry of F_p averaged over the period; ``tail_propulsion``
+===================== ==========================================================================
+"""
+
+from __future__ import annotations
+
+from typing import Any
+
+from microswim.errors import SpecError
+from microswim.gait.gait import DEGREES_OF_FREEDOM, Gait
+from microswim.gait.quantities import QUANTITIES, Basis, current
+
+ENTRIES = {  #: kinds of entries, with how many degrees of freedom each names
+    **dict.fromkeys(("mean", "amplitude", "velocity", "propulsion", "tail_propulsion"), 1),
+    **dict.fromkeys(("resistance", "tail_resistance", "body_resistance"), 2),
+}
+
+
+def parse(quantity: str) -> tuple[str, tuple[int, ...]]:
+    """Return kind and indices of a quantity's name.
+
+    Raises
+    ------
+    SpecError
+        If there is no such quantity.
+    """
+    kind, *names = current(str(quantity)).split(".")
+    wanted = 0 if kind in QUANTITIES else ENTRIES.get(kind, -1)
+    if len(names) != wanted or any(name not in DEGREES_OF_FREEDOM for name in names):
+        allowed = "such as mean.us, amplitude.uq, swimming_speed, body_rate, resistance.us.os"
+        raise SpecError("quantity", quantity, allowed)
+    return kind, tuple(DEGREES_OF_FREEDOM.index(name) for name in names)
+
+
+def observed(gait: Gait, quantity: str, phase: Any = None, *, body_length: Any = None) -> Any:
+    """Return the value of a quantity, from a gait of any model.
+
+    Parameters
+    ----------
+    gait
+        What a model says; may be complex.
+    quantity
+        A name of the list (docs/quantities.md) such as ``"swimming_speed"``, or an entry such as
+        ``"mean.us"``.
+    phase
+        Phases of a time series (``velocity.*`` alone).
+    body_length
+        Length of the body along s, for what is counted in body lengths.
+
+    Returns
+    -------
+    number or ndarray
+        An array of the phases' shape for a time series.
+
+    Raises
+    ------
+    SpecError
+        If there is no such quantity.
+
+    Examples
+    --------
+    >>> import microswim as ms
+    >>> gait = ms.Swimmer.preset("tabak/helix-constant").gait()
+    >>> [round(float(ms.observed(gait, name)), 3) for name in ("mean.os", "body_rate")]
+    [-0.39, 0.39]
+    """
+    kind, index = parse(quantity)
+    if kind in QUANTITIES:
+        return QUANTITIES[kind].of(Basis(gait, body_length))
+    if kind == "mean":
+        return gait.mean_velocity[index]
+    if kind == "amplitude":
+        return gait.velocity_amplitude[index]
+    if kind == "velocity":
+        if phase is None:
+            raise SpecError("quantity", quantity, "given with the phases of the samples")
+        return gait.velocity(phase)[..., index[0]]
+    return _of_part(gait, kind, index)
+
+
+def _of_part(gait: Gait, kind: str, index: tuple[int, ...]) -> Any:
+    """Return a mean entry of R or F_p, of all, of the body or of the tail (all less the body)."""
+    matrix = kind.endswith("resistance")
+    whole = gait.resistance_series if matrix else gait.propulsion_series
+    body = gait.body_resistance_series if matrix else gait.body_propulsion_series
+    own = 0.0 * whole[0] if body is None else body[0]
+    part = own if kind.startswith("body") else whole[0] - (own if kind.startswith("tail") else 0.0)
+    return part[index]
+
+
+def output(gait: Gait, name: str) -> Any:
+    """Return a number or array of a gait by name: a quantity, or what the gait itself holds.
+
+    Raises
+    ------
+    SpecError
+        If there is none of that name.
+    """
+    if name not in QUANTITIES and not name.startswith("_") and hasattr(gait, name):
+        value = getattr(gait, name)
+        if not callable(value) and not isinstance(value, (str, dict)):
+            return value
+    try:
+        return observed(gait, name)
+    except SpecError:
+        allowed = "a number of a gait, such as mean_velocity or efficiency"
+        raise SpecError("output", name, allowed) from None

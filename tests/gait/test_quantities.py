@@ -1,0 +1,144 @@
+"""One name, one number: every public door is asked for every quantity of one gait."""
+
+import json
+from pathlib import Path
+
+import numpy as np
+import pytest
+from click.testing import CliRunner
+
+import microswim as ms
+from microswim.cli import main
+from microswim.errors import RenamedWarning
+from microswim.gait.quantities import NUMBERS, OF_SHAPE, OLD, QUANTITIES, UNITS
+from microswim.studies.optimisation import merits
+from microswim.studio.answers import readings
+
+PRESETS = ["tabak/helix", "tabak/plane_wave"]
+
+
+def swimmer_of(preset):
+    return ms.Swimmer.preset(preset)
+
+
+@pytest.fixture(scope="module", params=PRESETS)
+def told(request):
+    """What ``microswim run --json`` prints."""
+    run = CliRunner().invoke(main, ["run", "--preset", request.param, "--json"])
+    assert run.exit_code == 0, run.output
+    return request.param, json.loads(run.stdout)
+
+
+def same(value, truth, rel=1e-12):
+    if truth is None:  # infinite, which JSON has no word for
+        assert not np.isfinite(value)
+    else:
+        assert value == pytest.approx(truth, rel=rel, abs=1e-14)
+
+
+def test_run_prints_every_quantity(told):
+    _, printed = told
+    assert set(QUANTITIES) <= set(printed)
+
+
+@pytest.mark.parametrize("door", ["summary", "observed", "design", "studio", "dataset"])
+def test_doors_agree(told, door):
+    preset, printed = told
+    swimmer = swimmer_of(preset)
+    gait, length = swimmer.gait(), swimmer.body_length
+    match door:
+        case "summary":
+            found = ms.summary(gait)
+            assert set(found) == set(QUANTITIES) - set(OF_SHAPE)
+        case "observed":
+            found = {n: ms.observed(gait, n, body_length=length) for n in QUANTITIES}
+        case "design":
+            found = merits.of_gait(swimmer, gait)
+            found = {n: found[n] for n in NUMBERS if QUANTITIES[n].of_many}
+        case "studio":
+            found = {n: v for n, v in readings(swimmer, gait).items() if v is not None}
+            assert set(found) >= {n for n in NUMBERS if printed[n] is not None}
+        case "dataset":
+            run = ms.io.dataset(swimmer, gait, periods=1)
+            found = {n: run[n].values for n in QUANTITIES}
+            for name, quantity in QUANTITIES.items():
+                assert run[name].attrs["units"] == UNITS[quantity.dimension][1], name
+    for name, value in found.items():
+        same(value, printed[name])
+
+
+@pytest.mark.parametrize("name", [n for n in NUMBERS if n not in OF_SHAPE])
+def test_every_quantity_has_a_derivative(name):
+    """All but those that count turns go with the frequency, or with its square, or not at all."""
+    swimmer = swimmer_of("tabak/helix")
+    slope = swimmer.gradient(name, "tail.frequency")["tail.frequency"] * swimmer.tail.frequency
+    value = ms.summary(swimmer.gait())[name]
+    power = float(slope) / value
+    assert power == pytest.approx(round(power), abs=1e-8)
+    assert -1 <= round(power) <= 2
+
+
+def test_many_designs_agree_with_one(told):
+    """Amplitudes of plane waves are read off samples by the batched kernel."""
+    preset, printed = told
+    swimmer = swimmer_of(preset)
+    name = "tail.amplitude"
+    many = merits.of_many(swimmer, {name: np.array([swimmer.numbers[name]])})
+    for quantity in merits.MERITS:
+        same(many[quantity][0], printed[quantity], rel=1e-5 if "amplitude" in quantity else 1e-7)
+    swept = ms.sweep(swimmer, {name: [swimmer.numbers[name]]})
+    for quantity in ("mean_velocity", "swimming_speed", "mean_power", "mean_torque", "efficiency"):
+        same(swept[quantity].values[0], printed[quantity], rel=1e-7)
+        assert swept[quantity].attrs["units"] == UNITS[QUANTITIES[quantity].dimension][1]
+
+
+def test_many_designs_know_the_motors_rate_in_the_lab_frame():
+    swimmer = ms.Swimmer.preset("tabak/helix", {"motion.frequency_frame": "lab"})
+    one = swimmer.with_({"tail.amplitude": 0.08})
+    truth = merits.of_gait(one, one.gait())
+    many = merits.of_many(swimmer, {"tail.amplitude": np.array([0.08])})
+    for name in ("frequency", "body_turns_per_period", "distance_per_cycle"):
+        same(many[name][0], truth[name], rel=1e-9)
+
+
+def test_a_measured_rate_is_met_in_the_unit_it_was_measured_in():
+    """Who measures revolutions and designs in radians gets the same robot."""
+    swimmer = swimmer_of("tabak/helix")
+    hertz = float(ms.observed(swimmer.gait(), "body_rate_hz"))
+    fit = ms.calibrate(swimmer, {"body_rate_hz": 1.1 * hertz}, ["rotation.s"])
+    met = merits.of_gait(fit.swimmer, fit.swimmer.gait(), ["body_rate"])["body_rate"]
+    assert met == pytest.approx(2 * np.pi * 1.1 * hertz)
+    with pytest.warns(RenamedWarning, match="body_rate_hz"):
+        ms.Observation(swimmer=swimmer, quantity="body_rate", value=0.4)
+
+
+@pytest.mark.parametrize("old", OLD)
+def test_old_names_work_and_name_the_new_one(old):
+    swimmer = swimmer_of("tabak/helix")
+    gait = swimmer.gait()
+    with pytest.warns(RenamedWarning, match=OLD[old]):
+        assert ms.observed(gait, old) == ms.observed(gait, OLD[old])
+    over = {"tail.handedness": ["left"]}
+    with pytest.warns(RenamedWarning, match=OLD[old]):
+        best = ms.design(swimmer, over, maximize=old)
+    assert best.value == pytest.approx(best.quantities[OLD[old]])
+    with pytest.warns(RenamedWarning, match=OLD[old]):
+        assert best.quantities[old] == best.quantities[OLD[old]]
+    assert best.as_dict()["quantities"][old] == best.quantities[OLD[old]]
+
+
+def test_a_measurement_is_one_number():
+    swimmer = swimmer_of("tabak/helix")
+    with pytest.raises(ms.SpecError, match=r"mean\.us"):
+        ms.Observation(swimmer=swimmer, quantity="mean_velocity", value=0.4)
+    with pytest.raises(ms.SpecError, match="swimming_speed"):
+        ms.Observation(swimmer=swimmer, quantity="colour", value=0.4)
+
+
+def test_the_documentation_lists_every_quantity():
+    page = (Path(__file__).parents[2] / "docs" / "quantities.md").read_text(encoding="utf-8")
+    for quantity in QUANTITIES.values():
+        row = f"| `{quantity.name}` | {UNITS[quantity.dimension][0]} | {quantity.meaning} |"
+        assert row in page
+    for old, new in OLD.items():
+        assert f"| `{old}` | `{new}` |" in page

@@ -104,7 +104,7 @@ def region(kind, folder, calibrated):
     """Region calibration with 100 solves, and its errors on designs drawn afterwards."""
     base = ms.Swimmer.preset(f"tabak/{kind}")
     if calibrated is None:
-        fitted = ms.calibrate_region(base, REGION, "bem", solves=100, folder=folder)
+        fitted = ms.calibrate_region(base, REGION, "bem", solves=100, folder=folder).swimmer
     else:
         fitted = ms.Swimmer.from_toml(Path(calibrated) / f"{kind}.toml")
     rng = np.random.default_rng(SEED)

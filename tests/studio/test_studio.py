@@ -181,7 +181,7 @@ def calibrated():
     from microswim.calibration.region.text import pack
 
     region = {"tail.amplitude": (0.06, 0.12)}
-    made = ms.calibrate_region(from_dict(HELIX), region, "rft", solves=12, workers=0)
+    made = ms.calibrate_region(from_dict(HELIX), region, "rft", solves=12, workers=0).swimmer
     return {**HELIX, "region": {"data": pack(made.region)}}
 
 

@@ -339,7 +339,7 @@ def test_the_judge_beside_a_wall_and_in_a_channel(page, tmp_path, kind):
 def test_a_calibrated_region_shows_its_error_in_colour(page):
     region = {"tail.amplitude": (0.06, 0.12)}
     swimmer = ms.Swimmer.preset("tabak/helix")
-    made = ms.calibrate_region(swimmer, region, "rft", solves=12, workers=0)
+    made = ms.calibrate_region(swimmer, region, "rft", solves=12, workers=0).swimmer
     spec = {**tomllib.loads(presets.read("tabak/helix")), "region": {"data": pack(made.region)}}
     text = to_toml(spec, "calibrated").encode()
     page.set_input_files(

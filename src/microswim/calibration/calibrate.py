@@ -9,13 +9,14 @@ from __future__ import annotations
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
-from typing import Any
+from typing import Any, Literal
 
 import numpy as np
 from scipy.optimize import least_squares
 from scipy.stats import norm
 
 from microswim.calibration import observations as observe
+from microswim.calibration.calibration import Calibration
 from microswim.calibration.identifiability import Direction, determined, physical_warnings
 from microswim.calibration.observations import ASSUMED, Observation
 from microswim.calibration.unknowns import Unknown, resolve
@@ -32,8 +33,8 @@ ONE_STEP = 0.02  #: seconds of all gaits for one observation and one unknown as 
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
-class Calibration:
-    """Outcome of a calibration.
+class CoefficientCalibration(Calibration):
+    """Outcome of a calibration at one design, or at several that share their coefficients.
 
     Parameters
     ----------
@@ -58,14 +59,12 @@ class Calibration:
     1
     """
 
-    swimmer: Swimmer
     names: tuple[str, ...]
     values: np.ndarray
     covariance: np.ndarray
     observations: tuple[Observation, ...]
     predicted: np.ndarray
     directions: tuple[Direction, ...]
-    warnings: tuple[str, ...]
     method: str = "least squares"
 
     @property
@@ -112,7 +111,7 @@ class Calibration:
                 for q, m, p in zip(labels, measured, self.predicted)
             ],
             "chi_squared": float(np.sum(self.residuals**2)),
-            "warnings": list(self.warnings),
+            **super().as_dict(),
         }
 
 
@@ -125,8 +124,8 @@ def calibrate(
     bounds: dict[str, tuple[float, float]] | None = None,
     start: dict[str, float] | None = None,
     positive: bool = False,
-    method: str = "least squares",
-) -> Calibration:
+    method: Literal["least squares", "ratios"] = "least squares",
+) -> CoefficientCalibration:
     """Find interaction coefficients that make the surrogate agree with data.
 
     Parameters
@@ -155,7 +154,7 @@ def calibrate(
 
     Returns
     -------
-    Calibration
+    CoefficientCalibration
 
     Raises
     ------
@@ -203,14 +202,13 @@ class _Problem:
 
     def predict(self, values: Sequence[Any]) -> np.ndarray:
         """All observed quantities for the unknowns' values (numbers, real or complex)."""
-        gaits: dict[int, Gait] = {}
-        lengths: dict[int, Any] = {}
+        made: dict[int, tuple[Gait, Any]] = {}
         out = []
         for o in self.observations:
-            if id(o.swimmer) not in gaits:
+            if id(o.swimmer) not in made:
                 lifted = lift(o.swimmer, self.unknowns, values)
-                gaits[id(o.swimmer)], lengths[id(o.swimmer)] = surrogate(lifted), lifted.body_length
-            gait, length = gaits[id(o.swimmer)], lengths[id(o.swimmer)]
+                made[id(o.swimmer)] = surrogate(lifted), lifted.body_length
+            gait, length = made[id(o.swimmer)]
             value = observe.observed(gait, o.quantity, o.phase, body_length=length)
             out.append(np.atleast_1d(value))
         return np.concatenate(out)
@@ -287,13 +285,13 @@ class _Problem:
 
         return to, back, slope
 
-    def outcome(self, values: np.ndarray) -> Calibration:
+    def outcome(self, values: np.ndarray) -> CoefficientCalibration:
         """Everything there is to say about the solution."""
         sigma = _sigmas(self.observations)
         J = self.jacobian(values) / sigma[:, None]
         directions, covariance = determined(J, values, [u.name for u in self.unknowns])
         fitted = fitted_swimmer(self.swimmer, self.unknowns, values)
-        return Calibration(
+        return CoefficientCalibration(
             swimmer=fitted,
             names=tuple(u.name for u in self.unknowns),
             values=values,
@@ -330,7 +328,7 @@ def _sigmas(observations: Iterable[Observation]) -> np.ndarray:
     )
 
 
-def _ratios(swimmer: Swimmer, reference: Any) -> Calibration:
+def _ratios(swimmer: Swimmer, reference: Any) -> CoefficientCalibration:
     """Direct ratios of the body's force to its velocity [Tabak Section 3.2.1].
 
     ``gamma_i = |F_b,i| / (|V_i| D_i)``: means along and about s (for a helix), amplitudes for the

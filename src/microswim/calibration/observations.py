@@ -9,6 +9,7 @@ from typing import Any
 
 import numpy as np
 
+from microswim import checks
 from microswim.errors import RenamedWarning, SpecError
 from microswim.gait.gait import DEGREES_OF_FREEDOM, Gait
 from microswim.gait.observed import observed, parse
@@ -22,6 +23,7 @@ _ENTRY = {"mean_velocity": "such as mean.us", "velocity_amplitude": "such as amp
 ASSUMED = 0.01
 
 
+@checks.by_name
 @dataclass(frozen=True, kw_only=True, eq=False)
 class Observation:
     """A measured quantity of one swimmer.

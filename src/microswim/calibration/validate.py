@@ -17,10 +17,11 @@ from __future__ import annotations
 import itertools
 from collections.abc import Iterable
 from dataclasses import dataclass, field, replace
-from typing import Any
+from typing import Any, Literal
 
 import numpy as np
 
+from microswim import checks
 from microswim.calibration import observations as observe
 from microswim.errors import MicroswimError, SpecError
 from microswim.gait.gait import Gait
@@ -39,7 +40,7 @@ STAGES = (
 LIMITS = (0.05, 0.10)
 
 
-@dataclass(frozen=True, eq=False)
+@dataclass(frozen=True, kw_only=True, eq=False)
 class Validation:
     """Errors of a surrogate over a map.
 
@@ -138,10 +139,11 @@ def _statistics(values: np.ndarray) -> dict[str, float]:
     return {k: float(v) for k, v in numbers.items()} | within
 
 
+@checks.keyword_was("against", "reference")
 def validate(
     swimmer: Swimmer,
     over: dict[str, Any],
-    against: str = "bem",
+    reference: Literal["bem", "fem", "rft"] = "bem",
     *,
     quantities: Iterable[str] = (),
     folder: Any = None,
@@ -157,7 +159,7 @@ def validate(
         The calibrated (or plain) swimmer.
     over
         Dotted name to values of each axis.
-    against
+    reference
         ``"bem"`` or ``"fem"``.
     quantities
         Velocities to compare; by default forward, lateral amplitude and rate of rotation.
@@ -196,9 +198,14 @@ def validate(
     names = tuple(quantities) or observe.usual_quantities(swimmer)
     built = {i: s for i, s in enumerate(designs) if s is not None}
     solved = references.gaits(
-        list(built.values()), against, folder=folder, workers=workers, progress=progress, **options
+        list(built.values()),
+        reference,
+        folder=folder,
+        workers=workers,
+        progress=progress,
+        **options,
     )
-    found = _compare(axes, names, dict(zip(built, solved)), built, reasons, against)
+    found = _compare(axes, names, dict(zip(built, solved)), built, reasons, reference)
     own = {n: float(swimmer.numbers[n]) for n in axes if n in swimmer.numbers}
     units = {name: unit_of(name, swimmer.units) for name in axes}
     return replace(found, at=own, axis_units=units)
@@ -249,7 +256,7 @@ def _compare(
             tables["stages"][name].flat[i] = value
     if len(reasons) == np.prod(shape):
         raise MicroswimError(f"no design of the map could be solved; the first: {reasons[0]}")
-    return Validation(axes, names, **tables, reasons=reasons, against=against)
+    return Validation(over=axes, quantities=names, **tables, reasons=reasons, against=against)
 
 
 def stages(reference: Gait, surrogate: Gait, samples: int = 16) -> dict[str, float]:

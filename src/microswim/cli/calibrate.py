@@ -141,19 +141,9 @@ def _region(given: Given, output: Path | None, options: dict, asked: dict) -> tu
             progress=progress,
             **options,
         )
-    made = fitted.region
-    assert made is not None
     tables = {k: v for k, v in given.tables.items() if k != "region"}
-    report = {
-        "region": {name: list(pair) for name, pair in region.items()},
-        "reference": made.about["reference"],
-        "solves": made.about["solves"],
-        "left_out_error": made.errors,
-        "set_aside": made.about["set_aside"],
-        "refused": made.about["refused"],
-        "solves_kept_in": str(folder),
-    }
-    return report, tables | {"region": {"data": pack(made)}}
+    report = fitted.as_dict() | {"solves_kept_in": str(folder)}
+    return report, tables | {"region": {"data": pack(fitted.region)}}
 
 
 def _coefficients(given: Given, output: Any, options: dict, asked: dict) -> tuple[dict, dict]:

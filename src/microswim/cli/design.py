@@ -36,7 +36,7 @@ FILES = (
 @click.command(
     epilog=example(
         "microswim design robot.toml --over tail.amplitude=0.01:0.5,tail.waves=0.5:5 \\",
-        '      --maximize swimming_speed --subject-to "mean_torque<=150" --verify bem',
+        '      --maximize swimming_speed --subject-to "mean_torque<=150" --reference bem',
         "microswim design robot.toml --over tail.amplitude=0.01:0.3,tail.kind=helix,plane_wave \\",
         "      --maximize swimming_speed --minimize mean_torque --out front",
         "microswim design robot.toml --over tail.waves=1:4 --maximize swimming_speed \\",
@@ -61,8 +61,10 @@ FILES = (
     metavar="LIST",
     help='"mean_torque<=150, body_rate<=0.5"; with units: "mean_torque<=2 nN m".',
 )
-@click.option("--verify", type=click.Choice(["bem", "fem"]), help="Judge, calibrate, repeat.")
-@click.option("--tolerance", default=0.05, show_default=True, help="Miss accepted by --verify.")
+@click.option(
+    "--reference", "--verify", type=click.Choice(["bem", "fem"]), help="Judge, calibrate, repeat."
+)
+@click.option("--tolerance", default=0.05, show_default=True, help="Miss accepted by --reference.")
 @click.option("--option", "options", multiple=True, metavar="NAME=VALUE", help="Of the reference.")
 @click.option(
     "--uncertain",
@@ -96,8 +98,8 @@ def command(given: Given, as_json: bool, out: Path | None, force: bool, **asked:
     wishes = (*asked["maximize"], *asked["minimize"])
     if not wishes:
         raise SpecError("give --maximize or --minimize, for example --maximize swimming_speed")
-    if len(wishes) > 1 and (asked["verify"] or asked["uncertain"]):
-        raise SpecError("--verify and --uncertain go with one wish; give one")
+    if len(wishes) > 1 and (asked["reference"] or asked["uncertain"]):
+        raise SpecError("--reference and --uncertain go with one wish; give one")
     find = _front if len(wishes) > 1 else _robust if asked["uncertain"] else _optimum
     with bar(f"design {given.name}"):
         report = find(given, over, asked, out)
@@ -122,7 +124,7 @@ def _optimum(given: Given, over: Any, asked: dict[str, Any], out: Path | None) -
     best = design(
         given.swimmer,
         over,
-        verify=asked["verify"],
+        reference=asked["reference"],
         tolerance=asked["tolerance"],
         progress=lambda text: click.echo(text, err=True),
         **_one(asked),
@@ -256,7 +258,7 @@ def _print(report: dict[str, Any]) -> None:
 def _notes(report: dict[str, Any]) -> list[str]:
     lines = []
     if report["inside_calibrated_neighbourhood"] is None:
-        lines.append("not calibrated: --verify bem tells how far the surrogate is off")
+        lines.append("not calibrated: --reference bem tells how far the surrogate is off")
     elif report["inside_calibrated_neighbourhood"]:
         lines.append(
             f"calibrated here, expected error {100 * (report['expected_error'] or 0):.2g} %"

@@ -29,11 +29,13 @@ FILES = ("errors.csv", "validation.json", "errors.png")
 @click.command(
     epilog=example(
         "microswim validate robot.toml --over tail.amplitude=0.01:0.15:8,tail.waves=1:5:9 --out m",
-        "microswim validate calibrated.toml --against bem --over tail.length=1.2:3:7 --json",
+        "microswim validate calibrated.toml --reference bem --over tail.length=1.2:3:7 --json",
     )
 )
 @swimmer_options
-@click.option("--against", type=click.Choice(["bem", "fem"]), default="bem", show_default=True)
+@click.option(
+    "--reference", "--against", type=click.Choice(["bem", "fem"]), default="bem", show_default=True
+)
 @click.option("--over", multiple=True, required=True, metavar="NAME=A:B:N", help="Axes of the map.")
 @click.option("--quantity", multiple=True, metavar="NAMES", help="Velocities to compare.")
 @click.option("--workers", type=click.IntRange(0, 1024), help="Processes (default: all cores).")
@@ -64,7 +66,7 @@ def command(given: Given, out: Path | None, force: bool, as_json: bool, **asked:
         result = validate(
             given.swimmer,
             axes(asked["over"], given.swimmer.units),
-            asked["against"],
+            asked["reference"],
             quantities=[n for text in asked["quantity"] for n in text.split(",")],
             folder=None if out is None else out / "solves",
             workers=asked["workers"],

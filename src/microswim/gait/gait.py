@@ -10,11 +10,12 @@ from __future__ import annotations
 
 from dataclasses import dataclass, field, replace
 from functools import cached_property
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from microswim.errors import MicroswimError
+from microswim.gait import doors, portrait
 from microswim.gait.one_pose import refusal
 from microswim.numerics.fourier import (
     evaluate,
@@ -23,12 +24,15 @@ from microswim.numerics.fourier import (
     series_of,
 )
 
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
+
 #: Degrees of freedom, in the order of all six-vectors.
 DEGREES_OF_FREEDOM = ("us", "uq", "ur", "os", "oq", "or")
 ALL_FREE = (True,) * 6
 
 
-@dataclass(frozen=True, eq=False)
+@dataclass(frozen=True, eq=False, repr=False)
 class Gait:
     """Resistance and propulsion of a swimmer over one period of its tail.
 
@@ -67,6 +71,25 @@ class Gait:
     model: str = "rft"
     units: str = "dimensionless"
     info: dict[str, Any] = field(default_factory=dict)
+
+    def __repr__(self) -> str:
+        """Return about five lines with units; the numbers are in `microswim.summary`."""
+        return portrait.as_text(*portrait.of_gait(self))
+
+    def _repr_html_(self) -> str:
+        return portrait.as_html(*portrait.of_gait(self))
+
+    def plot(self) -> Figure:
+        """Draw velocity, body rate and motor power over a period; call its ``savefig``.
+
+        Examples
+        --------
+        >>> import microswim as ms
+        >>> figure = ms.Swimmer.preset("tabak/plane_wave").gait().plot()
+        >>> figure.axes[0].get_xlabel()
+        'phase of the tail (periods)'
+        """
+        return doors.go(doors.PLOT, self)
 
     @classmethod
     def from_samples(

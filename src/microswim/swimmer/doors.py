@@ -7,7 +7,11 @@ table, so that nothing here depends on the models.
 from __future__ import annotations
 
 from importlib import import_module
+from inspect import Parameter, signature
 from typing import Any
+
+from microswim.errors import SpecError
+from microswim.gait.doors import go as go
 
 MODELS = {
     "auto": "microswim.calibration.atlas.choice:auto",
@@ -22,10 +26,28 @@ READ_PRESET = "microswim.spec.file:read_preset"
 POLY_DATA = "microswim.output.io.vtk:poly_data"
 IMAGE_DATA = "microswim.output.io.vtk:image_data"
 COLLECTION = "microswim.output.io.vtk:collection"
+PLOT = "microswim.output.plots.shortcuts:of_swimmer"
+PORTRAIT = "microswim.output.report.portrait:of_swimmer"
 UNPACK_REGION = "microswim.calibration.region.text:unpack"
 
 
-def go(door: str, *args: Any, **options: Any) -> Any:
-    """Import the function behind a door, ``"package.module:function"``, and call it."""
-    module, _, function = door.partition(":")
-    return getattr(import_module(module), function)(*args, **options)
+def check_options(model: str, options: dict[str, Any]) -> None:
+    """Refuse a model that does not exist, and an option that it does not take.
+
+    Raises
+    ------
+    SpecError
+        With the models, or the options of this one.
+    """
+    if model not in MODELS:
+        raise SpecError("model", model, "one of " + ", ".join(f'"{m}"' for m in MODELS))
+    if not options:
+        return
+    module, _, function = MODELS[model].partition(":")
+    takes = signature(getattr(import_module(module), function)).parameters
+    if any(p.kind is Parameter.VAR_KEYWORD for p in takes.values()):
+        return
+    known = [name for name, p in takes.items() if p.kind is Parameter.KEYWORD_ONLY]
+    for name, value in options.items():
+        if name not in known:
+            raise SpecError(f"option {name}", value, f"an option of {model}: {', '.join(known)}")

@@ -7,6 +7,7 @@ from dataclasses import dataclass
 from microswim import checks
 
 
+@checks.by_name
 @dataclass(frozen=True, kw_only=True)
 class Fluid:
     """Newtonian fluid; what bounds it is a `Wall` or a `Channel` of the swimmer.

@@ -10,6 +10,7 @@ from microswim.errors import SpecError
 from microswim.gait.gait import DEGREES_OF_FREEDOM
 
 
+@checks.by_name
 @dataclass(frozen=True, kw_only=True)
 class Motion:
     """How the motion is read: the readings of the paper that differ from the default.

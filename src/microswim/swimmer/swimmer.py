@@ -10,6 +10,7 @@ import numpy as np
 
 from microswim import checks
 from microswim.errors import SpecError, nearest
+from microswim.gait import portrait
 from microswim.swimmer import doors
 from microswim.swimmer.drag.coefficients import Coefficients, Unchosen
 from microswim.swimmer.drag.interaction import Interaction
@@ -22,6 +23,8 @@ from microswim.swimmer.gradient import gradient
 from microswim.swimmer.motion import Motion
 
 if TYPE_CHECKING:
+    from matplotlib.figure import Figure
+
     from microswim.gait.gait import Gait
 
 PARTS = ("fluid", "body", "tail", "coefficients", "interaction", "motion")
@@ -35,6 +38,7 @@ class Region(Protocol):
         """Return the corrected gait of a design."""
 
 
+@checks.by_name
 @dataclass(frozen=True, kw_only=True)
 class Swimmer:
     """A micro-swimmer: a body with one tail in a fluid.
@@ -86,7 +90,7 @@ class Swimmer:
     interaction: Interaction = field(default_factory=Interaction)
     motion: Motion = field(default_factory=Motion)
     units: Literal["dimensionless", "SI"] = "dimensionless"
-    region: Region | None = None
+    region: Region | None = field(default=None, repr=False)
     wall: Wall | None = None
     channel: Channel | None = None
 
@@ -98,6 +102,8 @@ class Swimmer:
                 self._check_part(name, kind)
         if self.wall is not None and self.channel is not None:
             raise SpecError("wall, channel: one of them bounds the fluid; remove the other")
+        if self.region is not None and not callable(getattr(self.region, "gait", None)):
+            raise SpecError("region", self.region, "a region calibration", "see calibrate_region")
         checks.choice("units", self.units, ("dimensionless", "SI"))
         if self.motion.frequency_frame == "lab" and self.tail.surface_motion != "rigid":
             raise SpecError(
@@ -143,7 +149,9 @@ class Swimmer:
         """A swimmer that comes with the package, such as ``"tabak/helix"`` or ``"goto/C"``."""
         return doors.go(doors.READ_PRESET, name, overrides)
 
-    def gait(self, model: str = "rft", **options: Any) -> Gait:
+    def gait(
+        self, model: Literal["rft", "atlas", "bem", "fem"] = "rft", **options: Any
+    ) -> Gait:
         """Gait by a model: surrogate ``"rft"`` or ``"atlas"``, reference ``"bem"`` or ``"fem"``.
 
         By the surrogate it takes about a millisecond, the first as the thousandth; after
@@ -166,9 +174,26 @@ class Swimmer:
         """
         if model == "rft" and self.region is not None and not options:
             return self.region.gait(self)
-        if model not in doors.MODELS:
-            raise SpecError("model", model, "one of " + ", ".join(f'"{m}"' for m in doors.MODELS))
+        doors.check_options(model, options)
         return doors.go(doors.MODELS[model], self, **options)
+
+    def __str__(self) -> str:
+        """Return a line for each part, with units."""
+        return portrait.as_text(*doors.go(doors.PORTRAIT, self))
+
+    def _repr_html_(self) -> str:
+        return portrait.as_html(*doors.go(doors.PORTRAIT, self))
+
+    def plot(self) -> Figure:
+        """Draw the swimmer to scale with its path by the surrogate; call its ``savefig``.
+
+        Examples
+        --------
+        >>> import microswim as ms
+        >>> ms.Swimmer.preset("tabak/helix-constant").plot().axes[1].get_xlabel()
+        'sideways'
+        """
+        return doors.go(doors.PLOT, self)
 
     def with_(self, changes: dict[str, Any]) -> Swimmer:
         """Copy with dotted fields replaced and checked again: ``{"tail.amplitude": 0.12}``.

@@ -26,12 +26,12 @@ REGION = {"tail.amplitude": (0.05, 0.15), "tail.waves": (1.0, 4.0), "body.radius
 
 @pytest.fixture(scope="module")
 def helix():
-    return ms.calibrate_region(HELIX, REGION, "rft", solves=60, workers=0)
+    return ms.calibrate_region(HELIX, REGION, "rft", solves=60, workers=0).swimmer
 
 
 @pytest.fixture(scope="module")
 def wave():
-    return ms.calibrate_region(WAVE, REGION, "rft", solves=60, workers=0)
+    return ms.calibrate_region(WAVE, REGION, "rft", solves=60, workers=0).swimmer
 
 
 def designs(swimmer, count=12, seed=3):
@@ -84,7 +84,7 @@ def test_designs_that_the_reference_refuses_are_replaced_and_reported(monkeypatc
 
     solved = references.gaits
     monkeypatch.setattr(references, "gaits", some)
-    fitted = ms.calibrate_region(HELIX, REGION, "rft", solves=24, workers=0)
+    fitted = ms.calibrate_region(HELIX, REGION, "rft", solves=24, workers=0).swimmer
     about = fitted.region.about
     assert about["solves"] == 24
     assert about["refused"]
@@ -108,7 +108,7 @@ def test_a_spoilt_solve_is_set_aside_and_named(monkeypatch):
 
     solved = references.gaits
     monkeypatch.setattr(references, "gaits", some)
-    fitted = ms.calibrate_region(HELIX, REGION, "rft", solves=50, workers=0)
+    fitted = ms.calibrate_region(HELIX, REGION, "rft", solves=50, workers=0).swimmer
     assert fitted.region.about["set_aside"] == [{name: spoilt[0][name] for name in REGION}]
 
 

@@ -283,7 +283,7 @@ def test_verification_ends_at_the_optimum_of_the_reference(monkeypatch):
 
     monkeypatch.setattr(bem, "gait", gait)
     wish = {"maximize": "swimming_speed", "subject_to": "mean_torque <= 120"}
-    best = ms.design(HELIX, OVER, **wish, verify="bem", tolerance=1e-4)
+    best = ms.design(HELIX, OVER, **wish, reference="bem", tolerance=1e-4)
     aim = ms.design(HELIX.with_(truth), OVER, **wish)
     assert best.history[0]["miss"] > 0.05
     assert best.history[-1]["agreed"]

@@ -9,7 +9,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import replace
-from typing import Any
+from typing import Any, Literal
 
 import numpy as np
 from scipy.stats import qmc
@@ -28,6 +28,7 @@ from microswim.calibration.region.fit import (
     set_aside,
 )
 from microswim.calibration.region.kriging import Kriging, Surfaces
+from microswim.calibration.region.outcome import RegionCalibration
 from microswim.errors import MachineError, MicroswimError, SpecError
 from microswim.gait.gait import Gait
 from microswim.jobs import references
@@ -46,7 +47,7 @@ Region = dict[str, tuple[float, float]]
 def calibrate_region(
     swimmer: Swimmer,
     region: Region,
-    reference: str = "bem",
+    reference: Literal["bem", "fem", "rft"] = "bem",
     *,
     solves: int = 100,
     folder: Any = None,
@@ -54,7 +55,7 @@ def calibrate_region(
     seed: int = 1,
     progress: Callable[[int, int], None] | None = None,
     **options: Any,
-) -> Swimmer:
+) -> RegionCalibration:
     """Calibrate the surrogate over a region of designs.
 
     Parameters
@@ -80,8 +81,8 @@ def calibrate_region(
 
     Returns
     -------
-    Swimmer
-        The same swimmer with a `Correction`: its surrogate gaits hold over the region.
+    RegionCalibration
+        Its ``swimmer`` is the same swimmer, whose surrogate gaits now hold over the region.
 
     Raises
     ------
@@ -98,7 +99,7 @@ def calibrate_region(
     >>> swimmer = ms.Swimmer.preset("tabak/helix")
     >>> region = {"tail.amplitude": (0.08, 0.12)}
     >>> fitted = ms.calibrate_region(swimmer, region, "rft", solves=8, workers=0)
-    >>> fitted.gait().info["outside"]
+    >>> fitted.swimmer.gait().info["outside"]
     []
     """
     region = all_from_python(region, swimmer.units)
@@ -153,7 +154,7 @@ def calibrate_region(
         about["refused"] = [_values_of(s, region) | {"reason": why} for s, why in refused]
         made = _correction(swimmer, region, solved, doubtful + unresolved, fitted, about)
     about["options"] = {k: getattr(v, "name", v) for k, v in options.items()}
-    return replace(swimmer, region=made)
+    return RegionCalibration(swimmer=replace(swimmer, region=made))
 
 
 def _require_machine(found: list[Gait | str]) -> None:
@@ -268,17 +269,20 @@ def _correction(
 ) -> Correction:
     groups = fit_groups(solved, former)
     columns = columns_of(np.array([features(s.swimmer) for s in solved], dtype=float))
-    order = sorted(range(len(groups)), key=lambda i: groups_of(len(groups) == 3)[i][0].start)
-    made = Correction(
+    order = sorted(
+        range(len(groups)), key=lambda i: groups_of(swimmer.tail.kind == "helix")[i][0].start
+    )
+    surfaces = Surfaces(tuple(groups[i] for i in order))
+    errors, spots, ratios = left_out_errors(surfaces, columns, solved, doubtful)
+    return Correction(
         low={name: float(b[0]) for name, b in region.items()},
         high={name: float(b[1]) for name, b in region.items()},
         fixed=fixed_numbers(swimmer, region),
         choices=words(swimmer),
-        surfaces=Surfaces(tuple(groups[i] for i in order)),
+        surfaces=surfaces,
         columns=columns,
-        errors={},
-        spots=np.empty((0, 0)),
-        ratios=np.empty((0, 0)),
+        errors=errors,
+        spots=spots,
+        ratios=ratios,
         about=about,
     )
-    return left_out_errors(made, solved, doubtful)

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
@@ -11,7 +11,7 @@ from threadpoolctl import threadpool_limits
 from microswim.calibration.region import body_flow as shaded
 from microswim.calibration.region import kriging
 from microswim.calibration.region import positive_definite as blocks
-from microswim.calibration.region.correction import Correction, features
+from microswim.calibration.region.correction import features
 from microswim.calibration.region.evaluate import (
     HALF,
     PHASES,
@@ -21,7 +21,7 @@ from microswim.calibration.region.evaluate import (
     twists,
     waves,
 )
-from microswim.calibration.region.kriging import Kriging
+from microswim.calibration.region.kriging import Kriging, Surfaces
 from microswim.gait.gait import Gait
 from microswim.numerics.fourier import MIRROR_R, half_range, series_of
 from microswim.swimmer.swimmer import Swimmer
@@ -147,22 +147,26 @@ def set_aside(solved: list[Solved], former: Any = ()) -> tuple[list[Solved], lis
     return keep, out
 
 
-def left_out_errors(made: Correction, solved: list[Solved], doubtful: list[Solved]) -> Correction:
-    """The correction with the errors of the velocities when each design in turn is left out.
+def left_out_errors(
+    surfaces: Surfaces, columns: np.ndarray, solved: list[Solved], doubtful: list[Solved]
+) -> tuple[dict[str, dict[str, float]], np.ndarray, np.ndarray]:
+    """Return the errors of the velocities when each design in turn is left out.
+
+    As `Correction` has them: errors, spots, ratios.
 
     Forward speed and body rate of a helix relative to themselves, lateral amplitudes relative to
     their largest value. Designs set aside or not resolved count in the expected error alone: there
     the reference itself is that much in doubt.
     """
-    helix = len(made.surfaces.groups) == 3
-    residual = [g.left_out()[0] for g in made.surfaces.groups]
+    helix = solved[0].swimmer.tail.kind == "helix"
+    residual = [g.left_out()[0] for g in surfaces.groups]
     y = targets(solved) - np.concatenate([kriging.interleaved(r) for r in residual], axis=1)
-    doubt = made.surfaces.left_out_doubt()
-    spots = made.surfaces.groups[0].Z
+    doubt = surfaces.left_out_doubt()
+    spots = surfaces.groups[0].Z
     if doubtful:
-        Z, N = scaled([s.swimmer for s in doubtful], made.columns)
-        y = np.concatenate([y, made.surfaces(Z, N)])
-        doubt, spots = np.append(doubt, made.surfaces.doubt(Z, N)), np.append(spots, Z, axis=0)
+        Z, N = scaled([s.swimmer for s in doubtful], columns)
+        y = np.concatenate([y, surfaces(Z, N)])
+        doubt, spots = np.append(doubt, surfaces.doubt(Z, N)), np.append(spots, Z, axis=0)
     every = [*solved, *doubtful]
     truth, guess = np.empty((2, len(every), 3))
     for i, s in enumerate(every):
@@ -179,7 +183,7 @@ def left_out_errors(made: Correction, solved: list[Solved], doubtful: list[Solve
         name: {word: float(measure(kept[:, j])) for word, measure in numbers.items()}
         for j, name in enumerate(names)
     }
-    return replace(made, errors=errors, spots=spots, ratios=error**2 / doubt[:, None])
+    return errors, spots, error**2 / doubt[:, None]
 
 
 def _velocities(R: Any, F: Any, swimmer: Swimmer, helix: bool) -> list[float]:

@@ -21,6 +21,7 @@ from typing import Any
 
 import numpy as np
 
+from microswim import checks
 from microswim.errors import SpecError
 from microswim.gait.gait import Gait
 from microswim.models.rft.helix import FEWEST_WAVES, helix_tail, ramp_nodes
@@ -118,6 +119,8 @@ def gait(swimmer: Swimmer, *, nodes: int | None = None, phases: int | None = Non
     two depends on the swimmer alone, never on earlier calls. Who computes gaits by the thousand one
     by one calls `microswim.warm_up` first: compiled, a gait takes less than a tenth of that.
     """
+    checks.count("nodes", nodes)
+    checks.count("phases", phases)
     body = body_resistance(swimmer)
     tail = swimmer.tail
     if tail.kind == "helix":

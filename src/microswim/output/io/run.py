@@ -168,6 +168,12 @@ def unit(gait_units: str, kind: str) -> str:
     return UNITS[kind][gait_units != "SI"] if kind in UNITS else kind
 
 
+def over_the_period(gait: Gait) -> xr.Dataset:
+    """Return velocity and power over one period of a gait, with its numbers."""
+    known = quantities.numbers(gait) | {"units": gait.units}
+    return _over_the_period(gait).merge(_scalars(known)).assign_attrs(units=gait.units)
+
+
 def _over_the_period(gait: Gait) -> xr.Dataset:
     import xarray as xr
 
@@ -205,6 +211,7 @@ def _scalars(known: dict[str, Any]) -> xr.Dataset:
                 {"units": unit(known["units"], kind), "long_name": meaning},
             )
             for name, (kind, meaning) in about.items()
+            if name in known
         }
     )
 

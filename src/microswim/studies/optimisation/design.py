@@ -10,12 +10,13 @@ from __future__ import annotations
 import time
 from collections.abc import Callable
 from dataclasses import dataclass, field
-from typing import Any
+from typing import Any, Literal
 
 import numpy as np
 from scipy.optimize import minimize as descend
 from scipy.stats import qmc
 
+from microswim import checks
 from microswim.errors import MicroswimError, SpecError
 from microswim.gait.quantities import OLD, Named
 from microswim.numerics.compiled import settled
@@ -32,7 +33,7 @@ APART = 0.1  # least distance of two starts in the unit cube
 FEASIBLE = 1e-7  # relative margin that counts as holding
 
 
-@dataclass(frozen=True, eq=False)
+@dataclass(frozen=True, kw_only=True, eq=False)
 class Optimum:
     """The best design and what to know about it.
 
@@ -47,7 +48,7 @@ class Optimum:
     value
         The objective at the optimum.
     quantities
-        Everything `merits` knows about it.
+        Every quantity of its gait and of its shape (docs/quantities.md).
     margins
         Constraint to relative margin; zero is active.
     sensitivity
@@ -106,6 +107,7 @@ class Optimum:
         return plain(found)
 
 
+@checks.keyword_was("verify", "reference")
 @settled(True)  # gaits and their derivatives by the hundred
 def design(
     swimmer: Swimmer,
@@ -116,7 +118,7 @@ def design(
     subject_to: Any = "",
     seed: int = 0,
     samples: int | None = None,
-    verify: str | None = None,
+    reference: Literal["bem", "fem"] | None = None,
     tolerance: float = 0.05,
     progress: Callable[[str], None] | None = None,
     **options: Any,
@@ -140,7 +142,7 @@ def design(
     samples
         Designs to screen for each combination of choices; by default 1024 for each variable and
         one more 1024, at most 8192.
-    verify
+    reference
         ``"bem"`` or ``"fem"``: let the reference solver judge the optimum, calibrate the
         surrogate there where it misses by more than `tolerance`, and search again until both
         agree.
@@ -176,10 +178,19 @@ def design(
     problem = Problem.of(swimmer, over, maximize, minimize, subject_to)
     if len(problem.objectives) != 1:
         raise SpecError("design: one objective; for a trade-off of several use pareto")
-    if verify is not None:
+    checks.number(
+        "tolerance", tolerance, "a relative miss above 0 and below 1", above=0.0, most=1.0
+    )
+    if reference is not None:
         from microswim.studies.optimisation.verify import verified
 
-        return verified(problem, verify, tolerance, seed, samples, progress, options)
+        search_with = {"seed": seed, "samples": samples}
+        more = {"tolerance": tolerance, "progress": progress, "options": options}
+        return verified(problem, reference, search_with, **more)
+    for name, value in options.items():
+        raise SpecError(
+            name, value, "an option of design", "options of a solver go with reference="
+        )
     return search(problem, seed, samples, begun)
 
 
@@ -281,17 +292,17 @@ def outcome(
     expression, sense = problem.objectives[0]
     error = gait.info.get("expected_error")
     return Optimum(
-        swimmer,
-        {**picked, **numbers},
-        expression.text,
-        sense,
-        float(np.real(expression(values))),
-        Named({k: v for k, v in values.items() if "." not in k}),
-        {c.text: float(np.real(c.margin(values))) for c in problem.limits},
-        sensitivities(problem, x),
-        None if error is None or not np.isfinite(error) else float(error),
-        None if "outside" not in gait.info else not gait.info["outside"],
-        count,
-        seconds,
-        dict(problem.ranges),
+        swimmer=swimmer,
+        values={**picked, **numbers},
+        objective=expression.text,
+        sense=sense,
+        value=float(np.real(expression(values))),
+        quantities=Named({k: v for k, v in values.items() if "." not in k}),
+        margins={c.text: float(np.real(c.margin(values))) for c in problem.limits},
+        sensitivity=sensitivities(problem, x),
+        expected_error=None if error is None or not np.isfinite(error) else float(error),
+        inside=None if "outside" not in gait.info else not gait.info["outside"],
+        evaluations=count,
+        seconds=seconds,
+        ranges=dict(problem.ranges),
     )

@@ -35,14 +35,29 @@ UNKNOWN = {
 
 def verified(
     problem: Problem,
-    model: str,
+    reference: str,
+    search_with: dict[str, Any],
+    *,
     tolerance: float,
-    seed: int,
-    samples: int | None,
     progress: Callable[[str], None] | None,
     options: dict[str, Any],
 ) -> Optimum:
-    """Optimum on which surrogate and reference agree, or the best the reference has seen.
+    """Find the optimum on which surrogate and reference agree, or the best the latter has seen.
+
+    Parameters
+    ----------
+    problem
+        What to search.
+    reference
+        Name of the reference solver, with its `options`.
+    search_with
+        Seed and samples of a search.
+    tolerance
+        Relative miss of the objective that is accepted.
+    progress
+        Called with a sentence about each step.
+    options
+        Of the reference solver.
 
     Returns
     -------
@@ -57,14 +72,14 @@ def verified(
     tried: list[Optimum] = []
     for number in range(1, ROUNDS + 1):
         say(f"round {number}: searching on the surrogate")
-        best = search(problem, seed, samples)
-        say(f"round {number}: solving the optimum with {model}")
-        judged = best.swimmer.gait(model, **options)
+        best = search(problem, **search_with)
+        say(f"round {number}: solving the optimum with {reference}")
+        judged = best.swimmer.gait(reference, **options)
         rounds.append(_verdict(problem, best, judged, tolerance))
         tried.append(best)
         say(
             f"round {number}: {best.objective} = {best.value:.4g} by the surrogate, "
-            f"{rounds[-1]['reference']:.4g} by {model}: {100 * rounds[-1]['miss']:.1f} % off"
+            f"{rounds[-1]['reference']:.4g} by {reference}: {100 * rounds[-1]['miss']:.1f} % off"
         )
         if rounds[-1]["agreed"]:
             break

@@ -18,6 +18,7 @@ _ROW: Triple = (0.0, 0.0, 0.0)
 _ZERO = (_ROW, _ROW, _ROW)
 
 
+@checks.by_name
 @dataclass(frozen=True, kw_only=True)
 class Interaction:
     """Interaction coefficients; all one (no interaction) by default.
@@ -62,7 +63,7 @@ class Interaction:
         )
         object.__setattr__(self, "tail", tuple(self.tail))
         rows = self.coupling
-        if isinstance(rows, str) or np.ndim(np.empty(len(rows))) == 0 or len(rows) != 3:
+        if not isinstance(rows, (tuple, list, np.ndarray)) or len(rows) != 3:
             raise SpecError("interaction.coupling", rows, "a 3 x 3 table of numbers")
         for i, row in enumerate(rows):
             checks.numbers(f"interaction.coupling[{i}]", row, 3, "three finite numbers")

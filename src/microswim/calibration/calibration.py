@@ -1,0 +1,36 @@
+"""What every calibration returns: the calibrated swimmer, and what is odd about it."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any
+
+from microswim.swimmer.swimmer import Swimmer
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class Calibration:
+    """Outcome of a calibration, at one design (`calibrate`) or over many (`calibrate_region`).
+
+    Parameters
+    ----------
+    swimmer
+        The calibrated swimmer.
+    warnings
+        What is odd about it, in physical words.
+
+    Examples
+    --------
+    >>> import microswim as ms
+    >>> cell = ms.Swimmer.preset("goto/C")
+    >>> fit = ms.calibrate(cell, {"swimming_speed": 6.23e-6}, ["translation.s"])
+    >>> isinstance(fit, ms.Calibration), fit.swimmer.units
+    (True, 'SI')
+    """
+
+    swimmer: Swimmer
+    warnings: tuple[str, ...] = ()
+
+    def as_dict(self) -> dict[str, Any]:
+        """Return what there is to print or to store as JSON."""
+        return {"warnings": list(self.warnings)}

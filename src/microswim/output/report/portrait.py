@@ -1,0 +1,91 @@
+"""How a swimmer is printed: one line for each part, with units."""
+
+from __future__ import annotations
+
+from typing import Any
+
+from microswim.gait.portrait import Rows
+from microswim.gait.readable import quantity, significant
+from microswim.swimmer.swimmer import Swimmer
+
+
+def of_swimmer(swimmer: Swimmer) -> tuple[str, Rows]:
+    """Return title and rows of a swimmer.
+
+    Examples
+    --------
+    >>> import microswim as ms
+    >>> title, rows = of_swimmer(ms.Swimmer.preset("tabak/helix"))
+    >>> title, rows[0]
+    ('Swimmer, dimensionless', ('body', 'sphere, 1 x 1 x 1'))
+    """
+    rows = [("body", _body(swimmer)), ("tail", _tail(swimmer)), ("fluid", _fluid(swimmer))]
+    rows += [("drag", _drag(swimmer)), ("motion", _motion(swimmer))]
+    rows += [
+        (name, f"{getattr(swimmer, name)}")
+        for name in ("wall", "channel")
+        if getattr(swimmer, name) is not None
+    ]
+    return f"Swimmer, {swimmer.units}", rows
+
+
+def _q(swimmer: Swimmer, value: Any, unit: str) -> str:
+    return _short(quantity(value, unit if swimmer.units == "SI" else ""))
+
+
+def _short(text: str) -> str:
+    """Return a number without the zeros at its end."""
+    number, space, unit = text.partition(" ")
+    if "." in number and "e" not in number:
+        number = number.rstrip("0").rstrip(".")
+    return f"{number}{space}{unit}"
+
+
+def _body(swimmer: Swimmer) -> str:
+    axes = [_q(swimmer, 2.0 * r, "m") for r in swimmer.body.semi_axes3]
+    return f"{swimmer.body.shape}, {' x '.join(axes)}" if any(swimmer.body.semi_axes3) else "none"
+
+
+def _tail(swimmer: Swimmer) -> str:
+    tail = swimmer.tail
+    hand = getattr(tail, "handedness", None)
+    kind = tail.kind.replace("_", " ")
+    words = [f"{hand}-handed {kind}" if hand else kind]
+    words.append(f"length {_q(swimmer, tail.apparent_length, 'm')}")
+    if hasattr(tail, "amplitude"):
+        words.append(f"amplitude {_q(swimmer, tail.amplitude, 'm')}")
+    words.append(f"{_short(significant(float(tail.number_of_waves)))} waves")
+    words.append(f"radius {_q(swimmer, tail.radius, 'm')}")
+    words.append(f"frequency {_q(swimmer, tail.frequency, 'Hz')}")
+    return ", ".join(words)
+
+
+def _fluid(swimmer: Swimmer) -> str:
+    fluid = swimmer.fluid
+    density = f", density {_q(swimmer, fluid.density, 'kg/m^3')}" if fluid.density else ""
+    return f"viscosity {_q(swimmer, fluid.viscosity, 'Pa s')}{density}"
+
+
+def _drag(swimmer: Swimmer) -> str:
+    own = swimmer.interaction
+    told = [
+        f"{name} {', '.join(f'{x:.4g}' for x in values)}"
+        for name, values in (
+            ("translation", own.translation),
+            ("rotation", own.rotation),
+            ("tail", own.tail),
+        )
+        if tuple(values) != (1.0, 1.0, 1.0)
+    ]
+    if any(any(row) for row in own.coupling):
+        told.append("coupling")
+    law = f"law {swimmer.coefficients.law.replace('_', ' ')}"
+    region = ", calibrated over a region" if swimmer.region is not None else ""
+    return f"{law}, interaction {'; '.join(told) or 'none'}{region}"
+
+
+def _motion(swimmer: Swimmer) -> str:
+    motion = swimmer.motion
+    free = "all velocities free" if all(motion.mask) else f"free: {' '.join(motion.free)}"
+    frame = "" if motion.frequency_frame == "body" else ", the motor's rate is that in the lab"
+    return free + frame

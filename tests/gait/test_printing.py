@@ -1,0 +1,48 @@
+"""What is printed is a few lines with units, whatever the gait or the swimmer."""
+
+import numpy as np
+import pytest
+
+import microswim as ms
+from microswim.gait.gait import Gait
+
+CASES = ["tabak/helix", "tabak/plane_wave", "goto/C"]
+
+
+@pytest.mark.parametrize("preset", CASES)
+def test_a_few_lines_that_fit_a_screen(preset):
+    swimmer = ms.Swimmer.preset(preset)
+    for text in (str(swimmer), str(swimmer.gait()), repr(swimmer.gait())):
+        lines = text.splitlines()
+        assert 4 <= len(lines) <= 7
+        assert max(map(len, lines)) <= 110
+        assert "array" not in text
+    for thing in (swimmer, swimmer.gait()):
+        assert thing._repr_html_().startswith("<table>")
+
+
+def test_units_carry_prefixes_and_a_dimensionless_swimmer_has_none():
+    cell = str(ms.Swimmer.preset("goto/C").gait())
+    assert "10.21 µm/s" in cell
+    assert "Hz" in cell
+    assert "m/s" not in str(ms.Swimmer.preset("tabak/helix").gait())
+
+
+def test_rounding_is_not_shown_as_a_speed():
+    assert "e-1" not in str(ms.Swimmer.preset("tabak/plane_wave").gait())
+
+
+def test_what_cannot_move_can_be_printed():
+    still = Gait(np.zeros((1, 6, 6)), np.ones((1, 6)), np.ones(1), 1.0)
+    assert "singular" in str(still)
+
+
+def test_summary_is_plain():
+    made = ms.summary(ms.Swimmer.preset("tabak/plane_wave").gait())
+    assert all(type(v) is float or [type(x) for x in v] == [float] * 6 for v in made.values())
+
+
+def test_one_call_draws():
+    swimmer = ms.Swimmer.preset("tabak/helix")
+    assert len(swimmer.gait().plot().axes) == 3
+    assert swimmer.plot().axes

@@ -32,8 +32,8 @@ UNITS = {
     "power": ("W", "power"),
     "torque": ("N m", "torque"),
     "force": ("N", "power time/length"),
-    "speed per torque": ("m/(N m s)", "length/(torque time)"),
-    "speed per power": ("m/J", "length/(power time)"),
+    "speed per torque": ("1/(N s)", "length/(torque time)"),
+    "speed per power": ("1/N", "length/(power time)"),
 }
 
 

@@ -88,7 +88,11 @@ def numbers_table(numbers: dict[str, Any], name: str) -> Table:
     rows = [
         ("swimming speed", q(numbers["swimming_speed"], "m/s", "us"), lengths),
         ("mean velocity u_s", q(mean[0], "m/s", "us"), "negative: the body leads"),
-        ("lateral amplitude u_q", q(numbers["lateral_amplitude"], "m/s", "uq"), "half of peak to peak"),
+        (
+            "lateral amplitude u_q",
+            q(numbers["lateral_amplitude"], "m/s", "uq"),
+            "half of peak to peak",
+        ),
         ("body rate |Omega_s|", q(numbers["body_rate"], "rad/s", "os"), turns + hertz),
         (
             "path radius",

@@ -1,4 +1,4 @@
-"""Limits with units, ``torque <= 2 nN m``: the text of constraints in SI numbers.
+"""Limits with units, ``mean_torque <= 2 nN m``: the text of constraints in SI numbers.
 
 A side that is a quantity is read as the file reads the field, or the merit, that it is compared
 with; against an expression it becomes its SI number.
@@ -11,16 +11,18 @@ import re
 from typing import Any
 
 from microswim.errors import SpecError
+from microswim.gait.quantities import NUMBERS, OLD, QUANTITIES, UNITS
 from microswim.spec.tables import FIELDS
 from microswim.spec.units import NUMBER, has_unit, parse, to_si
 from microswim.swimmer.swimmer import Swimmer
 
-#: SI units of the merits that have one.
+#: SI units of the merits that have one, by their names of today and of before.
 MEASURED_IN = {
-    "speed": "m/s", "forward_speed": "m/s", "wobble": "m/s", "power": "W", "torque": "N m",
-    "body_rate": "rad/s", "yaw": "rad/s", "speed_per_torque": "1/(N s)", "speed_per_power": "1/N",
-    "distance_per_cycle": "m", "energy_per_distance": "N", "arc_length": "m", "tail_length": "m",
-}  # fmt: skip
+    name: UNITS[QUANTITIES[name].dimension][0]
+    for name in NUMBERS
+    if QUANTITIES[name].dimension != "number"
+} | {"arc_length": "m", "tail_length": "m"}
+MEASURED_IN |= {old: MEASURED_IN[new] for old, new in OLD.items()}
 _SIGNS = re.compile(r"(<=|>=|<|>)")
 _APART = re.compile(r",(?![^(]*\))")  # commas between constraints, not those of min(a, b)
 
@@ -45,8 +47,8 @@ def in_si(text: str, swimmer: Swimmer, bare: bool = True) -> str:
     Examples
     --------
     >>> import microswim as ms
-    >>> in_si("torque <= 2 nN um, efficiency >= 0.01", ms.Swimmer.preset("goto/C"))
-    'torque<=2e-15, efficiency>=0.01'
+    >>> in_si("mean_torque <= 2 nN um, efficiency >= 0.01", ms.Swimmer.preset("goto/C"))
+    'mean_torque<=2e-15, efficiency>=0.01'
     """
     pieces = [_SIGNS.split(part) for part in _APART.split(text)] if text.strip() else []
     return ", ".join("".join(_piece(p, swimmer, bare)) for p in pieces)

@@ -43,7 +43,7 @@ OVER = ("--over", "tail.waves=2:3")
 @pytest.mark.parametrize(
     ("arguments", "made"),
     [
-        (("design", *OVER, "--maximize", "speed", "--out"), "sensitivity.png"),
+        (("design", *OVER, "--maximize", "swimming_speed", "--out"), "sensitivity.png"),
         (("validate", "--over", "tail.waves=2,3", "--out"), "errors.csv"),
     ],
 )

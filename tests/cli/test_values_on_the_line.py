@@ -73,7 +73,7 @@ def test_axes_refuse_before_anything_starts(name, command, tmp_path):
     ],
 )
 def test_design_drops_nothing_in_silence(over, swimmer, says):
-    assert says in refused("design", *swimmer, "--over", over, "--maximize", "speed")
+    assert says in refused("design", *swimmer, "--over", over, "--maximize", "swimming_speed")
 
 
 @pytest.mark.parametrize(
@@ -85,7 +85,11 @@ def test_design_drops_nothing_in_silence(over, swimmer, says):
     ],
 )
 def test_regions_and_spreads_take_the_units_of_the_file(option, text, swimmer):
-    more = ["--over", "tail.waves=1:4", "--maximize", "speed"] if option == "--uncertain" else []
+    more = (
+        ["--over", "tail.waves=1:4", "--maximize", "swimming_speed"]
+        if option == "--uncertain"
+        else []
+    )
     line = refused("design" if more else "calibrate", *swimmer, *more, option, text)
     assert "unit" in line
     assert option in line
@@ -120,7 +124,7 @@ def test_python_lists_are_read_by_the_same_rule(over, says):
     for call in (
         lambda: ms.sweep(helix, over),
         lambda: ms.sweep(helix, [{k: v[-1] for k, v in over.items()}]),
-        lambda: ms.design(helix, {"tail.waves": (1.0, 2.0), **over}, maximize="speed"),
+        lambda: ms.design(helix, {"tail.waves": (1.0, 2.0), **over}, maximize="swimming_speed"),
     ):
         with pytest.raises(SpecError, match=says):
             call()

@@ -44,7 +44,7 @@ def reads_well(figure):
 @pytest.fixture(scope="module")
 def best():
     """An objective with a long name; its optimum lies at the edge of what may vary."""
-    wish = "speed / torque + 0 * tail.amplitude"
+    wish = "swimming_speed / mean_torque + 0 * tail.amplitude"
     return ms.design(HELIX, OVER, maximize=wish, subject_to="tail.amplitude >= 0.25", samples=64)
 
 
@@ -64,10 +64,10 @@ def test_a_map_with_its_optimum(best):
 def test_a_histogram_names_the_robots_there_are():
     values = 6.7123e-4 + 1.1e-6 * np.random.default_rng(0).normal(size=256)
     made = xr.Dataset(
-        {"speed": ("sample", values), "good": ("sample", np.ones(256, dtype=bool))},
+        {"swimming_speed": ("sample", values), "good": ("sample", np.ones(256, dtype=bool))},
         attrs={"yield": 1.0},
     )
-    figure = plots_design.robustness(made, "speed", 6.7123e-4)
+    figure = plots_design.robustness(made, "swimming_speed", 6.7123e-4)
     assert reads_well(figure)
     legend = figure.axes[0].get_legend()
     assert legend is not None

@@ -342,7 +342,7 @@ def _ratios(swimmer: Swimmer, reference: Any) -> CoefficientCalibration:
     values = []
     for u in unknowns:
         i = u.direction
-        whole = i == 0 or (i == 3 and swimmer.tail.kind == "helix")
+        whole = i == 0 or (i == 3 and swimmer.tail.is_rigid)
         force = -wrench[0, i] if whole else half_range(wrench[:, i])
         velocity = (reference.mean_velocity if whole else reference.velocity_amplitude)[i]
         values.append(force / velocity / drag[i])

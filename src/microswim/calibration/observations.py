@@ -98,8 +98,7 @@ class Observation:
 
 def usual_quantities(swimmer: Swimmer) -> tuple[str, ...]:
     """The three velocities that the paper fits: forward, lateral, and of rotation."""
-    helix = swimmer.tail.kind == "helix"
-    wanted = ("mean.us", "amplitude.uq", "mean.os" if helix else "amplitude.or")
+    wanted = ("mean.us", "amplitude.uq", "mean.os" if swimmer.tail.is_rigid else "amplitude.or")
     mask = dict(zip(DEGREES_OF_FREEDOM, swimmer.motion.mask))
     return tuple(q for q in wanted if mask[q.split(".")[1]])
 

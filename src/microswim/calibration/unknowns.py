@@ -57,8 +57,8 @@ def resolve(swimmer: Swimmer, names: Iterable[str]) -> tuple[Unknown, ...]:
 
 def usual(swimmer: Swimmer) -> tuple[str, ...]:
     """Unknowns of Table 3: s, lateral, and the rotation that the tail drives."""
-    free = dict(zip(DEGREES_OF_FREEDOM, swimmer.motion.mask))
-    if swimmer.tail.kind == "helix":
+    free: dict[str, bool] = dict(zip(DEGREES_OF_FREEDOM, swimmer.motion.mask))
+    if swimmer.tail.is_rigid:
         wanted = {"translation.s": "us", "translation.qr": "uq", "rotation.s": "os"}
     else:
         wanted = {"translation.s": "us", "translation.q": "uq", "rotation.r": "or"}
@@ -89,6 +89,6 @@ def _coupling(swimmer: Swimmer, name: str, force: int, turn: int) -> Unknown:
     On a body of revolution with a turning tail the mean over the period has ``E_rq = -E_qr``.
     """
     paths = [(f"interaction.coupling[{force}][{turn}]", 1.0)]
-    if swimmer.tail.kind == "helix" and force != turn and 0 not in (force, turn):
+    if swimmer.tail.is_rigid and force != turn and 0 not in (force, turn):
         paths.append((f"interaction.coupling[{turn}][{force}]", -1.0))
     return Unknown(name, tuple(paths), _FREE, (force, turn))

@@ -87,7 +87,7 @@ def tail_coupling(
 def _nodes(swimmer: Swimmer) -> tuple[np.ndarray, np.ndarray]:
     """Gauss-Legendre panels along the tail, on [0, 1], with a break where the ramp ends."""
     tail = swimmer.tail
-    edges = tail.edges if tail.kind == "custom" else (0.0, float(tail.ramp), 1.0)
+    edges = tail.edges
     panels = []
     for a, b in zip(edges, edges[1:]):
         if b > a:

@@ -64,9 +64,12 @@ def _section_coordinates(tail: Any, X: Array, s: Array, phase: float) -> tuple[A
     Sheared: the section of X is the one with P_s(s) = X_s.
     """
     if tail.sections == "sheared":
-        for _ in range(1 if tail.kind != "custom" else 4):
+        for _ in range(4):
             c = smooth_centreline(tail, s, phase)
-            s = s + (X[..., 0] - c.P[..., 0]) / c.P_s[..., 0]
+            step = (X[..., 0] - c.P[..., 0]) / c.P_s[..., 0]
+            s = s + step
+            if np.abs(step).max() < 1e-12 * tail.radius:
+                break
     else:
         for _ in range(3):
             c = smooth_centreline(tail, s, phase)

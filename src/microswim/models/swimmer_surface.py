@@ -20,6 +20,7 @@ from numpy.typing import NDArray
 from scipy.spatial.distance import cdist
 
 from microswim.errors import SpecError
+from microswim.swimmer.geometry.tails import WaveTail
 
 Array = NDArray[np.float64]
 
@@ -57,8 +58,8 @@ def rounded_ramp(s: Array, start: float, half_width: float) -> tuple[Array, Arra
 def kinks(tail: Any) -> list[float]:
     """Values of s at which the smooth centreline's curvature jumps: the ends of the rounding."""
     length = tail.apparent_length
-    if tail.kind == "custom":
-        return [f * length for f in tail.breaks if 0 < f < 1]
+    if not isinstance(tail, WaveTail):
+        return [float(f) * length for f in tail.edges[1:-1]]
     start = tail.ramp * length
     half = min(tail.radius, start)
     return [s for s in (start - half, start + half) if 0 < s < length]
@@ -132,10 +133,8 @@ def _general(tail: Any, s: Array, phase: float) -> Curve:
 def smooth_centreline(tail: Any, s: Array, phase: float = 0.0) -> Curve:
     """Centreline of a tail with the ramp's kink rounded, continued to s < 0 (the reference's P)."""
     s = np.asarray(s, dtype=float)
-    if tail.kind == "helix":
-        return _wave(tail, s, phase, -float(tail.sign))
-    if tail.kind == "plane_wave":
-        return _wave(tail, s, phase, 0.0)
+    if isinstance(tail, WaveTail):
+        return _wave(tail, s, phase, tail.out_of_plane)
     return _general(tail, s, phase)
 
 
@@ -185,10 +184,6 @@ def surface_velocity(tail: Any, X: Array, s: Array, phase: float = 0.0) -> Array
     bending      P_phi + (T x T_phi) x (X - P)   (sections turn with the tangent, no spin)
     """
     if tail.surface_motion == "rigid":
-        if tail.kind == "plane_wave":
-            raise SpecError(
-                "tail.surface_motion", "rigid", "translating or bending", "a plane wave cannot turn"
-            )
         zero = np.zeros_like(X[..., 0])
         return tail.sign * np.stack([zero, -X[..., 2], X[..., 1]], axis=-1)
     curve = smooth_centreline(tail, s, phase)
@@ -229,7 +224,7 @@ def check(body: Any, tail: Any, phase: float = 0.0) -> list[str]:
     s = np.linspace(-2 * radius, tail.apparent_length, 2001)
     curve = smooth_centreline(tail, s, phase)
     remarks = []
-    alone = not np.any(np.asarray(body.semi_axes3, float) > 0)
+    alone = body.is_absent
     bend = _bend_outside(body, tail, s, curve, alone)
     fold = float(bend.max())
     if tail.sections == "perpendicular":

@@ -24,13 +24,11 @@ from microswim.swimmer.drag.coefficients import LAWS, Unchosen
 from microswim.swimmer.drag.interaction import Interaction
 from microswim.swimmer.fluid import Fluid
 from microswim.swimmer.geometry.bodies import SHAPES
-from microswim.swimmer.geometry.custom_tail import CustomTail
 from microswim.swimmer.geometry.surroundings import Channel, Wall
-from microswim.swimmer.geometry.tails import HelicalTail, PlaneWaveTail
+from microswim.swimmer.geometry.tails import TAILS
 from microswim.swimmer.motion import Motion
 from microswim.swimmer.swimmer import Swimmer
 
-TAILS = {"helix": HelicalTail, "plane_wave": PlaneWaveTail, "custom": CustomTail}
 #: Tables that a spec may come to hold, and where their numbers are given today.
 ELSEWHERE = {
     "field": "a field is given in Python: trajectory(..., field=...), Stepper",

@@ -64,7 +64,7 @@ def solve(tables: Any, name: str = "design") -> dict[str, Any]:
 
 def surrogate(swimmer: Swimmer) -> Gait:
     """Gait by resistive force theory, resolved as far as an eye and five digits need."""
-    plain = swimmer.tail.kind == "helix" or swimmer.region is not None
+    plain = swimmer.tail.is_rigid or swimmer.region is not None
     return swimmer.gait(**({} if plain else {"phases": PHASES}))
 
 

@@ -180,7 +180,7 @@ def _wave_flow(swimmer: Swimmer, points: np.ndarray, progress: Progress) -> list
     """Solved at each phase; half a period on, a plane wave's flow is its mirror image in q."""
     from microswim.models.bem import solve
 
-    mirrored = swimmer.tail.kind == "plane_wave" and swimmer.wall is None
+    mirrored = swimmer.tail.is_planar and swimmer.wall is None
     wanted = FLOW_PHASES // 2 if mirrored else FLOW_PHASES
     made = []
     for n in range(wanted):

@@ -16,11 +16,11 @@ import numpy as np
 from microswim.errors import SpecError, nearest
 from microswim.swimmer.drag.coefficients import LAWS
 from microswim.swimmer.geometry.bodies import SHAPES
-from microswim.swimmer.geometry.tails import HelicalTail, PlaneWaveTail
+from microswim.swimmer.geometry.tails import TAILS, WaveTail
 from microswim.swimmer.swimmer import Swimmer
 
 KINDS = {
-    "tail.kind": {"helix": HelicalTail, "plane_wave": PlaneWaveTail},
+    "tail.kind": {kind: t for kind, t in TAILS.items() if issubclass(t, WaveTail)},
     "body.shape": SHAPES,
     "coefficients.law": LAWS,
 }
@@ -55,7 +55,11 @@ def vary(swimmer: Swimmer, values: Mapping[str, Any]) -> Swimmer:
     for path, value in values.items():
         if path in KINDS:
             continue
-        if path == "tail.handedness" and "tail.kind" in values and swimmer.tail.kind != "helix":
+        if (
+            path == "tail.handedness"
+            and "tail.kind" in values
+            and not hasattr(swimmer.tail, "handedness")
+        ):
             continue  # a plane wave has no hand
         rest[path] = value.item() if isinstance(value, np.generic) else value
     return swimmer.with_(rest) if rest else swimmer
@@ -97,7 +101,7 @@ def check_names(swimmer: Swimmer, names: Any) -> None:
 def known_names(swimmer: Swimmer) -> set[str]:
     """Every dotted name that `vary` can set, those of both kinds of wave included."""
     own = {f"{part}.{f.name}" for part in swimmer.parts for f in fields(getattr(swimmer, part))}
-    waves = {"tail.handedness"} if isinstance(swimmer.tail, PlaneWaveTail) else set()
+    waves = {"tail.handedness"} if isinstance(swimmer.tail, WaveTail) else set()
     return own | set(swimmer.numbers) | set(KINDS) | waves
 
 

@@ -206,8 +206,12 @@ def test_right_handed_tail_is_the_mirror_image(rough):
 @pytest.mark.parametrize(
     ("tail", "body", "signs"),
     [
-        (ms.PlaneWaveTail(**BASE), None, phases.MIRROR_Q),
-        (ms.HelicalTail(**BASE), ms.Ellipsoid(semi_axes=(0.6, 0.5, 0.3)), phases.TURN_S),
+        (ms.PlaneWaveTail(**BASE), None, ms.PlaneWaveTail.half_period_signs),
+        (
+            ms.HelicalTail(**BASE),
+            ms.Ellipsoid(semi_axes=(0.6, 0.5, 0.3)),
+            ms.HelicalTail.half_period_signs,
+        ),
     ],
     ids=["plane wave", "helix on an ellipsoid"],
 )

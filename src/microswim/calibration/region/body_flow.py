@@ -184,7 +184,7 @@ def sizes(waves: Any) -> Any:
 
 def hand(swimmer: Swimmer) -> float:
     """One for the left-handed helix that `parameters` describe, zero for a plane wave."""
-    return 1.0 if swimmer.tail.kind == "helix" else 0.0
+    return 1.0 if swimmer.tail.is_rigid else 0.0
 
 
 def base_of(swimmer: Swimmer, phases: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:

@@ -177,10 +177,12 @@ def _doubt(gait: Gait | str) -> str:
 
 
 def _check(swimmer: Swimmer, region: Region, solves: int) -> None:
-    if swimmer.tail.kind not in ("helix", "plane_wave") or swimmer.body.shape == "none":
+    if not swimmer.tail.in_batches or swimmer.body.is_absent:
         raise SpecError("region: a body and a helix or a plane wave are needed")
-    if swimmer.tail.kind == "helix" and not swimmer.body.is_axisymmetric:
-        raise SpecError("body.shape", "ellipsoid", "a body of revolution for a helix's region")
+    if swimmer.tail.is_rigid and not swimmer.body.is_axisymmetric:
+        raise SpecError(
+            "body.shape", swimmer.body.shape, "a body of revolution for a helix's region"
+        )
     if swimmer.motion.line_element != "arc":
         raise SpecError("motion.line_element", "apparent", '"arc" for a region')
     if solves < max(6, len(region) + 2):
@@ -196,7 +198,7 @@ def _check(swimmer: Swimmer, region: Region, solves: int) -> None:
 
 def _phases(swimmer: Swimmer, reference: str, options: dict[str, Any]) -> dict[str, Any]:
     """Boundary elements sample a plane wave at as few phases as the corrections need."""
-    if reference != "bem" or swimmer.tail.kind == "helix":
+    if reference != "bem" or swimmer.tail.is_rigid:
         return options
     from microswim.models.bem.levels import get_level
 

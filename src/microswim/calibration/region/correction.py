@@ -196,7 +196,7 @@ class Correction:
             raise SpecError(
                 "tail.kind", swimmer.tail.kind, f'"{self.choices["kind"]}", as calibrated'
             )
-        helix = swimmer.tail.kind == "helix"
+        helix = swimmer.tail.is_rigid
         inputs = self.inputs(swimmer)
         R, F, G, extra = self._matrices(swimmer, *inputs)
         missing = self.outside(swimmer)
@@ -254,7 +254,7 @@ class Correction:
         A helix at phase 0, a plane wave at `phases` over half a period.
         """
         R, F, G, extra = self._matrices(many, *self.inputs(many))
-        if self.choices["kind"] == "plane_wave":
+        if many.tail.is_planar:
             R, F, G = (_finer(x, 2 * phases)[:, :phases] for x in (R, F, G))
         V = twists(np.ascontiguousarray(R), np.ascontiguousarray(F), free)
         power = G + np.einsum("nmi,nmi->nm", F, V)

@@ -59,7 +59,7 @@ def scaled(swimmers: list[Swimmer], columns: np.ndarray) -> tuple[np.ndarray, np
 
 def targets(solved: list[Solved]) -> np.ndarray:
     """Corrections (n, columns) of all designs, in the order of `Surfaces`."""
-    helix = solved[0].swimmer.tail.kind == "helix"
+    helix = solved[0].swimmer.tail.is_rigid
     return np.array([(_helix_targets if helix else _wave_targets)(s) for s in solved])
 
 
@@ -119,9 +119,7 @@ def fit_groups(
     Z, N = scaled(swimmers, columns)
     Y = targets(solved)
     out = []
-    for i, (part, pairs, phasors) in enumerate(
-        groups_of(swimmers[0].tail.kind == "helix")[:groups]
-    ):
+    for i, (part, pairs, phasors) in enumerate(groups_of(swimmers[0].tail.is_rigid)[:groups]):
         y = Y[:, part]
         y = y[:, ::2] + 1j * y[:, 1::2] if pairs else y
         out.append(kriging.fit(Z, N, y, phasors, former[i] if former else None))
@@ -200,7 +198,7 @@ def _rebuilt(swimmer: Swimmer, y: np.ndarray) -> tuple[Any, Any]:
     D, mu = np.array(swimmer.body.diagonal(swimmer.fluid.viscosity)), swimmer.fluid.viscosity
     design = shaded.parameters(swimmer)[None], D[None], np.array([mu])
     none = np.zeros((1, 0)), np.zeros((2, 0)), np.zeros((1, 1)), np.zeros((1, 4)), np.array([0, 0])
-    run = (helices if swimmer.tail.kind == "helix" else waves).alone
+    run = (helices if swimmer.tail.is_rigid else waves).alone
     rules = shaded.rules(int(most[0]))
     far = np.zeros((1, 1)), np.zeros(1)
     R, F, _, _ = run(*design, *far, most, *rules, *none, np.zeros((len(y), 0)), y)

@@ -17,11 +17,8 @@ from microswim.gait.gait import Gait
 from microswim.gait.one_pose import remark
 from microswim.models.bem.levels import Level, coarser, get_level
 from microswim.models.bem.solution import Solution, solve
-from microswim.numerics.fourier import MIRROR_Q, TURN_S
 
 Array = NDArray[np.float64]
-
-# Signs of [U; Omega] under the half-period symmetry; Omega is a pseudovector.
 
 
 def turns_as_a_whole(swimmer: Any) -> bool:
@@ -30,15 +27,13 @@ def turns_as_a_whole(swimmer: Any) -> bool:
     Phase turns the surface of a helix about s, whatever its sections, and the surface's velocity
     with it, whatever its motion.
     """
-    helix = swimmer.tail.kind == "helix" and bool(swimmer.body.is_axisymmetric)
-    return helix and swimmer.wall is None
+    whole = swimmer.tail.is_rigid and swimmer.body.is_axisymmetric
+    return whole and swimmer.wall is None
 
 
 def half_period_signs(swimmer: Any) -> Array | None:
     """Signs that carry phase to phase + pi, or None if nothing does."""
-    if swimmer.wall is not None:
-        return None
-    return {"plane_wave": MIRROR_Q, "helix": TURN_S}.get(swimmer.tail.kind)
+    return None if swimmer.wall is not None else swimmer.tail.half_period_signs
 
 
 def _arrays(solution: Solution) -> dict[str, Any]:

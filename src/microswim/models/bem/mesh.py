@@ -247,7 +247,7 @@ def inner_pressures(tail: Any, phase: float, s: Array) -> Array:
 
 def swimmer_surface(body: Any, tail: Any, phase: float, r: Resolution) -> Surface:
     """Closed surface of a swimmer at one phase, with the tail's velocity per unit phase rate."""
-    alone = not np.any(np.asarray(body.semi_axes3, float) > 0)
+    alone = body.is_absent
     length = tail.apparent_length
     joint = None if alone else trace_joint(body, tail, phase)
     start = 0.0 if joint is None else joint.s

@@ -279,7 +279,7 @@ def vessel(swimmer: Any, channel: Channel | None) -> Channel:
 
 def is_round(swimmer: Any) -> bool:
     """Whether turning the tail's phase is turning the swimmer: a helix on an axisymmetric body."""
-    return getattr(swimmer.tail, "kind", "") == "helix" and bool(swimmer.body.is_axisymmetric)
+    return swimmer.tail.is_rigid and swimmer.body.is_axisymmetric
 
 
 def turns_rigidly(swimmer: Any, channel: Channel) -> bool:
@@ -289,9 +289,7 @@ def turns_rigidly(swimmer: Any, channel: Channel) -> bool:
 
 def mirrors_itself(swimmer: Any, channel: Channel) -> bool:
     """Whether half a period later is the mirror image: a plane wave on the axis of a cylinder."""
-    tail = swimmer.tail
-    waves = getattr(tail, "kind", "") == "plane_wave" and tail.surface_motion != "rigid"
-    return channel.centred and waves
+    return channel.centred and swimmer.tail.is_planar
 
 
 def mirror_image(shot: Snapshot) -> Snapshot:

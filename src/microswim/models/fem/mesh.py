@@ -162,7 +162,7 @@ def _swimmer_solid(outline: Outline, level: Level) -> Any:
 def _channel_solid(outline: Outline, channel: Channel) -> Any:
     """Cylinder or box about the swimmer; faces "wall", or "end" where it is open."""
     diameter, length = channel.diameter / outline.unit, channel.length / outline.unit
-    if channel.shape == "cylinder":
+    if channel.is_cylinder:
         solid = occ.Cylinder(occ.Pnt(-length / 2, 0, 0), occ.X, r=diameter / 2, h=length)
     else:
         half = diameter / 2

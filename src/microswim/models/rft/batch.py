@@ -44,6 +44,7 @@ from microswim.numerics.compiled import pays, settled
 from microswim.numerics.quadrature import gauss, panels
 from microswim.numerics.solve6 import solve
 from microswim.swimmer.fields import in_terms_of
+from microswim.swimmer.geometry.tails import as_wave
 from microswim.swimmer.swimmer import Swimmer
 
 CHUNK = 8192
@@ -136,9 +137,9 @@ def _chunk(
         rate = np.broadcast_to(many.tail.rate, (n,))
     if swimmer.region is not None:
         return _calibrated(swimmer, arrays, good, rate)
-    if swimmer.tail.kind == "plane_wave":
+    if swimmer.tail.is_planar:
         good &= (shapes(p)[1] <= STEEPEST) & (_nodes(p).sum(axis=1) <= MOST_NODES)
-    if swimmer.tail.kind == "helix":
+    if swimmer.tail.is_rigid:
         how = tolerance, _loops(seconds)
         return of_helices(swimmer, *_solved_helices(swimmer, p, body, good, *how), body, rate)
 
@@ -204,7 +205,7 @@ def _calibrated(swimmer: Swimmer, arrays: dict, good: np.ndarray, rate: Any) -> 
         picked = {k: v[rows] if v.size > 1 else v for k, v in arrays.items()}
         return region.solve(swimmer.lifted(picked), free, phases)
 
-    if swimmer.tail.kind != "helix":
+    if not swimmer.tail.is_rigid:
         return _plane_waves(solved, good, None, rate)
     V, power, work = np.full((n, 1, 6), np.nan), *np.full((2, n, 1), np.nan)
     if good.any():
@@ -215,15 +216,15 @@ def _calibrated(swimmer: Swimmer, arrays: dict, good: np.ndarray, rate: Any) -> 
 
 def is_regular(swimmer: Swimmer, arrays: dict[str, Any]) -> bool:
     """Whether the symmetries hold on which the batched evaluation rests."""
-    if swimmer.tail.kind == "custom" or np.any(np.ravel(swimmer.interaction.coupling)):
+    if not swimmer.tail.in_batches or np.any(np.ravel(swimmer.interaction.coupling)):
         return False
     if any("coupling" in name for name in arrays):
         return False
-    if swimmer.tail.kind == "plane_wave":
+    if swimmer.tail.is_planar:
         return True
     gamma, free = swimmer.interaction, swimmer.motion.mask
     varied = any("[1]" in k or "[2]" in k for k in arrays)
-    round_body = swimmer.body.is_axisymmetric and not (varied and swimmer.body.shape == "ellipsoid")
+    round_body = swimmer.body.is_axisymmetric and (swimmer.body.of_revolution or not varied)
     alike = gamma.translation[1] == gamma.translation[2] and gamma.rotation[1] == gamma.rotation[2]
     sided = any(k.startswith("interaction.") and varied for k in arrays)
     return round_body and alike and not sided and free[1] == free[2] and free[4] == free[5]
@@ -231,7 +232,7 @@ def is_regular(swimmer: Swimmer, arrays: dict[str, Any]) -> bool:
 
 def _buildable(many: Swimmer, p: np.ndarray, body: np.ndarray) -> np.ndarray:
     """Designs that make sense; the others stay NaN."""
-    tail, numbers = many.tail, many.numbers
+    tail, numbers = as_wave(many.tail), many.numbers
     good = np.isfinite(p).all(axis=1) & np.isfinite(body).all(axis=(1, 2))
     good &= (p[:, [LENGTH, WAVENUMBER, C_T, C_N]] > 0).all(axis=1) & (p[:, AMPLITUDE] >= 0)
     good &= (np.asarray(tail.radius) > 0) & (tail.radius < tail.room())

@@ -38,6 +38,7 @@ from microswim.models.rft.segment import (
 from microswim.numerics.compiled import pays
 from microswim.numerics.fourier import MIRROR_Q, add, rotate, series_of, trimmed
 from microswim.numerics.quadrature import gauss, panels
+from microswim.swimmer.geometry.tails import as_wave
 from microswim.swimmer.swimmer import SURROUNDINGS, Swimmer
 
 AXIS = np.array([1.0, 0.0, 0.0])
@@ -49,7 +50,7 @@ ALONE, TOGETHER = 5e-5, 1.5e-4
 
 def parameters(swimmer: Swimmer) -> np.ndarray:
     """Kernel parameters of a swimmer with a wave tail, shape (..., 11), as in `segment`."""
-    tail, x = swimmer.tail, swimmer.interaction.tail
+    tail, x = as_wave(swimmer.tail), swimmer.interaction.tail
     local = swimmer.coefficients.local(tail, swimmer.fluid.viscosity)
     values = (
         *(tail.apparent_length, tail.amplitude, tail.wavenumber, tail.ramp, tail.sign),
@@ -75,10 +76,10 @@ def rules(swimmer: Swimmer, nodes: int | None = None) -> tuple[Any, Any]:
     SpecError
         If a plane wave is too steep, or has so many turns that it would take too many nodes.
     """
-    tail = swimmer.tail
+    tail = as_wave(swimmer.tail)
     numbers = (tail.number_of_waves, tail.amplitude * tail.wavenumber, tail.ramp)
     numbers = [np.max(x.real) if isinstance(x, np.ndarray) else x.real for x in numbers]
-    kind = HELIX if tail.kind == "helix" else PLANE_WAVE
+    kind = HELIX if tail.is_rigid else PLANE_WAVE
     on_ramp, rest = node_numbers(kind, *numbers)
     if kind == PLANE_WAVE and numbers[1] > STEEPEST:
         most = STEEPEST * tail.amplitude / numbers[1]
@@ -123,7 +124,7 @@ def gait(swimmer: Swimmer, *, nodes: int | None = None, phases: int | None = Non
     checks.count("phases", phases)
     body = body_resistance(swimmer)
     tail = swimmer.tail
-    if tail.kind == "helix":
+    if tail.is_rigid:
         p = parameters(swimmer)
         arc = swimmer.motion.line_element == "arc"
         R, F, G = _helix(arc, p, nodes, swimmer)
@@ -183,17 +184,15 @@ def _samples(swimmer: Swimmer, nodes: int | None, n: int) -> tuple[np.ndarray, .
     """
     arc = swimmer.motion.line_element == "arc"
     phase = np.pi * np.arange(2 * n) / n
-    if swimmer.tail.kind == "custom":
-        return _custom_samples(swimmer, nodes, phase)
+    if not swimmer.tail.in_batches:
+        return _any_samples(swimmer, nodes, phase)
     p = parameters(swimmer)
     R, F, G = wave_phases(arc, p, phase[:n], *rules(swimmer, nodes))
     mirrored = R * MIRROR_Q[:, None] * MIRROR_Q, F * MIRROR_Q, G
     return tuple(np.concatenate(pair) for pair in zip((R, F, G), mirrored))
 
 
-def _custom_samples(
-    swimmer: Swimmer, nodes: int | None, phases: np.ndarray
-) -> tuple[np.ndarray, ...]:
+def _any_samples(swimmer: Swimmer, nodes: int | None, phases: np.ndarray) -> tuple[np.ndarray, ...]:
     tail, offset = swimmer.tail, swimmer.body.semi_axes3[0]
     local = swimmer.coefficients.local(tail, swimmer.fluid.viscosity)
     c = tuple(f * x for f, x in zip(swimmer.interaction.tail, local))

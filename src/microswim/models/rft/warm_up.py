@@ -53,6 +53,6 @@ def warm_up() -> None:
             for one in (swimmer, stepped):
                 screw(one.gait())
                 one.gait(nodes=8)
-            if not isinstance(tail, CustomTail):
+            if tail.in_batches:
                 for designs in (1, MANY):
                     evaluate(swimmer, {"tail.amplitude": np.full(designs, 0.1)})

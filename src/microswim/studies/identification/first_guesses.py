@@ -55,10 +55,10 @@ def _misfit(
     own = problem.swimmer.tail.frequency
     rate = frequency if FREQUENCY in problem.names else own
     share = rate / own
-    if problem.swimmer.tail.kind == "helix" and problem.swimmer.motion.frequency_frame == "body":
+    if problem.swimmer.tail.is_rigid and problem.swimmer.motion.frequency_frame == "body":
         spin = problem.swimmer.tail.sign * result["mean_velocity"][:, 3] / (2.0 * np.pi * own)
         share = share / (1.0 + spin) if FREQUENCY in problem.names else share
-    whole = problem.swimmer.tail.kind == "helix" and problem.track.dimensions == 3
+    whole = problem.swimmer.tail.is_rigid and problem.track.dimensions == 3
     size = result["velocity_amplitude"][:, 1] * share / (2.0 * np.pi * rate)
     size = size * (np.sqrt(2.0) if whole else 1.0)
     with np.errstate(divide="ignore", invalid="ignore"):

@@ -40,9 +40,9 @@ def path_of(
     """
     t = times - times[0]
     tail, free = swimmer.tail, gait.free
-    if tail.kind == "plane_wave" and swimmer.interaction.coupling == ((0.0,) * 3,) * 3:
+    if tail.is_planar and swimmer.interaction.coupling == ((0.0,) * 3,) * 3:
         return _plane_wave(gait, t, phase)
-    turning = tail.kind == "helix" and swimmer.body.is_axisymmetric
+    turning = tail.is_rigid and swimmer.body.is_axisymmetric
     even = free[1] == free[2] and free[4] == free[5] and _alike(swimmer)
     if turning and even:
         return _helix(gait, tail.sign, t, phase)

@@ -122,7 +122,7 @@ class PathProblem:
     @cached_property
     def planar(self) -> bool:
         """Whether the path stays in the image: a plane wave seen in 2-D."""
-        return self.swimmer.tail.kind == "plane_wave" and self.track.dimensions == 2
+        return self.swimmer.tail.is_planar and self.track.dimensions == 2
 
     @cached_property
     def scale(self) -> float:
@@ -138,7 +138,7 @@ class PathProblem:
         return made.at_rate(made.rate / _ratio(made, self.swimmer)) if self.wobbles else made
 
     def _gait(self, values: np.ndarray) -> Gait:
-        options = {} if self.swimmer.tail.kind == "helix" else {"phases": 10, "nodes": 48}
+        options = {} if self.swimmer.tail.is_rigid else {"phases": 10, "nodes": 48}
         return surrogate(lift(self.swimmer, self.unknowns, [float(v) for v in values]), **options)
 
     @cached_property
@@ -148,7 +148,7 @@ class PathProblem:
         The two differ by the body's counter-rotation. The track shows the former to a fraction of a
         cycle whatever the design, so the fit takes it as its parameter.
         """
-        rigid = self.swimmer.tail.kind == "helix" and self.swimmer.motion.frequency_frame == "body"
+        rigid = self.swimmer.tail.is_rigid and self.swimmer.motion.frequency_frame == "body"
         return rigid and FREQUENCY in self.names
 
     def physical(self, z: np.ndarray) -> np.ndarray:

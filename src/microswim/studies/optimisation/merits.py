@@ -14,6 +14,7 @@ import numpy as np
 from microswim.gait.gait import Gait
 from microswim.gait.quantities import NUMBERS, OLD, QUANTITIES, Basis
 from microswim.swimmer.fields import ALTERNATIVES, both_of_the_wave, in_terms_of
+from microswim.swimmer.geometry.tails import WaveTail
 from microswim.swimmer.swimmer import Swimmer
 
 MERITS = {name: QUANTITIES[name].meaning for name in NUMBERS if QUANTITIES[name].of_many}
@@ -30,7 +31,7 @@ GEOMETRY = {
 
 def known(swimmer: Swimmer) -> set[str]:
     """Return the names an expression about this swimmer may use: merits, numbers of the spec."""
-    shape = set(GEOMETRY) if hasattr(swimmer.tail, "arc_length") else set()
+    shape = set(GEOMETRY) if isinstance(swimmer.tail, WaveTail) else set()
     both = set(ALTERNATIVES) if shape else set()
     return set(MERITS) | set(OLD) | shape | both | set(swimmer.numbers)
 
@@ -77,7 +78,7 @@ def _values(basis: Any, names: Any = None) -> dict[str, Any]:
 def _geometry(swimmer: Swimmer) -> dict[str, Any]:
     tail = swimmer.tail
     out = dict(swimmer.numbers)
-    if not hasattr(tail, "room"):
+    if not isinstance(tail, WaveTail):
         return out
     with np.errstate(all="ignore"):
         return out | {
@@ -86,7 +87,7 @@ def _geometry(swimmer: Swimmer) -> dict[str, Any]:
             "tail_length": tail.apparent_length,
             "length_over_amplitude": np.divide(tail.arc_length, tail.amplitude),
             "crowding": tail.radius / tail.room(),
-            "winding": tail._wound_length() / tail.length,
+            "winding": tail.wound_length() / tail.length,
             "slenderness": 5.2 * tail.radius * tail.alpha * tail.wavenumber / (2.0 * np.pi),
             **both_of_the_wave(tail),
         }

@@ -21,8 +21,8 @@ from microswim.spec.values import all_from_python
 from microswim.studies.optimisation.expressions import Constraint, Expression, constraints, parse
 from microswim.studies.optimisation.limits import in_si
 from microswim.studies.optimisation.merits import known, of_gait, of_many
-from microswim.swimmer.drag.coefficients import Lighthill
 from microswim.swimmer.fields import in_terms_of
+from microswim.swimmer.geometry.tails import TAILS, WaveTail
 from microswim.swimmer.swimmer import Swimmer
 from microswim.swimmer.variants import KINDS, check_names, vary
 
@@ -121,8 +121,8 @@ class Problem:
     def _repeats(self, picked: dict[str, Any]) -> bool:
         """A plane wave has no hand: one of the two is enough."""
         hands = self.choices.get("tail.handedness", ())
-        kind = picked.get("tail.kind", self.swimmer.tail.kind)
-        return bool(hands) and kind != "helix" and picked["tail.handedness"] != hands[0]
+        kind = TAILS[picked.get("tail.kind", self.swimmer.tail.kind)]
+        return bool(hands) and not kind.is_rigid and picked["tail.handedness"] != hands[0]
 
     def numbers(self, x: np.ndarray) -> dict[str, Any]:
         """Numbers of the spec at points of the unit cube, (d,) or (n, d)."""
@@ -176,7 +176,7 @@ class Problem:
     def _stack(self, swimmer: Swimmer) -> np.ndarray:
         with warnings.catch_warnings(), np.errstate(all="ignore"):
             warnings.simplefilter("ignore")
-            plain = swimmer.tail.kind == "helix" or getattr(swimmer, "region", None) is not None
+            plain = swimmer.tail.is_rigid or swimmer.region is not None
             phases = {} if plain else {"phases": PHASES}
             values = of_gait(swimmer, swimmer.gait(**phases), self.needs)
             objective, sense = self.objectives[0]
@@ -193,13 +193,14 @@ def _texts(wanted: Any) -> list[str]:
 
 def _buildable(swimmer: Swimmer) -> tuple[Constraint, ...]:
     """The tail must exist and not touch itself, and Lighthill's coefficients mean something."""
-    if not hasattr(swimmer.tail, "room"):
+    tail = swimmer.tail
+    if not isinstance(tail, WaveTail):
         return ()
     texts = []
-    if swimmer.tail.kind == "helix" or swimmer.tail.sections != "sheared":
+    if tail.may_touch_itself:
         texts.append("crowding <= 0.999")
-    if swimmer.tail.length_measure == "arc" and swimmer.tail.waves is not None:
+    if tail.length_measure == "arc" and tail.waves is not None:
         texts.append("winding <= 0.999")
-    if isinstance(swimmer.coefficients, Lighthill):
-        texts.append("slenderness <= 0.5")
+    if np.isfinite(swimmer.coefficients.thickest):
+        texts.append(f"slenderness <= {swimmer.coefficients.thickest:g}")
     return constraints(", ".join(texts), known(swimmer))

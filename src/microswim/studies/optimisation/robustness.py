@@ -18,6 +18,7 @@ from microswim.studies.optimisation.expressions import constraints, parse
 from microswim.studies.optimisation.limits import in_si
 from microswim.studies.optimisation.merits import MERITS, known, of_many
 from microswim.swimmer.fields import both_of_the_wave
+from microswim.swimmer.geometry.tails import WaveTail
 from microswim.swimmer.swimmer import Swimmer
 from microswim.swimmer.variants import check_names
 
@@ -91,7 +92,7 @@ def _spread(
 
 def spec_numbers(swimmer: Swimmer) -> dict[str, float]:
     """Numbers of the spec, both of waves and wavelength."""
-    both = both_of_the_wave(swimmer.tail) if hasattr(swimmer.tail, "number_of_waves") else {}
+    both = both_of_the_wave(swimmer.tail) if isinstance(swimmer.tail, WaveTail) else {}
     return both | dict(swimmer.numbers)
 
 

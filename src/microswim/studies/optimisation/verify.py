@@ -23,13 +23,13 @@ from microswim.swimmer.swimmer import Swimmer
 
 ROUNDS = 6
 # What the reference is asked, and what of the surrogate answers for it.
-ASKED = {
-    "helix": ("tail_propulsion.us", "tail_propulsion.os", "mean.us", "mean.os"),
-    "plane_wave": ("tail_propulsion.us", "mean.us", "amplitude.or"),
+RIGID = {
+    "asked": ("tail_propulsion.us", "tail_propulsion.os", "mean.us", "mean.os"),
+    "unknown": {"tail.t": "", "tail.n": "", "translation.s": "us", "rotation.s": "os"},
 }
-UNKNOWN = {
-    "helix": {"tail.t": "", "tail.n": "", "translation.s": "us", "rotation.s": "os"},
-    "plane_wave": {"tail.t": "", "tail.n": "", "rotation.r": "or"},
+BEATING = {
+    "asked": ("tail_propulsion.us", "mean.us", "amplitude.or"),
+    "unknown": {"tail.t": "", "tail.n": "", "rotation.r": "or"},
 }
 
 
@@ -114,8 +114,9 @@ def _best_judged(rounds: list[dict[str, Any]], sense: float) -> int:
 
 def _calibrated(base: Swimmer, at: Swimmer, judged: Any) -> Swimmer:
     """The base swimmer with coefficients that agree with the reference at one design."""
-    free = dict(zip(DEGREES_OF_FREEDOM, at.motion.mask))
-    unknowns = [u for u, needs in UNKNOWN[at.tail.kind].items() if free.get(needs, True)]
-    asked = [q for q in ASKED[at.tail.kind] if free[q.split(".")[1]] or "propulsion" in q]
+    free: dict[str, bool] = dict(zip(DEGREES_OF_FREEDOM, at.motion.mask))
+    names = RIGID if at.tail.is_rigid else BEATING
+    unknowns = [u for u, needs in names["unknown"].items() if free.get(needs, True)]
+    asked = [q for q in names["asked"] if free[q.split(".")[1]] or "propulsion" in q]
     fit = calibrate(at, judged, unknowns, quantities=asked)
     return replace(base, interaction=fit.swimmer.interaction)

@@ -127,7 +127,7 @@ def sweep(
         raise SpecError("workers", workers, "at least 1 on a cluster")
     space = Space.of(
         all_from_python(over, swimmer.units),
-        BLOCK["custom" if swimmer.tail.kind == "custom" else model],
+        BLOCK[model if swimmer.tail.in_batches else "custom"],
     )
     check_names(swimmer, space.names)
     job = Job(swimmer, model, options, space.size)
@@ -195,7 +195,7 @@ def _digest(space: Space) -> str:
 
 def _tasks(job: Job, space: Space, rows: np.ndarray) -> Iterator[Task]:
     """Rows of a block as tasks: together for the batched kernel, else one by one."""
-    if job.model != "rft" or job.swimmer.tail.kind == "custom":
+    if job.model != "rft" or not job.swimmer.tail.in_batches:
         yield from (Task(space, int(i), int(i) + 1) for i in rows)
     elif len(rows):
         yield Task(space, int(rows[0]), int(rows[-1]) + 1)

@@ -9,6 +9,7 @@ All formulas accept arrays and complex numbers.
 from __future__ import annotations
 
 import warnings
+from abc import ABC, abstractmethod
 from dataclasses import dataclass
 from typing import Any, ClassVar
 
@@ -17,7 +18,7 @@ import numpy as np
 from microswim import checks
 from microswim.errors import SpecError
 from microswim.swimmer.drag.lighthill import lighthill_integrals
-from microswim.swimmer.geometry.tails import Tail, WaveTail
+from microswim.swimmer.geometry.tails import Tail, as_wave
 
 
 class ValidityWarning(UserWarning):
@@ -38,8 +39,8 @@ class ValidityWarning(UserWarning):
 
 
 @dataclass(frozen=True, kw_only=True)
-class Coefficients:
-    """What all laws share. Use `Lighthill`, `GrayHancock`, `Cox` or `Constant`.
+class Coefficients(ABC):
+    """A law of local resistance. Use `Lighthill`, `GrayHancock`, `Cox` or `Constant`.
 
     Parameters
     ----------
@@ -55,14 +56,15 @@ class Coefficients:
     spin: bool = True
     tip: bool = False
     law: ClassVar[str]
+    thickest: ClassVar[float] = np.inf  #: epsilon = 5.2 r_t alpha / lambda up to which it holds
 
     def __post_init__(self) -> None:
         checks.truth("coefficients.spin", self.spin)
         checks.truth("coefficients.tip", self.tip)
 
+    @abstractmethod
     def pair(self, tail: Tail, viscosity: Any) -> tuple[Any, Any]:
         """``(c_t, c_n)``: force per unit length and velocity, along and across the filament."""
-        raise TypeError("a law is Lighthill, GrayHancock, Cox or Constant")
 
     def local(self, tail: Tail, viscosity: Any) -> tuple[Any, Any, Any]:
         """``(c_t, c_n, c_r)`` per unit length: along, across, and of spin.
@@ -94,6 +96,7 @@ class Lighthill(Coefficients):
     """
 
     law: ClassVar[str] = "lighthill"
+    thickest: ClassVar[float] = 0.5
 
     def pair(self, tail: Tail, viscosity: Any) -> tuple[Any, Any]:
         """``(c_t, c_n)``.
@@ -108,7 +111,7 @@ class Lighthill(Coefficients):
         normal = -np.log(epsilon) + (2.0 * a2 - 1.0) * A1 + 2.0 * (1.0 - a2) * A2
         tangential = -np.log(epsilon) - 0.5 + a2 * A1 + (1.0 - a2) * A2
         meaningless = (normal.real <= 0) | (tangential.real <= 0)
-        beyond = (epsilon.real > 0.5) | meaningless
+        beyond = (epsilon.real > self.thickest) | meaningless
         if beyond.any() if isinstance(beyond, np.ndarray) else beyond:
             _warn_lighthill(epsilon, meaningless)
             normal = np.where(meaningless, np.nan, normal)
@@ -204,9 +207,7 @@ def _logarithmic(mu: Any, ratio: Any, normal: float, tangential: float, what: st
 
 def _wave(tail: Tail, law: str) -> tuple[Any, Any]:
     """``(alpha, lambda)`` of a tail that has a wave."""
-    wavelength = getattr(tail, "wavelength", None)
-    if wavelength is None and isinstance(tail, WaveTail):
-        wavelength = 2.0 * np.pi / tail.wavenumber
+    wavelength = tail.wavelength_along_s
     if wavelength is None:
         raise SpecError(
             "tail.wavelength", None, f'given for the law "{law}"', 'or use the law "cox"'
@@ -244,7 +245,7 @@ class Constant(Coefficients):
         return self.tangential, self.normal
 
     @classmethod
-    def from_held_tail(cls, tail: Any, thrust: float, torque: float, **options: Any) -> Constant:
+    def from_held_tail(cls, tail: Tail, thrust: float, torque: float, **options: Any) -> Constant:
         """The pair that gives a held swimmer's thrust and torque through Eq. (20).
 
         Parameters
@@ -275,7 +276,7 @@ class Constant(Coefficients):
         return cls(normal=float(c_n), tangential=float(c_t), **options)
 
 
-def closed_form(tail: Any, *, c_n: Any, c_t: Any, u_s: Any = 0.0) -> tuple[Any, Any]:
+def closed_form(tail: Tail, *, c_n: Any, c_t: Any, u_s: Any = 0.0) -> tuple[Any, Any]:
     """Axial force and torque by the fluid on a helical tail without ramp [Tabak Eq. 20].
 
     ``[F; T] = -(L/alpha) alpha^2 ([[b^2k^2, 1], [b^2k, -b^2k]] u_s
@@ -304,7 +305,8 @@ def closed_form(tail: Any, *, c_n: Any, c_t: Any, u_s: Any = 0.0) -> tuple[Any, 
     >>> [round(float(x)) for x in ms.closed_form(tail, c_n=995.5, c_t=775.2)]
     [-190, -154]
     """
-    b2, k, omega = tail.amplitude**2, tail.wavenumber, tail.rate
+    wave = as_wave(tail)
+    b2, k, omega = wave.amplitude**2, wave.wavenumber, tail.rate
     share = tail.alpha * tail.apparent_length
     force = (b2 * k**2 * c_n + c_t) * u_s + k * (c_n - c_t) * b2 * omega
     torque = b2 * k * (c_n - c_t) * u_s + (c_n + b2 * k**2 * c_t) * b2 * omega

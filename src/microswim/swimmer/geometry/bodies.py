@@ -11,6 +11,7 @@ checked on construction.
 
 from __future__ import annotations
 
+from abc import ABC, abstractmethod
 from dataclasses import dataclass
 from typing import Any, ClassVar, Literal
 
@@ -45,15 +46,27 @@ def ellipsoid_resistance(semi_axes: tuple[Any, Any, Any], viscosity: Any) -> tup
     return (*force, *torque)
 
 
-class Body:
-    """What all bodies share. Use `Sphere`, `Spheroid`, `Ellipsoid` or `NoBody`."""
+class Body(ABC):
+    """A body of any shape. Use `Sphere`, `Spheroid`, `Ellipsoid` or `NoBody`.
+
+    Attributes
+    ----------
+    shape
+        Word of the spec.
+    is_absent
+        Whether there is no body, only a tail.
+    of_revolution
+        Whether every body of this shape is one of revolution about s.
+    """
 
     shape: ClassVar[str]
+    is_absent: ClassVar[bool] = False
+    of_revolution: ClassVar[bool] = True
 
     @property
+    @abstractmethod
     def semi_axes3(self) -> tuple[Any, Any, Any]:
         """Semi-axes along s, q, r (length)."""
-        raise TypeError("a body is a Sphere, Spheroid, Ellipsoid or NoBody")
 
     @property
     def centre(self) -> np.ndarray:
@@ -105,7 +118,7 @@ class Sphere(Body):
 
     @property
     def semi_axes3(self) -> tuple[Any, Any, Any]:
-        return (self.radius,) * 3
+        return (self.radius, self.radius, self.radius)
 
     def diagonal(self, viscosity: Any) -> tuple[Any, ...]:
         force = 6.0 * np.pi * viscosity * self.radius
@@ -203,6 +216,7 @@ class Ellipsoid(Body):
 
     semi_axes: tuple[float, float, float]
     shape: ClassVar[str] = "ellipsoid"
+    of_revolution: ClassVar[bool] = False
 
     def __post_init__(self) -> None:
         checks.numbers(
@@ -227,6 +241,7 @@ class NoBody(Body):
     """
 
     shape: ClassVar[str] = "none"
+    is_absent: ClassVar[bool] = True
 
     @property
     def semi_axes3(self) -> tuple[Any, Any, Any]:

@@ -17,7 +17,7 @@ from numpy.polynomial import chebyshev
 
 from microswim import checks
 from microswim.errors import SpecError
-from microswim.swimmer.geometry.tails import Sections, SurfaceMotion, Tail
+from microswim.swimmer.geometry.tail import Sections, SurfaceMotion, Tail
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -90,6 +90,10 @@ class CustomTail(Tail):
     def apparent_length(self) -> Any:
         """Range of s."""
         return self.length
+
+    @property
+    def wavelength_along_s(self) -> float | None:
+        return self.wavelength
 
     @property
     def edges(self) -> np.ndarray:

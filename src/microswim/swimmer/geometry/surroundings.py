@@ -139,10 +139,15 @@ class Channel:
         _angle("channel.tilt", self.tilt, math.pi / 2, "within a right angle (rad)")
 
     @property
+    def is_cylinder(self) -> bool:
+        """Whether it is a tube, else a box."""
+        return self.shape == "cylinder"
+
+    @property
     def centred(self) -> bool:
         """Whether a swimmer on the axis of a cylinder sees the same channel from every side."""
         aside = any(self.position[1:])
-        return self.shape == "cylinder" and self.tilt == 0.0 and not aside
+        return self.is_cylinder and self.tilt == 0.0 and not aside
 
     def stays(self, free: Sequence[bool]) -> bool:
         """Whether the channel stays where it is, seen from a swimmer with these freedoms.
@@ -165,7 +170,7 @@ class Channel:
         """
         end = 0.5 * self.length - np.abs(points[..., 0])
         across = points[..., 1:]
-        if self.shape == "cylinder":
+        if self.is_cylinder:
             side = 0.5 * self.diameter - np.linalg.norm(across, axis=-1)
         else:
             side = 0.5 * self.diameter - np.max(np.abs(across), axis=-1)

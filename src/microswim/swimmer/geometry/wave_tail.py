@@ -1,0 +1,215 @@
+"""A tail with a sinusoidal wave [Tabak Eqs. 11, 12]: what helix and plane wave share.
+
+All formulas accept arrays and complex numbers (for design maps and the complex-step derivative);
+the fields are checked on construction.
+"""
+
+from __future__ import annotations
+
+from abc import ABC, abstractmethod
+from dataclasses import dataclass
+from typing import Any, Literal
+
+import numpy as np
+
+from microswim import checks
+from microswim.errors import SpecError
+from microswim.swimmer.geometry.tail import Tail
+
+
+@dataclass(frozen=True, kw_only=True)
+class WaveTail(Tail, ABC):
+    """A tail with a sinusoidal wave: the fields that helix and plane wave share.
+
+    Parameters
+    ----------
+    length
+        Length of the tail, along s or along the filament (`length_measure`).
+    amplitude
+        Amplitude b of the wave (length), the helix radius.
+    waves, wavelength
+        Number of waves ``N = L / lambda`` on the apparent length, or the wavelength along s:
+        one of the two.
+    radius
+        Radius r_t of the filament (length).
+    frequency
+        Motor frequency: revolutions or beats per time, of the tail relative to the body. A
+        negative frequency reverses it.
+    ramp
+        Fraction of the length over which the amplitude grows linearly from zero, 0 to 1.
+    length_measure
+        ``"apparent"``: `length` is along s. ``"arc"``: along the filament, converted with the
+        ratio alpha of the full-amplitude wave (the ramp left out, as in Eq. 20).
+    sections
+        Cross-sections for the reference solvers: circles normal to the centreline
+        (``"perpendicular"``) or in planes of constant s (``"sheared"``).
+    surface_motion
+        How the surface moves: with a rigid tail turning about s, spin of the filament included
+        (``"rigid"``), each section translating (``"translating"``), or translating and turning
+        with the tangent (``"bending"``). In the surrogate only the spin matters.
+
+    Raises
+    ------
+    SpecError
+        If a field is out of range, both or none of `waves` and `wavelength` are given, or the
+        tail would touch itself.
+    """
+
+    length: float
+    amplitude: float
+    radius: float
+    waves: float | None = None
+    wavelength: float | None = None
+    frequency: float = 1.0
+    ramp: float = 0.1
+    length_measure: Literal["apparent", "arc"] = "apparent"
+
+    def __post_init__(self) -> None:
+        checks.positive("tail.length", self.length, "length")
+        checks.number("tail.amplitude", self.amplitude, "a length of zero or more", least=0.0)
+        checks.number("tail.ramp", self.ramp, "a fraction from 0 to 1", least=0.0, most=1.0)
+        checks.choice("tail.length_measure", self.length_measure, ("apparent", "arc"))
+        self._check_filament()
+        given = {"waves": self.waves, "wavelength": self.wavelength}
+        if (self.waves is None) == (self.wavelength is None):
+            raise SpecError(
+                "tail.waves, tail.wavelength",
+                tuple(given.values()),
+                "one of the two",
+                "leave one of them out; waves = length / wavelength",
+            )
+        for name, value in given.items():
+            if value is not None:
+                checks.positive(f"tail.{name}", value)
+        self._check_shape()
+
+    def _check_shape(self) -> None:
+        """Refuse a tail that cannot be built: too short for its turns, or touching itself."""
+        shortest = self.wound_length()
+        if self.length_measure == "arc" and self.waves and shortest >= self.length:
+            raise SpecError(
+                "tail.length",
+                self.length,
+                f"longer than the windings it holds ({shortest:.6g})",
+                "lengthen the filament or reduce amplitude or waves",
+            )
+        room = float(self.room())
+        if room <= self.radius:
+            raise SpecError(
+                "tail.radius",
+                self.radius,
+                f"less than {room:.6g}, the room that this wave leaves",
+                "thin the filament, lengthen the wave or lower it: this tail touches itself",
+            )
+
+    @abstractmethod
+    def wound_length(self) -> float:
+        """Arc length of the tail squeezed flat along s: the least that holds its windings."""
+
+    @property
+    def may_touch_itself(self) -> bool:
+        """Whether some filament is too thick for such a wave, see `room`."""
+        return True
+
+    @abstractmethod
+    def room(self) -> Any:
+        """Largest filament radius before the tail touches itself."""
+
+    @property
+    def apparent_length(self) -> Any:
+        """Length L along s."""
+        if self.length_measure == "apparent":
+            return self.length
+        if self.waves is None:
+            return self.length / self.stretch(self.amplitude * self.wavenumber)
+        return self._apparent_from_arc(self.wound_length())
+
+    @property
+    def wavenumber(self) -> Any:
+        """Wavenumber ``k = 2 pi / lambda`` (1/length)."""
+        if self.wavelength is not None:
+            return 2.0 * np.pi / self.wavelength
+        return 2.0 * np.pi * self.waves / self.apparent_length
+
+    @property
+    def number_of_waves(self) -> Any:
+        """Number of waves on the tail, ``N = L / lambda``."""
+        if self.waves is not None:
+            return self.waves
+        return self.apparent_length / self.wavelength
+
+    @abstractmethod
+    def stretch(self, bk: Any) -> Any:
+        """Arc length over apparent length of a wave of amplitude x wavenumber `bk`."""
+
+    @abstractmethod
+    def _apparent_from_arc(self, wound: Any) -> Any:
+        """Apparent length L that holds the arc length, ``L stretch(wound / L) = length``."""
+
+    @property
+    def wavelength_along_s(self) -> Any:
+        return 2.0 * np.pi / self.wavenumber if self.wavelength is None else self.wavelength
+
+    @property
+    def edges(self) -> np.ndarray:
+        return np.unique([0.0, float(np.real(self.ramp)), 1.0])
+
+    @property
+    @abstractmethod
+    def out_of_plane(self) -> float:
+        """Factor of ``b_s sin(ks - phase)`` in r: ``-sign`` of a helix, 0 of a plane wave."""
+
+    @property
+    def arc_length(self) -> Any:
+        """Length along the filament of the full-amplitude wave (the ramp left out)."""
+        return self.apparent_length * self.stretch(self.amplitude * self.wavenumber)
+
+    def envelope(self, s: Any) -> tuple[Any, Any]:
+        """Local amplitude ``b_s(s)`` and its derivative: linear on the ramp, then b."""
+        s = np.asarray(s)
+        end = self.ramp * self.apparent_length
+        if np.real(end) == 0:
+            return self.amplitude + 0 * s, 0 * s
+        grows = np.real(s) < np.real(end)
+        slope = self.amplitude / end
+        return np.where(grows, slope * s, self.amplitude), np.where(grows, slope, 0.0)
+
+    def centreline(self, s: Any, phase: Any) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+        """Centreline, slope and velocity per unit phase rate [Tabak Eqs. 11, 12].
+
+        ``P = [s, b_s cos(ks - phase), out b_s sin(ks - phase)]`` with `out_of_plane`.
+
+        Parameters
+        ----------
+        s
+            Coordinate along the axis, 0 to `apparent_length`.
+        phase
+            Phase (rad), broadcast against `s`.
+
+        Returns
+        -------
+        tuple of ndarray
+            ``(P, dP/ds, dP/dphase)``, each of shape broadcast(s, phase) + (3,).
+        """
+        s, phase = np.broadcast_arrays(s, phase)
+        b, db = self.envelope(s)
+        k = self.wavenumber
+        out = self.out_of_plane
+        c, d = np.cos(k * s - phase), np.sin(k * s - phase)
+        P = np.stack([s + 0 * c, b * c, out * b * d], axis=-1)
+        P_s = np.stack([1 + 0 * c, db * c - b * k * d, out * (db * d + b * k * c)], axis=-1)
+        P_phase = np.stack([0 * c, b * d, -out * b * c], axis=-1)
+        return P, P_s, P_phase
+
+
+def as_wave(tail: Tail) -> WaveTail:
+    """Return the tail if it is a helix or a plane wave.
+
+    Raises
+    ------
+    SpecError
+        If it has no amplitude and no wavenumber.
+    """
+    if not isinstance(tail, WaveTail):
+        raise SpecError("tail.kind", tail.kind, "one with a wave here", "take a helix")
+    return tail

@@ -280,7 +280,7 @@ def test_nothing_is_left_half_written(tmp_path, monkeypatch):
     def fail(*args, **options):
         raise OSError(28, "No space left on device", "report.html")
 
-    monkeypatch.setattr(ms.report, "page", fail)
+    monkeypatch.setattr("microswim.output.report.html.page", fail)
     result = call("run", "--preset", "tabak/helix", "--periods", 1, "--out", tmp_path / "new")
     assert "No space left" in sentence(result, status=1)
     assert list(tmp_path.iterdir()) == []

@@ -200,7 +200,7 @@ class _Problem:
     unknowns: tuple[Unknown, ...]
     positive: bool
 
-    def predict(self, values: Sequence[Any]) -> np.ndarray:
+    def predict(self, values: Iterable[Any]) -> np.ndarray:
         """All observed quantities for the unknowns' values (numbers, real or complex)."""
         made: dict[int, tuple[Gait, Any]] = {}
         out = []
@@ -242,8 +242,8 @@ class _Problem:
 
         z = gauss_newton(residuals, jacobian, to(first))
         if np.any(z <= limits[0]) or np.any(z >= limits[1]):
-            tight = dict.fromkeys(("xtol", "ftol", "gtol"), 1e-12)
-            z = least_squares(residuals, to(first), jacobian, bounds=limits, **tight).x
+            how: dict[str, Any] = {"jac": jacobian, "bounds": limits, "xtol": 1e-12}
+            z = least_squares(residuals, to(first), ftol=1e-12, gtol=1e-12, **how).x
         return back(z)
 
     def _coordinates(self) -> tuple[Any, Any, Any]:
@@ -268,7 +268,7 @@ class _Problem:
             for i, u in enumerate(self.unknowns):
                 if u.pair is not None:
                     full[i] = np.tanh(z[i]) * limit(values, u.pair)
-            return full if np.iscomplexobj(z) else full.real
+            return full if np.iscomplexobj(z) else np.real(full)
 
         def to(values: Any) -> np.ndarray:
             values = np.asarray(values, dtype=float)
@@ -303,7 +303,7 @@ class _Problem:
         )
 
 
-def lift(swimmer: Swimmer, unknowns: Iterable[Unknown], values: Sequence[Any]) -> Swimmer:
+def lift(swimmer: Swimmer, unknowns: Iterable[Unknown], values: Iterable[Any]) -> Swimmer:
     """Swimmer whose unknown numbers are replaced, unchecked."""
     changes = {p: f * v for u, v in zip(unknowns, values) for p, f in u.paths}
     return swimmer.lifted(changes)

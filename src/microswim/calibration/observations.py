@@ -99,7 +99,7 @@ class Observation:
 def usual_quantities(swimmer: Swimmer) -> tuple[str, ...]:
     """The three velocities that the paper fits: forward, lateral, and of rotation."""
     wanted = ("mean.us", "amplitude.uq", "mean.os" if swimmer.tail.is_rigid else "amplitude.or")
-    mask = dict(zip(DEGREES_OF_FREEDOM, swimmer.motion.mask))
+    mask: dict[str, bool] = dict(zip(DEGREES_OF_FREEDOM, swimmer.motion.mask))
     return tuple(q for q in wanted if mask[q.split(".")[1]])
 
 

@@ -246,8 +246,8 @@ def _compare(
     }
     for i, truth in solved.items():
         own = truth if isinstance(truth, str) else references.solve(built[i], "rft", {})
-        if isinstance(own, str):
-            reasons[i] = own
+        if isinstance(truth, str) or isinstance(own, str):
+            reasons[i] = str(own)
             continue
         for q in names:
             tables["reference"][q].flat[i] = observe.observed(truth, q)

@@ -22,6 +22,8 @@ from microswim.errors import MicroswimError, SpecError, nearest
 class Failure(click.ClickException):
     """One sentence on stderr and an exit status."""
 
+    exit_code: int
+
     def __init__(self, sentence: str, status: int) -> None:
         super().__init__(" ".join(sentence.split()))
         self.exit_code = status

@@ -73,10 +73,10 @@ def write(
     lead: str = "",
 ) -> None:
     """Write all files of a run into an existing folder."""
-    from microswim.output import report
     from microswim.output.io import run as io
     from microswim.output.io import vtk
     from microswim.output.plots import run as plots
+    from microswim.output.report import html as report
 
     write_file(folder / "spec.toml", run.attrs["spec"])
     io.save(run, folder / "run.nc")

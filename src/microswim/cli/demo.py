@@ -56,8 +56,8 @@ def command(out: Path, bem: bool, force: bool) -> None:
     start = time.perf_counter()
     force = force or out == Path("out/demo")
     _folder.check(out, force)
-    from microswim.output import report
     from microswim.output.io import run as io
+    from microswim.output.report import html as report
     from microswim.spec import presets
     from microswim.swimmer.swimmer import Swimmer
 

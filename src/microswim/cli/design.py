@@ -153,7 +153,7 @@ def _pictures(given: Given, best: Any, out: Path | None) -> None:
 
         from microswim.output.io.run import netcdf
 
-        axes = {k: np.linspace(*best.ranges[k], 41) for k in ranges}
+        axes = {k: np.linspace(best.ranges[k][0], best.ranges[k][1], 41) for k in ranges}
         mapped = ("efficiency", "mean_power", "mean_torque")
         shown = best.objective if best.objective in mapped else "swimming_speed"
         result = sweep(best.swimmer, axes)

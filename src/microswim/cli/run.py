@@ -66,8 +66,8 @@ def command(
         _folder.check(out, force)
         _check_path(given.swimmer, model)
     from microswim.calibration.atlas.expected import expected_error
-    from microswim.output import report
     from microswim.output.io import run as io
+    from microswim.output.report import html as report
 
     asked = share(accuracy)
     if asked is not None and model != "auto":

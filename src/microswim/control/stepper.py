@@ -21,7 +21,9 @@ from microswim.errors import MicroswimError, SpecError
 from microswim.gait.gait import Gait
 from microswim.swimmer.swimmer import Swimmer
 
-_SHAPES = {name: (3, 3) if name == "gradient" else (3,) for name in motion.INPUTS}
+_SHAPES: dict[str, tuple[int, ...]] = {
+    name: (3, 3) if name == "gradient" else (3,) for name in motion.INPUTS
+}
 _SHAPES["motor_rate"] = ()
 _NO_LOAD = np.zeros(6)
 #: Largest turn (rad) of an internal step whose number is fixed; beyond 2.8 order 4 is not stable.

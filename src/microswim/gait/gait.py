@@ -111,8 +111,11 @@ class Gait:
             "body_resistance_series": body_R,
             "body_propulsion_series": body_F,
         }
-        bodies = {k: series_of(v, harmonics) for k, v in keep.items() if v is not None}
-        return cls(*(series_of(x, harmonics) for x in (R, F, G)), **bodies, **fields)
+        bodies: dict[str, Any] = {
+            k: series_of(v, harmonics) for k, v in keep.items() if v is not None
+        }
+        series = [series_of(x, harmonics) for x in (R, F, G)]
+        return cls(series[0], series[1], series[2], **bodies, **fields)
 
     @classmethod
     def from_rotation(
@@ -131,7 +134,7 @@ class Gait:
         ``R(phi) = Q R(0) Q'``, ``F_p(phi) = Q F_p(0)``, Q the rotation by ``sign * phi`` about s.
         """
         keep = {"body_resistance_series": body_R, "body_propulsion_series": body_F}
-        bodies = {k: rotate(v, sign) for k, v in keep.items() if v is not None}
+        bodies: dict[str, Any] = {k: rotate(v, sign) for k, v in keep.items() if v is not None}
         return cls(rotate(R, sign), rotate(F, sign), np.atleast_1d(G), **bodies, **fields)
 
     def resistance(self, phase: Any) -> np.ndarray:

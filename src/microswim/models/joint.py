@@ -16,8 +16,9 @@ from microswim.models.swimmer_surface import (
     smooth_centreline,
     tube_point,
 )
-
-Array = NDArray[np.float64]
+from microswim.numerics.array import Array
+from microswim.swimmer.geometry.bodies import Body
+from microswim.swimmer.geometry.tails import Tail
 
 
 def _last_crossing(values: Array) -> int:
@@ -26,7 +27,7 @@ def _last_crossing(values: Array) -> int:
     return int(inside[-1]) if inside.size else -1
 
 
-def piercing(body: Any, tail: Any, phase: float = 0.0) -> float:
+def piercing(body: Body, tail: Tail, phase: float = 0.0) -> float:
     """s at which the centreline leaves the body for the last time.
 
     Raises
@@ -57,7 +58,7 @@ def piercing(body: Any, tail: Any, phase: float = 0.0) -> float:
     return float(0.5 * (low + high))
 
 
-def _section_coordinates(tail: Any, X: Array, s: Array, phase: float) -> tuple[Array, Array]:
+def _section_coordinates(tail: Tail, X: Array, s: Array, phase: float) -> tuple[Array, Array]:
     """Distance from the centreline, in the section through X, and that section's s.
 
     Perpendicular: the closest point, (X - P) . P' = 0, by Newton's method from `s`.
@@ -148,7 +149,7 @@ class Joint:
         return np.cos(angle)[..., None] * self.pole + np.sin(angle)[..., None] * radial
 
 
-def _lies_on_body(tail: Any) -> SpecError:
+def _lies_on_body(tail: Tail) -> SpecError:
     return SpecError(
         "tail.radius",
         tail.radius,
@@ -158,7 +159,7 @@ def _lies_on_body(tail: Any) -> SpecError:
     )
 
 
-def _crossing(tail: Any, excess: Any, step: float, psi: Array) -> Array:
+def _crossing(tail: Tail, excess: Any, step: float, psi: Array) -> Array:
     """Polar angle at which `excess` (negative at the pole) first turns positive; Illinois
     method.
     """
@@ -184,7 +185,7 @@ def _crossing(tail: Any, excess: Any, step: float, psi: Array) -> Array:
     return middle
 
 
-def trace_joint(body: Any, tail: Any, phase: float = 0.0, points: int = 96) -> Joint:
+def trace_joint(body: Body, tail: Tail, phase: float = 0.0, points: int = 96) -> Joint:
     """Intersection of the tube with the body: where the distance to the centreline is r_t.
 
     Seen from the piercing point the curve is smooth even where the tube leans on the body, which
@@ -226,7 +227,7 @@ def trace_joint(body: Any, tail: Any, phase: float = 0.0, points: int = 96) -> J
     return Joint(start, pole, first, bare.second, series)
 
 
-def check_clear(body: Any, tail: Any, joint: Joint, phase: float = 0.0) -> None:
+def check_clear(body: Body, tail: Tail, joint: Joint, phase: float = 0.0) -> None:
     """Refuse a tail that comes back to the body beyond the joint.
 
     Raises

@@ -13,16 +13,14 @@ tube grows out of the body without a gap.
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.spatial.distance import cdist
 
 from microswim.errors import SpecError
-from microswim.swimmer.geometry.tails import WaveTail
-
-Array = NDArray[np.float64]
+from microswim.numerics.array import Array
+from microswim.swimmer.geometry.bodies import Body
+from microswim.swimmer.geometry.tails import Tail, WaveTail
 
 # Curvature x radius at which the inner side of a bend folds into itself, and from which on it is
 # nearly a crease.
@@ -55,7 +53,7 @@ def rounded_ramp(s: Array, start: float, half_width: float) -> tuple[Array, Arra
     return f, df, ddf
 
 
-def kinks(tail: Any) -> list[float]:
+def kinks(tail: Tail) -> list[float]:
     """Values of s at which the smooth centreline's curvature jumps: the ends of the rounding."""
     length = tail.apparent_length
     if not isinstance(tail, WaveTail):
@@ -86,7 +84,7 @@ class Curve:
         return cross / np.linalg.norm(self.P_s, axis=-1) ** 3
 
 
-def _wave(tail: Any, s: Array, phase: float, second: float) -> Curve:
+def _wave(tail: WaveTail, s: Array, phase: float, second: float) -> Curve:
     """Helix (second = -sign) and plane wave (second = 0): b f(s) [cos, second*sin](ks - phase)."""
     f, df, ddf = rounded_ramp(s, tail.ramp * tail.apparent_length, tail.radius)
     b, k = tail.amplitude, tail.wavenumber
@@ -109,7 +107,7 @@ def _wave(tail: Any, s: Array, phase: float, second: float) -> Curve:
     )
 
 
-def _general(tail: Any, s: Array, phase: float) -> Curve:
+def _general(tail: Tail, s: Array, phase: float) -> Curve:
     """Any other tail, from its own centreline; derivatives by differences, straight beyond the
     ends.
     """
@@ -130,7 +128,7 @@ def _general(tail: Any, s: Array, phase: float) -> Curve:
     )
 
 
-def smooth_centreline(tail: Any, s: Array, phase: float = 0.0) -> Curve:
+def smooth_centreline(tail: Tail, s: Array, phase: float = 0.0) -> Curve:
     """Centreline of a tail with the ramp's kink rounded, continued to s < 0 (the reference's P)."""
     s = np.asarray(s, dtype=float)
     if isinstance(tail, WaveTail):
@@ -138,7 +136,7 @@ def smooth_centreline(tail: Any, s: Array, phase: float = 0.0) -> Curve:
     return _general(tail, s, phase)
 
 
-def section_axes(tail: Any, curve: Curve) -> tuple[Array, Array]:
+def section_axes(tail: Tail, curve: Curve) -> tuple[Array, Array]:
     """Unit vectors n1, n2 that span the tube's sections.
 
     Perpendicular: e_q, e_r carried along by the smallest rotation that takes e_s to the tangent T,
@@ -156,7 +154,7 @@ def section_axes(tail: Any, curve: Curve) -> tuple[Array, Array]:
     return n1 - T[..., 1:2] * bisector, n2 - T[..., 2:3] * bisector
 
 
-def section_twist(tail: Any, s: Array, phase: float = 0.0) -> Array:
+def section_twist(tail: Tail, s: Array, phase: float = 0.0) -> Array:
     """Angle beta(s) through which `section_axes` turn about the tangent, from beta(s[0]) = 0.
 
     Generators theta + beta = const do not wind about the tube: along them X moves along the tangent
@@ -167,7 +165,7 @@ def section_twist(tail: Any, s: Array, phase: float = 0.0) -> Array:
     return np.concatenate([[0.0], np.cumsum(step)])
 
 
-def tube_point(tail: Any, s: Array, theta: Array, phase: float = 0.0) -> Array:
+def tube_point(tail: Tail, s: Array, theta: Array, phase: float = 0.0) -> Array:
     """X(s, theta), the tube's surface, shape of s and theta broadcast, then 3."""
     s, theta = np.broadcast_arrays(np.asarray(s, float), np.asarray(theta, float))
     curve = smooth_centreline(tail, s, phase)
@@ -176,7 +174,7 @@ def tube_point(tail: Any, s: Array, theta: Array, phase: float = 0.0) -> Array:
     return curve.P + tail.radius * radial
 
 
-def surface_velocity(tail: Any, X: Array, s: Array, phase: float = 0.0) -> Array:
+def surface_velocity(tail: Tail, X: Array, s: Array, phase: float = 0.0) -> Array:
     """Velocity of the tail's surface at X (of the section at s) per unit phase rate.
 
     rigid        sign * e_s x X              (spin of the filament included)
@@ -194,13 +192,13 @@ def surface_velocity(tail: Any, X: Array, s: Array, phase: float = 0.0) -> Array
     return curve.P_phi + np.cross(turning, X - curve.P)
 
 
-def level_set(body: Any, X: Array) -> Array:
+def level_set(body: Body, X: Array) -> Array:
     """Ellipsoid's level function: negative inside the body, zero on it."""
     scaled = (X - body.centre) / np.asarray(body.semi_axes3)
     return np.sum(scaled**2, axis=-1) - 1.0
 
 
-def _bend_outside(body: Any, tail: Any, s: Array, curve: Curve, alone: bool) -> Array:
+def _bend_outside(body: Body, tail: Tail, s: Array, curve: Curve, alone: bool) -> Array:
     """Curvature x radius at every s whose section's inner side lies outside the body, else zero."""
     if alone:
         return np.where(s >= 0, curve.curvature * tail.radius, 0.0)
@@ -211,7 +209,7 @@ def _bend_outside(body: Any, tail: Any, s: Array, curve: Curve, alone: bool) -> 
     return np.where(level_set(body, inner) > 0, curve.curvature * tail.radius, 0.0)
 
 
-def check(body: Any, tail: Any, phase: float = 0.0) -> list[str]:
+def check(body: Body, tail: Tail, phase: float = 0.0) -> list[str]:
     """Refuse geometry that cannot be built; return remarks on geometry that is merely extreme.
 
     Raises
@@ -252,7 +250,7 @@ def check(body: Any, tail: Any, phase: float = 0.0) -> list[str]:
     return remarks
 
 
-def _check_clearance(tail: Any, P: Array) -> None:
+def _check_clearance(tail: Tail, P: Array) -> None:
     """Refuse a tube that touches another part of itself."""
     P = P[::5]
     arc = np.concatenate([[0.0], np.cumsum(np.linalg.norm(np.diff(P, axis=0), axis=-1))])

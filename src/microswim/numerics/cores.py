@@ -29,7 +29,8 @@ class Loop:
     """A function with a ``prange`` over cases; `over` gives it compiled for so many of them."""
 
     def __init__(self, function: Callable[..., Any], options: dict[str, Any]) -> None:
-        update_wrapper(self, function)
+        named: Any = self
+        update_wrapper(named, function)
         self.function, self.options = function, options
 
     @cached_property

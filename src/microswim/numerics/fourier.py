@@ -37,7 +37,7 @@ def series_of(samples: np.ndarray, harmonics: int | None = None) -> np.ndarray:
     n = len(samples)
     H = (n - 1) // 2 if harmonics is None else harmonics
     if np.iscomplexobj(samples):  # apart, or rounding of the real part drowns a complex step
-        return series_of(samples.real, H) + 1j * series_of(samples.imag, H)
+        return series_of(np.real(samples), H) + 1j * series_of(np.imag(samples), H)
     hat = np.fft.rfft(samples, axis=0)[: H + 1] * (2.0 / n)
     out = np.empty((1 + 2 * H, *samples.shape[1:]))
     out[0], out[1::2], out[2::2] = hat[0].real / 2.0, hat[1:].real, -hat[1:].imag

@@ -25,6 +25,7 @@ from microswim.spec.toml import to_toml
 from microswim.studio import bounds as around
 from microswim.studio import budget
 from microswim.studio.spec_tables import canonical, swimmer_of, units_of
+from microswim.swimmer.geometry.tails import as_wave
 from microswim.swimmer.swimmer import Swimmer
 
 MAP_OUTPUTS = ("swimming_speed", "efficiency", "mean_power", "mean_torque", "body_rate_hz")
@@ -65,12 +66,13 @@ def solve(tables: Any, name: str = "design") -> dict[str, Any]:
 def surrogate(swimmer: Swimmer) -> Gait:
     """Gait by resistive force theory, resolved as far as an eye and five digits need."""
     plain = swimmer.tail.is_rigid or swimmer.region is not None
-    return swimmer.gait(**({} if plain else {"phases": PHASES}))
+    phases: dict[str, Any] = {} if plain else {"phases": PHASES}
+    return swimmer.gait(**phases)
 
 
 def describe(swimmer: Swimmer, gait: Gait) -> dict[str, Any]:
     """Shape, gait and readings of a swimmer, ready for JSON."""
-    tail, body = swimmer.tail, swimmer.body
+    tail, body = as_wave(swimmer.tail), swimmer.body
     length, wave = float(tail.apparent_length), float(tail.wavenumber)
     return {
         "units": {k: v[0] for k, v in units_of(swimmer).items()},
@@ -151,7 +153,7 @@ def axis(swimmer: Swimmer, ask: Any) -> tuple[str, np.ndarray]:
         raise SpecError("map", count, "2 to 200 values along a side")
     if (field == "tail.waves" and ends[1] > 20) or field.endswith("coupling"):
         raise SpecError("map", f"{field} up to {high}", "at most 20 waves")
-    return field, np.linspace(*ends, count)
+    return field, np.linspace(ends[0], ends[1], count)
 
 
 def map_(tables: Any, x: Any, y: Any) -> dict[str, Any]:
@@ -217,7 +219,7 @@ def optimum(tables: Any, x: Any, y: Any, output: str, zooms: int = 5) -> dict[st
         value = np.abs(_grid(swimmer, fx, X, fy, Y)[output])
         if np.isnan(value).all():
             break
-        j, i = np.unravel_index(np.nanargmax(value), (Y.size, X.size))
+        j, i = map(int, np.unravel_index(np.nanargmax(value), (Y.size, X.size)))
         best = {"x": float(X[i]), "y": float(Y[j]), "value": float(np.nanmax(value))}
         X = _closer(X, i, *ends[0])
         Y = _closer(Y, j, *ends[1])

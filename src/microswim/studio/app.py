@@ -259,7 +259,7 @@ def _snapshot(ask: Any) -> Response:
 
 
 def _start_job(judge: Judge, ask: Any) -> Any:
-    kind = _object(ask).get("kind")
+    kind = str(_object(ask).get("kind"))
     work.check(kind, ask)
     return {"token": judge.start(kind, ask)}
 

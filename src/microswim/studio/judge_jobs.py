@@ -14,6 +14,7 @@ from microswim.gait.gait import Gait
 from microswim.numerics.fourier import MIRROR_Q, series_of
 from microswim.studio import answers
 from microswim.studio.spec_tables import canonical, swimmer_of
+from microswim.swimmer.geometry.tails import as_wave
 from microswim.swimmer.swimmer import Swimmer
 
 Progress = Callable[[int, int], None]
@@ -149,7 +150,11 @@ def _window(swimmer: Swimmer) -> tuple[np.ndarray, np.ndarray]:
     front = 2.0 * float(swimmer.body.semi_axes3[0])
     margin = 0.35 * (length + front)
     step = (length + front + 2 * margin) / 55
-    half = max(margin, float(swimmer.tail.amplitude) * 2.0, float(swimmer.body.semi_axes3[1]) * 1.6)
+    half = max(
+        margin,
+        float(as_wave(swimmer.tail).amplitude) * 2.0,
+        float(swimmer.body.semi_axes3[1]) * 1.6,
+    )
     count = 2 * int(half / step) + 1
     return np.linspace(-front - margin, length + margin, 56), np.linspace(-half, half, count)
 

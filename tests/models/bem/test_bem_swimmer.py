@@ -86,15 +86,6 @@ def test_stationary_thrust_and_torque(base):
     assert torque == pytest.approx(155.8, rel=1e-2)
 
 
-def test_implied_coefficients_give_thrust_and_torque_back(base):
-    """Eq. 20 with u_s = 0 applied to the coefficients returns the pair they came from."""
-    c_n, c_t = base.implied_coefficients()
-    tail, k, b = base.swimmer.tail, 3 * np.pi, 0.1
-    common = tail.alpha * 2.0 * b**2 * tail.rate
-    pair = common * k * (c_n - c_t), common * (c_n + (b * k) ** 2 * c_t)
-    assert pair == pytest.approx(base.stationary_wrench())
-
-
 def test_resistance_is_symmetric_and_positive(base):
     R = base.raw_resistance
     scale = np.sqrt(np.outer(R.diagonal(), R.diagonal()))

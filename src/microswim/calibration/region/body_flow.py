@@ -28,6 +28,7 @@ from microswim.models.rft.segment import add_sums
 from microswim.numerics.compiled import FAST, compiled
 from microswim.numerics.quadrature import gauss
 from microswim.swimmer.drag.coefficients import GrayHancock
+from microswim.swimmer.geometry.tails import as_wave
 from microswim.swimmer.swimmer import Swimmer
 
 _LAW = GrayHancock(tip=True)
@@ -152,7 +153,7 @@ def base(p: Any, D: Any, nodes: Any, phases: Any, g: float) -> Any:
 
 def parameters(swimmer: Swimmer) -> np.ndarray:
     """Kernel parameters (..., 11) of the left-handed tail, Gray and Hancock's law with spin."""
-    tail = swimmer.tail
+    tail = as_wave(swimmer.tail)
     local = _LAW.local(tail, swimmer.fluid.viscosity)
     values = (
         *(tail.apparent_length, tail.amplitude, tail.wavenumber, tail.ramp, 1.0),

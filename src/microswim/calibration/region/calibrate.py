@@ -215,7 +215,9 @@ def _pool(swimmer: Swimmer, region: Region, seed: int) -> list[Swimmer]:
     """Scrambled Sobol points of the region that make sense, in their order."""
     low, high = np.array(list(region.values()), dtype=float).T
     out = []
-    for x in low + (high - low) * qmc.Sobol(len(region), seed=seed).random(POOL):
+    for x in low + (high - low) * qmc.Sobol(len(region), rng=np.random.default_rng(seed)).random(
+        POOL
+    ):
         try:
             out.append(swimmer.with_(dict(zip(region, map(float, x)))))
         except SpecError:
@@ -244,12 +246,12 @@ def _least_sure(
         K = kriging.covariance(At, Nt, At, Nt, *kernel) + g.noise * np.eye(len(At))
         half = np.linalg.solve(np.linalg.cholesky(K), kriging.covariance(At, Nt, Z, N, *kernel))
         C = kriging.covariance(Z, N, Z, N, *kernel) - half.conj().T @ half
-        posteriors.append(C / np.diag(C).real.mean())
+        posteriors.append(C / np.real(np.diag(C)).mean())
     chosen: list[int] = []
     for _ in range(min(count, len(open_))):
         gain = np.zeros(len(open_))
         for C in posteriors:
-            gain += np.mean(np.abs(C) ** 2, axis=0) / (np.diag(C).real + FLOOR)
+            gain += np.mean(np.abs(C) ** 2, axis=0) / (np.real(np.diag(C)) + FLOOR)
         gain[chosen] = -1.0
         c = int(np.argmax(gain))
         chosen.append(c)

@@ -19,6 +19,7 @@ from microswim.calibration.region.kriging import Surfaces
 from microswim.errors import SpecError
 from microswim.gait.gait import Gait
 from microswim.numerics.fourier import MIRROR_R
+from microswim.swimmer.geometry.tails import as_wave
 from microswim.swimmer.swimmer import Swimmer
 
 NEAR = 0.7  #: spreads of the features over which left-out errors are averaged
@@ -33,7 +34,7 @@ class RegionWarning(UserWarning):
 
 def features(swimmer: Swimmer) -> np.ndarray:
     """Dimensionless numbers of a design, shape (..., 7), as `FEATURES`."""
-    tail, (r_s, r_q, r_r) = swimmer.tail, swimmer.body.semi_axes3
+    tail, (r_s, r_q, r_r) = as_wave(swimmer.tail), swimmer.body.semi_axes3
     k = tail.wavenumber
     values = (
         *(np.log(x) for x in (tail.amplitude * k, k * tail.radius, tail.number_of_waves)),

@@ -86,7 +86,10 @@ def _wave_targets(s: Solved) -> np.ndarray:
     scale, a = scales(*base), s.swimmer.body.semi_axes3[0]
     R, F, G = s.gait.resistance(phase), s.gait.propulsion(phase), s.gait.activity(phase)
     y = np.array(
-        [blocks.encode_wave(R[j], F[j], G[j], *(b[j] for b in base), a, scale) for j in range(HALF)]
+        [
+            blocks.encode_wave(R[j], F[j], G[j], base[0][j], base[1][j], base[2][j], a, scale)
+            for j in range(HALF)
+        ]
     )
     even, odd = y[:, list(blocks.EVEN)], y[:, list(blocks.ODD)]
     turn = np.exp(-1j * np.outer([1, 2, 3], phase))

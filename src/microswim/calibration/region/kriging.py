@@ -169,7 +169,7 @@ def fit(Z: np.ndarray, N: np.ndarray, Y: np.ndarray, phasors: int, start: Any = 
             L, _, _, spread, weight = solved(x, use)
         except np.linalg.LinAlgError:
             return 1e12
-        log_det = 2.0 * np.sum(np.log(np.diag(L).real)) + np.log(weight)
+        log_det = 2.0 * np.sum(np.log(np.real(np.diag(L)))) + np.log(weight)
         return 0.5 * ((n - 1) * np.sum(np.log(spread + 1e-300)) + use.shape[1] * log_det)
 
     first = np.concatenate([np.full(Z.shape[1], 1.5), np.zeros(phasors), [np.log(1e-7)]])
@@ -326,4 +326,4 @@ def interleaved(values: np.ndarray) -> np.ndarray:
     """Complex columns as pairs of real ones."""
     if not np.iscomplexobj(values):
         return values
-    return np.stack([values.real, values.imag], axis=-1).reshape(len(values), -1)
+    return np.stack([np.real(values), np.imag(values)], axis=-1).reshape(len(values), -1)

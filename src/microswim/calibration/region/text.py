@@ -88,5 +88,5 @@ def _require_definite(groups: tuple[Kriging, ...]) -> None:
         raise schema.Wrong("a covariance is not positive definite") from None
 
 
-def _value(array: np.ndarray) -> np.ndarray | float:
+def _value(array: np.ndarray) -> Any:
     return array if array.ndim else float(array)

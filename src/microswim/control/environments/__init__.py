@@ -11,6 +11,7 @@ from typing import Any
 
 import gymnasium as gym
 import numpy as np
+from gymnasium.utils.seeding import np_random
 from gymnasium.vector import AutoresetMode, VectorEnv
 from gymnasium.vector.utils import batch_space
 
@@ -41,7 +42,7 @@ def _seed(seed: Any) -> int | None:
 
 def _key(seed: int) -> np.uint64:
     """Key of the stream of a single environment with this seed."""
-    return np.uint64(gym.utils.seeding.np_random(seed)[0].integers(KEYS))
+    return np.uint64(np_random(seed)[0].integers(KEYS))
 
 
 def _path(options: Any) -> Any:

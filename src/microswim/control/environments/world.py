@@ -24,7 +24,7 @@ BLOCKS = 4  # of robots that one core takes together
 
 def robot(name: str) -> Swimmer:
     """Return the swimmer of an environment, by the name of its file in ``robots/``."""
-    with as_file(files(__package__) / "robots" / f"{name}.toml") as path:
+    with as_file(files("microswim.control.environments") / "robots" / f"{name}.toml") as path:
         return Swimmer.from_toml(path)
 
 

@@ -110,19 +110,20 @@ def c_model(
     if not np.isrealobj(stepper.response.twist):
         raise SpecError("the gait holds numbers that are not real; check the swimmer")
     values = _values(stepper, name, spec) | PRECISIONS[precision]
-    texts = [
-        (files(__package__) / "c" / f).read_text("utf-8") for f in ("model.h.in", "model.c.in")
-    ]
+    header, source = (
+        (files("microswim.control.export") / "c" / f).read_text("utf-8")
+        for f in ("model.h.in", "model.c.in")
+    )
     if precision == "float":
         check_range(stepper, viscosity(stepper))
-        texts = [single(t) for t in texts]
+        header, source = single(header), single(source)
         values |= {k: single(values[k]) for k in FIGURES}
-    return CModel(name, *(filled(t, values) for t in texts), values["banner"])
+    return CModel(name, filled(header, values), filled(source, values), values["banner"])
 
 
 def reserved(name: str) -> bool:
     """Whether a name is a word of C or C++, or of a file that an include could mean."""
-    words = (files(__package__) / "c" / "reserved.txt").read_text("utf-8").split()
+    words = (files("microswim.control.export") / "c" / "reserved.txt").read_text("utf-8").split()
     return name.lower() in words
 
 

@@ -192,7 +192,7 @@ def _wrapper(model: cmodel.CModel, known: list[dict[str, Any]], fmi: str) -> str
         "first_output": str(first["calculated"]),
         "variables": str(len(known)),
     }
-    parts = (files(__package__) / "c" / f for f in ("fmu.c.in", f"fmi{fmi[0]}.c.in"))
+    parts = (files("microswim.control.export") / "c" / f for f in ("fmu.c.in", f"fmi{fmi[0]}.c.in"))
     return "".join(cmodel.filled(p.read_text("utf-8"), values) for p in parts)
 
 
@@ -255,7 +255,7 @@ def _build(model: cmodel.CModel) -> str:
 def _cmake(model: cmodel.CModel) -> str:
     values = {"name": model.name, "banner": model.banner.strip("/* \n").replace("\n", "\n# ")}
     return cmodel.filled(
-        (files(__package__) / "c" / "CMakeLists.txt.in").read_text("utf-8"), values
+        (files("microswim.control.export") / "c" / "CMakeLists.txt.in").read_text("utf-8"), values
     )
 
 

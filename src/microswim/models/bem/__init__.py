@@ -13,9 +13,10 @@ from microswim.models.bem.levels import LEVELS, Level, get_level
 from microswim.models.bem.solution import Solution, solve
 from microswim.models.bem.surface import Surface, ellipsoid, torus
 from microswim.models.bem.system import Layer, Quadrature, resistance
+from microswim.swimmer.geometry.bodies import Body
 
 
-def body_resistance(body: Any, viscosity: float, level: str = "standard") -> Any:
+def body_resistance(body: Body, viscosity: float, level: str = "standard") -> Any:
     """Resistance (6, 6) of a body alone about its centre, with a level's order and quadrature.
 
     A check against the exact `body.resistance(viscosity)`.

@@ -10,9 +10,8 @@ from dataclasses import dataclass
 from functools import lru_cache
 
 import numpy as np
-from numpy.typing import NDArray
 
-Array = NDArray[np.float64]
+from microswim.numerics.array import Array
 
 GEOMETRY_NODES = 8
 MAX_LEVEL = 7
@@ -23,7 +22,7 @@ def chebyshev_nodes(q: int = GEOMETRY_NODES) -> Array:
     return -np.cos((np.arange(q) + 0.5) * np.pi / q)
 
 
-def lagrange(nodes: Array, x: Array) -> tuple[Array, Array]:
+def lagrange(nodes: np.ndarray, x: np.ndarray) -> tuple[Array, Array]:
     """Lagrange polynomials through `nodes` and their derivatives at x, each (x.size,
     nodes.size).
     """
@@ -64,7 +63,7 @@ def cell_tables(p: int, g: int) -> CellTables:
     geometry, density = chebyshev_nodes(), np.polynomial.legendre.leggauss(p)[0]
     x, w = np.polynomial.legendre.leggauss(g)
     levels = np.repeat(np.arange(MAX_LEVEL + 1), 2 ** np.arange(MAX_LEVEL + 1))
-    half = 0.5**levels
+    half = np.asarray(0.5**levels, float)
     centre = -1.0 + (2 * (np.arange(levels.size) + 1 - 2**levels) + 1) * half
     points = (centre[:, None] + half[:, None] * x).ravel()
     shape = (levels.size, g, -1)
@@ -155,7 +154,7 @@ def own_rule(p: int, shape: tuple[int, int], radial: int, angular: int) -> OwnRu
 
 
 @lru_cache(maxsize=16)
-def patch_matrix(p: int) -> tuple[Array, Array, Array]:
+def patch_matrix(p: int) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     """Geometry (value, d/du, d/dv) at the p x p Gauss nodes from q x q nodes: (p^2, q^2) each."""
     nodes = np.polynomial.legendre.leggauss(p)[0]
     L, D = lagrange(chebyshev_nodes(), nodes)

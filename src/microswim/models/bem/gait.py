@@ -11,17 +11,16 @@ from collections.abc import Callable
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from microswim.gait.gait import Gait
 from microswim.gait.one_pose import remark
 from microswim.models.bem.levels import Level, coarser, get_level
 from microswim.models.bem.solution import Solution, solve
+from microswim.numerics.array import Array
+from microswim.swimmer.swimmer import Swimmer
 
-Array = NDArray[np.float64]
 
-
-def turns_as_a_whole(swimmer: Any) -> bool:
+def turns_as_a_whole(swimmer: Swimmer) -> bool:
     """Whether one phase holds the whole gait: helix, body of revolution, no wall.
 
     Phase turns the surface of a helix about s, whatever its sections, and the surface's velocity
@@ -31,7 +30,7 @@ def turns_as_a_whole(swimmer: Any) -> bool:
     return whole and swimmer.wall is None
 
 
-def half_period_signs(swimmer: Any) -> Array | None:
+def half_period_signs(swimmer: Swimmer) -> Array | None:
     """Signs that carry phase to phase + pi, or None if nothing does."""
     return None if swimmer.wall is not None else swimmer.tail.half_period_signs
 
@@ -80,7 +79,7 @@ def _info(solutions: list[Solution], level: str) -> dict[str, Any]:
 
 
 def gait(
-    swimmer: Any,
+    swimmer: Swimmer,
     *,
     level: str | Level = "standard",
     order: int | None = None,
@@ -131,7 +130,11 @@ def gait(
 
 
 def _assembled(
-    swimmer: Any, solutions: list[Solution], count: int, signs: Array | None, info: dict[str, Any]
+    swimmer: Swimmer,
+    solutions: list[Solution],
+    count: int,
+    signs: Array | None,
+    info: dict[str, Any],
 ) -> Gait:
     common = {"rate": solutions[0].rate, "free": solutions[0].free, "model": "bem", "info": info}
     common["units"] = swimmer.units
@@ -153,7 +156,7 @@ def _assembled(
     return _framed(swimmer, made)
 
 
-def _framed(swimmer: Any, made: Gait) -> Gait:
+def _framed(swimmer: Swimmer, made: Gait) -> Gait:
     """Read the tail's rate in the lab frame where the swimmer asks for it."""
     if swimmer.motion.frequency_frame == "lab":
         return made.in_lab_frame(swimmer.tail.rate, swimmer.tail.sign)

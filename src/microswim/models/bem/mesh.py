@@ -9,17 +9,15 @@ edges bend into the joint curve.
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from microswim.models import swimmer_surface as geometry
 from microswim.models.bem.surface import Surface, cube_face, grid_boxes, sample_adapted
 from microswim.models.joint import Joint, check_clear, trace_joint
-
-Array = NDArray[np.float64]
-
+from microswim.numerics.array import Array
+from microswim.swimmer.geometry.bodies import Body
+from microswim.swimmer.geometry.tails import Tail
 
 # A joint that reaches this many filament radii along the tail counts as steep: shorter first rows.
 STEEP = 0.6
@@ -72,7 +70,7 @@ class Resolution:
     body: int = 2
 
 
-def _wanted_length(tail: Any, phase: float, s: Array, r: Resolution) -> tuple[Array, Array]:
+def _wanted_length(tail: Tail, phase: float, s: Array, r: Resolution) -> tuple[Array, Array]:
     """Arc length and wanted panel length on the grid s, the joint and the tip left aside."""
     curve = geometry.smooth_centreline(tail, s, phase)
     speed = np.linalg.norm(curve.P_s, axis=-1)
@@ -88,7 +86,7 @@ def _wanted_length(tail: Any, phase: float, s: Array, r: Resolution) -> tuple[Ar
     return arc, np.maximum(h, long)
 
 
-def tube_edges(tail: Any, phase: float, start: float, r: Resolution, root: float | None) -> Array:
+def tube_edges(tail: Tail, phase: float, start: float, r: Resolution, root: float | None) -> Array:
     """Edges of the tube's panels in s: equal shares of int ds/h with h the wanted panel length.
 
     root : length of the first panel in filament radii, None for a tail without a body.
@@ -130,7 +128,9 @@ def _bent(edges: Array, joint: Joint, v: Array, psi: Array) -> tuple[Array, Arra
     ) * left
 
 
-def _tube(tail: Any, phase: float, edges: Array, around: int, joint: Any) -> tuple[Array, Array]:
+def _tube(
+    tail: Tail, phase: float, edges: Array, around: int, joint: Joint | None
+) -> tuple[Array, Array]:
     """Positions and s of the tube's patches; u runs around, v along."""
     panels = np.arange(float(edges.size))
     rows = 0 if joint is None else _rows_bent(edges, joint)
@@ -164,14 +164,14 @@ def _half_sphere(axis: Array, first: Array, second: Array, side: int) -> Array:
     return np.concatenate(parts)
 
 
-def _cap(tail: Any, phase: float, end: float, outward: float) -> tuple[Array, Array]:
+def _cap(tail: Tail, phase: float, end: float, outward: float) -> tuple[Array, Array]:
     """Hemisphere centred on P(end), positions and s.
 
     Sheared sections: the straight tube's hemisphere, each of its sections displaced to P(s) too.
     """
     if tail.sections == "sheared":
         axes = np.eye(3) if outward > 0 else np.array([[-1.0, 0, 0], [0, 0, 1.0], [0, 1.0, 0]])
-        offset = tail.radius * _half_sphere(*axes, 1)
+        offset = tail.radius * _half_sphere(axes[0], axes[1], axes[2], 1)
         s = end + offset[..., 0]
         offset[..., 0] = 0.0
         return geometry.smooth_centreline(tail, s, phase).P + offset, s
@@ -192,7 +192,7 @@ def _ring_radii(hole: float, step: float, growth: float, quarter: float) -> Arra
     return edges / edges[-1]
 
 
-def _body(body: Any, joint: Joint, r: Resolution) -> Array:
+def _body(body: Body, joint: Joint, r: Resolution) -> Array:
     """Positions of the body's patches."""
     axes, centre = np.asarray(body.semi_axes3, float), body.centre
 
@@ -220,14 +220,14 @@ def _joined(parts: list[tuple[Array, Array]]) -> tuple[Array, Array]:
     return np.concatenate(X), np.concatenate(s)
 
 
-def _flatness(tail: Any, phase: float, s: Array) -> Array:
+def _flatness(tail: Tail, phase: float, s: Array) -> Array:
     """Radius over half thickness of the tube: |P'| with sheared sections, else one."""
     if tail.sections != "sheared":
         return np.ones_like(s)
     return np.linalg.norm(geometry.smooth_centreline(tail, s, phase).P_s, axis=-1)
 
 
-def inner_pressures(tail: Any, phase: float, s: Array) -> Array:
+def inner_pressures(tail: Tail, phase: float, s: Array) -> Array:
     """Hats along the tail, (m, *s.shape), zero at the joint: pressures of the fluid inside.
 
     A pressure that varies over a length l drives a flow of order h^3/(r_t l^2) of it along a tube
@@ -245,7 +245,7 @@ def inner_pressures(tail: Any, phase: float, s: Array) -> Array:
     return np.array(hats).reshape(number, *s.shape)
 
 
-def swimmer_surface(body: Any, tail: Any, phase: float, r: Resolution) -> Surface:
+def swimmer_surface(body: Body, tail: Tail, phase: float, r: Resolution) -> Surface:
     """Closed surface of a swimmer at one phase, with the tail's velocity per unit phase rate."""
     alone = body.is_absent
     length = tail.apparent_length

@@ -11,12 +11,12 @@ from numpy.typing import NDArray
 from microswim.models.bem.element import chebyshev_nodes, lagrange
 from microswim.models.bem.surface import Surface
 from microswim.numerics.files import write
+from microswim.numerics.array import Array
 from microswim.swimmer import doors
 
 if TYPE_CHECKING:
     from microswim.models.bem.solution import Solution
 
-Array = NDArray[np.float64]
 
 AXES = {"s": 0, "q": 1, "r": 2}
 
@@ -120,7 +120,7 @@ def picture(
     outline = positions(solution.surface, 9)[..., [i, j]].reshape(-1, 2)
     shadow = outline[_quads(solution.surface.patches, 9)]
     ax.add_collection(
-        PolyCollection(shadow, facecolor="0.75", edgecolor="0.75", linewidth=0.3, zorder=3)
+        PolyCollection(list(shadow), facecolor="0.75", edgecolor="0.75", linewidth=0.3, zorder=3)
     )
     ax.set(xlabel=plane[0], ylabel=plane[1], xlim=extent[:2], ylim=extent[2:], aspect="equal")
     return figure

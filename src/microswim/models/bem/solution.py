@@ -20,7 +20,6 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from microswim.errors import SpecError
 from microswim.models import swimmer_surface as geometry
@@ -35,8 +34,8 @@ from microswim.models.bem.system import (
     solve_density,
     wrench_rows,
 )
-
-Array = NDArray[np.float64]
+from microswim.numerics.array import Array
+from microswim.swimmer.swimmer import Swimmer
 
 
 @dataclass(frozen=True)
@@ -59,7 +58,7 @@ class Solution:
         What is extreme about the geometry.
     """
 
-    swimmer: Any
+    swimmer: Swimmer
     phase: float
     layer: Layer
     density: Array
@@ -162,7 +161,7 @@ class Solution:
         """Velocity V (6,) of the free swimmer at the motor's rate: R V = -F_p rate on the free
         axes.
         """
-        free = np.nonzero(self.free)[0]
+        free = np.flatnonzero(np.asarray(self.free))
         V = np.zeros(6)
         if free.size:
             R = self.resistance[np.ix_(free, free)]
@@ -207,20 +206,6 @@ class Solution:
         wrench = -self.wrench("tail", twist=np.zeros(6))
         return float(wrench[0]), float(wrench[3])
 
-    def implied_coefficients(self) -> tuple[float, float]:
-        """(c_n, c_t) that Eq. 20 implies from the stationary tail's thrust and torque (helix only).
-
-        With u_s = 0:  F = alpha L b^2 omega k (c_n - c_t),  T = alpha L b^2 omega (c_n + b^2 k^2
-        c_t).
-        """
-        tail = self.swimmer.tail
-        k, b, rate = float(tail.wavenumber), float(tail.amplitude), self.rate
-        thrust, torque = self.stationary_wrench()
-        scale = float(tail.alpha) * float(tail.apparent_length) * b**2 * rate
-        matrix = scale * np.array([[k, -k], [1.0, (b * k) ** 2]])
-        c_n, c_t = np.linalg.solve(matrix, [abs(thrust), abs(torque)])
-        return float(c_n), float(c_t)
-
     def velocity(
         self, points: Array, twist: Array | None = None, rate: float | None = None
     ) -> Array:
@@ -255,7 +240,7 @@ class Solution:
 
 
 def solve(
-    swimmer: Any,
+    swimmer: Swimmer,
     phase: float = 0.0,
     *,
     level: str | Level = "standard",
@@ -297,7 +282,7 @@ def solve(
     return Solution(swimmer, phase, layer, solved.density, seconds, tuple(remarks))
 
 
-def _wall_beside(swimmer: Any, surface: Surface, centre: Array) -> Array | None:
+def _wall_beside(swimmer: Swimmer, surface: Surface, centre: Array) -> Array | None:
     """Point and normal (6,) of the wall, if there is one, clear of the swimmer."""
     if swimmer.channel is not None:
         raise SpecError(

@@ -14,8 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from microswim.models.bem.element import CellTables, cell_tables, chebyshev_nodes, patch_matrix
-
-Array = NDArray[np.float64]
+from microswim.numerics.array import Array
 
 
 @dataclass(frozen=True)

@@ -24,9 +24,8 @@ from microswim.models import memory
 from microswim.models.bem.assembly import layer_blocks, own_blocks, stress_sums
 from microswim.models.bem.element import cell_tables, own_rule
 from microswim.models.bem.surface import Surface
+from microswim.numerics.array import Array
 from microswim.numerics.compiled import numba
-
-Array = NDArray[np.float64]
 
 
 @dataclass(frozen=True)
@@ -62,7 +61,7 @@ class Layer:
     rule: Quadrature = field(default_factory=Quadrature)
     wall: Array | None = None
 
-    def _fill(self, targets: Array, own: Array, out: Array) -> None:
+    def _fill(self, targets: Array, own: NDArray[np.int64], out: Array) -> None:
         s, r = self.surface, self.rule
         t = cell_tables(s.order, r.points)
         wall = np.zeros(6) if self.wall is None else np.asarray(self.wall, float)
@@ -198,7 +197,7 @@ def solve_density(layer: Layer, velocities: Array) -> Densities:
     return Densities(density, {"assembly": assembled - start, "solve": solved - assembled})
 
 
-def wrench_rows(surface: Surface, centre: Array, patches: Array | None = None) -> Array:
+def wrench_rows(surface: Surface, centre: Array, patches: NDArray[np.bool_] | None = None) -> Array:
     """Rows (6, 3 e p^2) that integrate a density to force and torque about `centre`.
 
     patches : (e,) bool restricts the integral, to the body say.

@@ -9,7 +9,9 @@ from importlib.util import find_spec
 from typing import TYPE_CHECKING, Any
 
 from microswim.errors import MachineError
+from microswim.swimmer.geometry.bodies import Body
 from microswim.swimmer.geometry.surroundings import Channel
+from microswim.swimmer.swimmer import Swimmer
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -24,7 +26,7 @@ def _require() -> None:
         raise MachineError('model = "fem" needs NGSolve: pip install "microswim[fem]"')
 
 
-def channel_gait(swimmer: Any, **options: Any) -> Gait:
+def channel_gait(swimmer: Swimmer, **options: Any) -> Gait:
     """Return the gait in a channel by finite elements; see `fem.gait.gait` for the options."""
     _require()
     from microswim.models.fem.gait import gait as solve
@@ -32,7 +34,7 @@ def channel_gait(swimmer: Any, **options: Any) -> Gait:
     return solve(swimmer, **options)
 
 
-def swim(swimmer: Any, **options: Any) -> xr.Dataset:
+def swim(swimmer: Swimmer, **options: Any) -> xr.Dataset:
     """Swimming in time from rest, inertia included; see `swimming.swim` for the options."""
     _require()
     from microswim.models.fem.swimming import swim as march
@@ -40,7 +42,7 @@ def swim(swimmer: Any, **options: Any) -> xr.Dataset:
     return march(swimmer, **options)
 
 
-def body_resistance(body: Any, **options: Any) -> Any:
+def body_resistance(body: Body, **options: Any) -> Any:
     """6x6 resistance of a body alone in a channel; see `fem.gait.body_resistance`."""
     _require()
     from microswim.models.fem.gait import body_resistance as solve

@@ -17,7 +17,6 @@ Nothing here knows a mesh: positions are NumPy arrays.
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Any
 
 import numpy as np
 from scipy.spatial.transform import Rotation
@@ -25,6 +24,7 @@ from scipy.spatial.transform import Rotation
 from microswim.errors import SpecError
 from microswim.models import swimmer_surface as geometry
 from microswim.models.fem.mesh import Outline
+from microswim.swimmer.swimmer import Swimmer
 
 
 def fade(t: np.ndarray) -> np.ndarray:
@@ -48,7 +48,7 @@ class Wave:
         wall).
     """
 
-    swimmer: Any
+    swimmer: Swimmer
     outline: Outline
     room: float
 

@@ -33,7 +33,9 @@ from microswim.models.fem.mesh import (
 from microswim.models.fem.remesh import Laid, filled
 from microswim.models.fem.stokes import FOLDED, Stokes
 from microswim.numerics.fourier import MIRROR_Q
+from microswim.swimmer.geometry.bodies import Body
 from microswim.swimmer.geometry.surroundings import Channel
+from microswim.swimmer.swimmer import Swimmer
 
 #: What level coarse is off, measured (docs/accuracy-fem.md and random designs in tubes).
 LOOKING = (
@@ -60,7 +62,7 @@ def room_around(outline: Outline, channel: Channel) -> float:
     return float(np.min(channel.clearance(outline.unit * axis @ channel.axes))) / outline.unit
 
 
-def wave_in(channel: Channel, swimmer: Any) -> Wave:
+def wave_in(channel: Channel, swimmer: Swimmer) -> Wave:
     """The wave of a swimmer in a channel, refused where it makes no sense."""
     outline = Outline.of(swimmer)
     wave = Wave(swimmer, outline, max(room_around(outline, channel), 0.0))
@@ -69,7 +71,7 @@ def wave_in(channel: Channel, swimmer: Any) -> Wave:
     return wave
 
 
-def problem(swimmer: Any, channel: Channel, level: Level) -> tuple[Wave, Stokes]:
+def problem(swimmer: Swimmer, channel: Channel, level: Level) -> tuple[Wave, Stokes]:
     """Wave, and one straight mesh with spaces that carries it through the whole period."""
     wave, zone = wave_in(channel, swimmer), None
     outline = wave.outline
@@ -160,7 +162,7 @@ def solved(
 
 
 def body_resistance(
-    body: Any, *, channel: Channel, level: str | Level = "standard", viscosity: float = 1.0
+    body: Body, *, channel: Channel, level: str | Level = "standard", viscosity: float = 1.0
 ) -> np.ndarray:
     """6x6 resistance of a body without a tail, held in a channel, about its own centre.
 
@@ -175,9 +177,9 @@ def body_resistance(
     viscosity
         Of the fluid.
     """
-    axes = tuple(float(a) for a in body.semi_axes3)
+    r_s, r_q, r_r = axes = [float(a) for a in body.semi_axes3]
     unit = 2.0 * max(axes)
-    outline = Outline(tuple(a / unit for a in axes), 0.0, 0.0, unit)
+    outline = Outline((r_s / unit, r_q / unit, r_r / unit), 0.0, 0.0, unit)
     check_in_channel(outline, channel, 0.0)
     level = level_named(level)
     flow = Stokes(straight_mesh(outline, channel, level), level.order)
@@ -201,7 +203,7 @@ def _in_units(
 
 
 def gait(
-    swimmer: Any,
+    swimmer: Swimmer,
     *,
     channel: Channel | None = None,
     level: str | Level = "standard",
@@ -270,24 +272,24 @@ def _of_mesh(flow: Stokes) -> dict[str, Any]:
     return {**size, "seconds": dict(flow.seconds)}
 
 
-def vessel(swimmer: Any, channel: Channel | None) -> Channel:
+def vessel(swimmer: Swimmer, channel: Channel | None) -> Channel:
     """The channel asked for, the swimmer's own, or ten body diameters."""
     if swimmer.wall is not None:
         raise SpecError('wall: model = "fem" knows a [channel], not a [wall]; take "bem"')
     return channel or swimmer.channel or Channel.around(swimmer)
 
 
-def is_round(swimmer: Any) -> bool:
+def is_round(swimmer: Swimmer) -> bool:
     """Whether turning the tail's phase is turning the swimmer: a helix on an axisymmetric body."""
     return swimmer.tail.is_rigid and swimmer.body.is_axisymmetric
 
 
-def turns_rigidly(swimmer: Any, channel: Channel) -> bool:
+def turns_rigidly(swimmer: Swimmer, channel: Channel) -> bool:
     """Whether one phase tells all: a round swimmer on the axis of a cylinder."""
     return channel.centred and is_round(swimmer)
 
 
-def mirrors_itself(swimmer: Any, channel: Channel) -> bool:
+def mirrors_itself(swimmer: Swimmer, channel: Channel) -> bool:
     """Whether half a period later is the mirror image: a plane wave on the axis of a cylinder."""
     return channel.centred and swimmer.tail.is_planar
 
@@ -299,7 +301,7 @@ def mirror_image(shot: Snapshot) -> Snapshot:
     return Snapshot(R, M @ shot.propulsion, shot.activity, body_R, M @ shot.body_propulsion)
 
 
-def _assembled(swimmer: Any, shots: list[Snapshot], turning: bool, info: dict) -> Gait:
+def _assembled(swimmer: Swimmer, shots: list[Snapshot], turning: bool, info: dict) -> Gait:
     names = ("resistance", "propulsion", "activity", "body_resistance", "body_propulsion")
     R, F, G, body_R, body_F = (np.array([getattr(shot, n) for shot in shots]) for n in names)
     common = {

@@ -5,6 +5,9 @@ where that folds it, on its surface alone (`remesh`).
 Lengths are in units of `Outline.unit`.
 """
 
+# Netgen has no stubs.
+# pyright: reportAttributeAccessIssue=false
+
 from __future__ import annotations
 
 from dataclasses import dataclass
@@ -18,6 +21,7 @@ from netgen.meshing import MeshingParameters, MeshingStep
 
 from microswim.errors import MicroswimError, SpecError
 from microswim.swimmer.geometry.surroundings import Channel
+from microswim.swimmer.swimmer import Swimmer
 
 
 @dataclass(frozen=True)
@@ -76,12 +80,12 @@ class Outline:
     unit: float = 1.0
 
     @classmethod
-    def of(cls, swimmer: Any) -> Outline:
+    def of(cls, swimmer: Swimmer) -> Outline:
         """The outline of a swimmer, scaled by its body's largest diameter (or half the tail)."""
         body, tail = swimmer.body, swimmer.tail
-        axes = tuple(float(a) for a in body.semi_axes3)
+        r_s, r_q, r_r = axes = [float(a) for a in body.semi_axes3]
         unit = 2.0 * max(axes) or 0.5 * float(tail.apparent_length)
-        scaled = tuple(a / unit for a in axes)
+        scaled = (r_s / unit, r_q / unit, r_r / unit)
         return cls(scaled, float(tail.apparent_length) / unit, float(tail.radius) / unit, unit)
 
     @property
@@ -257,4 +261,4 @@ def _lattice(
             n = max(6, int(np.ceil(2.0 * np.pi * rho / size)))
             angles = (np.arange(n) + 0.5 * (i % 2)) * 2.0 * np.pi / n
             points += [(s, rho * np.cos(a), rho * np.sin(a), size) for a in angles]
-    return [tuple(map(float, p)) for p in points]
+    return [(float(s), float(q), float(r), float(h)) for s, q, r, h in points]

@@ -12,6 +12,9 @@ A mesh so made has no memory of the phase before: it serves the quasi-steady sol
 time.
 """
 
+# Netgen has no stubs.
+# pyright: reportAttributeAccessIssue=false
+
 from __future__ import annotations
 
 import os
@@ -151,7 +154,7 @@ def _curved(
     on = nodes.on(".*")
     target = flat.copy()
     target[on] = straight[on] + wave.displacement(straight[on], phase)
-    bits = nodes.space.GetDofs(mesh.Boundaries(".*"))
+    bits: Any = nodes.space.GetDofs(mesh.Boundaries(".*"))
     outer = np.fromiter(bits, bool, len(flat))
     bend = np.where(outer[:, None], nodes.coefficients(target - flat), 0.0)
     return Laid(flow, straight, _unfolded(flow, bend))

@@ -72,7 +72,7 @@ class Stokes:
         for name in ("body", "tail"):
             there = name in names
             region = self.mesh.Boundaries(name)
-            bits = self.velocity_space.GetDofs(region) if there else [False] * self.size
+            bits: Any = self.velocity_space.GetDofs(region) if there else [False] * self.size
             dofs[name] = np.fromiter(bits, bool, self.size)
             none = np.zeros(len(self.nodes.points), bool)
             self.on[name] = self.nodes.on(name) if there else none

@@ -11,7 +11,6 @@ from __future__ import annotations
 import time
 from collections.abc import Callable
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 import xarray as xr
@@ -25,6 +24,7 @@ from microswim.models.fem.navier_stokes import Past, Step
 from microswim.models.fem.record import March, dataset, load_march, save_march
 from microswim.models.fem.stokes import Stokes
 from microswim.swimmer.geometry.surroundings import Channel
+from microswim.swimmer.swimmer import Swimmer
 
 
 class Swim:
@@ -42,7 +42,7 @@ class Swim:
 
     def __init__(
         self,
-        swimmer: Any,
+        swimmer: Swimmer,
         channel: Channel,
         level: Level,
         steps_per_period: int,
@@ -135,7 +135,7 @@ def carrier_of(wave: Wave, channel: Channel) -> Carrier:
 
 
 def swim(
-    swimmer: Any,
+    swimmer: Swimmer,
     *,
     channel: Channel | None = None,
     periods: float = 2.0,

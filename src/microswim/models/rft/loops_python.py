@@ -38,7 +38,7 @@ def solve_waves(
 ) -> tuple[np.ndarray, np.ndarray]:
     """As `loops_compiled.solve_waves`."""
     sums = side_by_side(arc, p.T, phases, ramp_rule, rule)
-    solved = [_solved(*at_phase, body, free) for at_phase in zip(*sums)]
+    solved = [_solved(R, F, G, body, free) for R, F, G in zip(*sums)]
     V, power = (np.stack(part, axis=1) for part in zip(*solved))
     return V, power
 

@@ -98,6 +98,8 @@ def triad(axes: Axes, camera: Camera) -> None:
     for end, name in zip(camera.project(np.eye(3))[:, :2], "xyz"):
         arrow = {"arrowstyle": "-|>", "lw": 0.8, "color": "#555555", "shrinkA": 0, "shrinkB": 0}
         inset.annotate("", end, (0, 0), arrowprops={**arrow, "mutation_scale": 6})
-        inset.text(*(1.3 * end), name, ha="center", va="center", fontsize=7, color="#555555")
+        inset.text(
+            1.3 * end[0], 1.3 * end[1], name, ha="center", va="center", fontsize=7, color="#555555"
+        )
     inset.set(xlim=(-1.5, 1.5), ylim=(-1.5, 1.5), aspect="equal")
     inset.set_axis_off()

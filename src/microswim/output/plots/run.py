@@ -187,7 +187,7 @@ def _behind(axes: Axes, run: xr.Dataset, basis: np.ndarray) -> None:
     factor, unit = prefixed(reach, run.position.attrs["units"])
     across, middle, reach = factor * across, factor * middle, factor * reach
     segments = np.stack([across[:-1], across[1:]], axis=1)
-    colours = LineCollection(segments, array=_periods(run)[:-1], cmap="cividis", lw=0.8)
+    colours = LineCollection(list(segments), array=_periods(run)[:-1], cmap="cividis", lw=0.8)
     axes.add_collection(colours)
     axes.plot(*across[0], "o", ms=3.5, mfc="white", mec=BLACK, mew=0.9)
     (left, low), (right, high) = middle - reach, middle + reach
@@ -238,7 +238,8 @@ def _components(
     if which.start == 3 and run.frequency != 0:
         per_turn = abs(float(2.0 * np.pi * run.frequency)) * factor
         right = axes.secondary_yaxis(
-            "right", functions=(lambda y: y / per_turn, lambda y: y * per_turn)
+            "right",
+            functions=(lambda y: np.divide(y, per_turn), lambda y: np.multiply(y, per_turn)),
         )
         right.set_ylabel("(revolutions per period)")
 

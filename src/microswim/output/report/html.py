@@ -251,7 +251,7 @@ def page(
     made = [(key.replace("_", " "), str(run.attrs[key])) for key in keys]
     first, *others = [_table(t) for t in tables]
     figures = [_figure(caption, data) for caption, data in pictures]
-    style = files(__package__).joinpath("report.css").read_text(encoding="utf-8")
+    style = files("microswim.output.report").joinpath("report.css").read_text(encoding="utf-8")
     spec = escape(run.attrs.get("spec", "").strip()) or "given in Python, without a spec file"
     parts = [
         f"<main><header><p>microswim report</p><h1>{escape(name)}</h1>{_paragraph(lead)}</header>",

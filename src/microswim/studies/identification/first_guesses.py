@@ -77,7 +77,7 @@ def _minima(misfit: np.ndarray) -> list[tuple[int, int]]:
         [padded[1 + i : 1 + i + rows, 1 + j : 1 + j + columns] for i, j in shifts], axis=0
     )
     cells = np.argwhere((misfit <= around) & np.isfinite(misfit))
-    return sorted((tuple(map(int, c)) for c in cells), key=lambda c: misfit[c])
+    return sorted(((int(i), int(j)) for i, j in cells), key=lambda c: misfit[c])
 
 
 def initial_poses(problem: PathProblem, values: np.ndarray, count: int = 2) -> list[np.ndarray]:

@@ -231,9 +231,10 @@ class PathProblem:
         best = []
         for z in initial_poses(self, np.maximum(first, 1.01 * low), count=1 if motor else 2):
             try:
+                slope: dict[str, Any] = {"jac": self.jacobian, "bounds": bounds}
                 done = least_squares(
-                    *(self.residuals, z, self.jacobian, bounds),
-                    x_scale=self._sizes(z), max_nfev=40, xtol=1e-9, ftol=1e-9,
+                    self.residuals, z, x_scale=self._sizes(z), max_nfev=40, xtol=1e-9, ftol=1e-9,
+                    **slope,
                 )  # fmt: skip
             except (MicroswimError, np.linalg.LinAlgError, ValueError):
                 continue

@@ -158,7 +158,7 @@ def constraints(text: str, known: Any) -> tuple[Constraint, ...]:
             if not pair[0].names and pair[1].names:
                 pair, sense = pair[::-1], -sense
             said = f"{ast.unparse(left)} {'<=' if isinstance(sign, (ast.LtE, ast.Lt)) else '>='} "
-            found.append(Constraint(said + ast.unparse(right), *pair, sense))
+            found.append(Constraint(said + ast.unparse(right), pair[0], pair[1], sense))
     return tuple(found)
 
 
@@ -234,9 +234,9 @@ def _nearest(name: str, known: Any) -> str:
 
 def _value(node: Any, values: Mapping[str, Any]) -> Any:
     match node:
-        case ast.Constant():
+        case ast.Constant(value=float() | int() as number):
             try:
-                return np.float64(node.value)  # overflows to infinity, not to an exception
+                return np.float64(number)  # overflows to infinity, not to an exception
             except OverflowError:
                 return np.float64(np.inf)
         case ast.BinOp():
@@ -244,6 +244,6 @@ def _value(node: Any, values: Mapping[str, Any]) -> Any:
         case ast.UnaryOp():
             inner = _value(node.operand, values)
             return -inner if isinstance(node.op, ast.USub) else inner
-        case ast.Call():
-            return FUNCTIONS[node.func.id][1](*(_value(a, values) for a in node.args))
+        case ast.Call(func=ast.Name(id=name)):
+            return FUNCTIONS[name][1](*(_value(a, values) for a in node.args))
     return values[ast.unparse(node)]

@@ -89,8 +89,8 @@ def pareto(
             tables.append(_table(problem, picked, variant, x[chosen], F[chosen]))
     import xarray as xr
 
-    front = xr.concat(tables, "design", data_vars="all", join="outer", coords="all")
-    order = np.argsort(front[problem.objectives[0][0].text].values, kind="stable")
+    front: Any = xr.concat(tables, "design", data_vars="all", join="outer", coords="all")
+    order = np.argsort(np.asarray(front[problem.objectives[0][0].text]), kind="stable")
     return front.isel(design=order).assign_attrs(
         objectives=[
             f"{'maximize' if s > 0 else 'minimize'} {o.text}" for o, s in problem.objectives

@@ -177,7 +177,7 @@ class Problem:
         with warnings.catch_warnings(), np.errstate(all="ignore"):
             warnings.simplefilter("ignore")
             plain = swimmer.tail.is_rigid or swimmer.region is not None
-            phases = {} if plain else {"phases": PHASES}
+            phases: dict[str, Any] = {} if plain else {"phases": PHASES}
             values = of_gait(swimmer, swimmer.gait(**phases), self.needs)
             objective, sense = self.objectives[0]
             out = [sense * objective(values), *(c.margin(values) for c in self.limits)]

@@ -154,7 +154,7 @@ class Judgement:
 
 def load() -> tuple[Claim, ...]:
     """All claims, in the order of the paper."""
-    text = files(__package__).joinpath("claims.toml").read_text(encoding="utf-8")
+    text = files("microswim.studies.paper").joinpath("claims.toml").read_text(encoding="utf-8")
     return tuple(Claim(**entry) for entry in tomllib.loads(text)["claim"])
 
 

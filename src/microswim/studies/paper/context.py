@@ -17,6 +17,7 @@ import numpy as np
 from microswim.gait.gait import Gait
 from microswim.jobs import store
 from microswim.models.rft.batch import evaluate
+from microswim.swimmer.geometry.tails import as_wave
 from microswim.swimmer.motion import Motion
 from microswim.swimmer.swimmer import Swimmer
 
@@ -107,9 +108,8 @@ class Context:
         if isinstance(found, Gait):
             return found
         if self.progress:
-            self.progress(
-                f"{who.tail.kind} b = {who.tail.amplitude:g}, N = {who.tail.number_of_waves:g}"
-            )
+            b, N = as_wave(who.tail).amplitude, who.tail.number_of_waves
+            self.progress(f"{who.tail.kind} b = {b:g}, N = {N:g}")
         made = who.gait("bem", level=self.level)
         if place:
             store.keep(place, made)

@@ -104,7 +104,8 @@ def gamma_from_g(context: Context) -> float:
     from scipy.optimize import brentq
 
     plain = model("G", (1.0, 1.0))[0]
-    return float(brentq(lambda g: plain / model("G", (g, GAMMA[1]))[0] - 1.87 / 1.082, 1.5, 4.0))
+    root: Any = brentq(lambda g: plain / model("G", (g, GAMMA[1]))[0] - 1.87 / 1.082, 1.5, 4.0)
+    return float(root)
 
 
 def rate_error_at_b(context: Context) -> float:

@@ -14,6 +14,7 @@ from matplotlib.figure import Figure
 from microswim.output.plots.style import BLUE, NARROW, ORANGE, look, panels
 from microswim.studies.paper.context import Context, swimmer
 from microswim.swimmer.drag.lighthill import lighthill_integrals
+from microswim.swimmer.geometry.tails import as_wave
 
 THIN = 1e-7  # epsilon of a thin filament; the integrals then differ from their limit by 1e-14
 TITLE = "Fig. 7. Lighthill's integrals"
@@ -27,7 +28,7 @@ def compute(context: Context) -> dict[str, Any]:
     """Both integrals over alpha squared from 0.05 to 1."""
     square = np.linspace(0.05, 1.0, 120)
     alpha = np.sqrt(square)
-    tail = swimmer("helix", "sbt").tail
+    tail = as_wave(swimmer("helix", "sbt").tail)
     epsilon = 5.2 * tail.radius * alpha * tail.wavenumber / (2.0 * np.pi)
     return {
         "alpha_squared": square,

@@ -17,6 +17,7 @@ from microswim.gait.gait import Gait
 from microswim.output.plots.style import BLUE, GREY, WIDE, letter, look, panels
 from microswim.studies.paper.context import Context, observed, swimmer
 from microswim.swimmer.drag.coefficients import Constant, closed_form
+from microswim.swimmer.geometry.tails import as_wave
 from microswim.swimmer.swimmer import Swimmer
 
 TITLE = "Table 1. Base case"
@@ -113,8 +114,9 @@ def held_torque(context: Context) -> float:
 def held_pair(context: Context) -> np.ndarray:
     """``c_n, c_t`` that Eq. (20) gives for the reference's thrust and torque of the held tail."""
     tail = swimmer("helix", "constant").tail
-    columns = [closed_form(tail, c_n=c, c_t=1.0 - c) for c in (1.0, 0.0)]
-    return np.linalg.solve(np.transpose(columns), held(context))
+    thrust, torque = held(context)
+    pair = Constant.from_held_tail(tail, thrust, torque)
+    return np.array([pair.normal, pair.tangential])
 
 
 def implied_thrust(context: Context) -> float:
@@ -161,7 +163,7 @@ def ripple(context: Context, index: int) -> float:
 
 def waves_and_wavenumber(context: Context, which: str) -> float:
     """Number of waves or wavenumber of the base case."""
-    tail = swimmer("helix", "constant").tail
+    tail = as_wave(swimmer("helix", "constant").tail)
     return float(tail.number_of_waves if which == "waves" else tail.wavenumber)
 
 

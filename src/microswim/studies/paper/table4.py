@@ -138,9 +138,10 @@ def end_both_rates(
     context: Context, which: str, quantity: int, varied: str, coefficients: str
 ) -> np.ndarray:
     """`end` of the helix with the tail's rate relative to the body and in the lab frame."""
-    design = {"which": which, "quantity": quantity, "varied": varied, "coefficients": coefficients}
     both = [
-        end(context, tail="helix", **design, **{"motion.frequency_frame": x})
+        end(
+            context, which, "helix", quantity, varied, coefficients, **{"motion.frequency_frame": x}
+        )
         for x in ("body", "lab")
     ]
     return np.array(both)
@@ -150,9 +151,16 @@ def end_both_lines(
     context: Context, which: str, quantity: int, varied: str, coefficients: str
 ) -> np.ndarray:
     """`end` of the plane wave integrated over the apparent length and along the arc."""
-    design = {"which": which, "quantity": quantity, "varied": varied, "coefficients": coefficients}
     both = [
-        end(context, tail="plane_wave", **design, **{"motion.line_element": x})
+        end(
+            context,
+            which,
+            "plane_wave",
+            quantity,
+            varied,
+            coefficients,
+            **{"motion.line_element": x},
+        )
         for x in ("apparent", "arc")
     ]
     return np.array(both)

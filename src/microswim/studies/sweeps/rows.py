@@ -7,7 +7,7 @@ stays unsolved, with the machine's reason.
 from __future__ import annotations
 
 import warnings
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field
 from typing import Any
 
@@ -61,12 +61,12 @@ def solve_rows(job: Job, columns: Mapping[str, np.ndarray]) -> dict[str, np.ndar
 
 def _solved(job: Job, columns: Mapping[str, np.ndarray]) -> dict[str, np.ndarray]:
     out = blank(len(next(iter(columns.values()))))
-    left = range(len(out["status"]))
+    left: Iterable[int] = range(len(out["status"]))
     if job.model == "rft" and not job.options:
         for choices, rows in groups(columns):
             numbers = {k: v[rows] for k, v in columns.items() if k not in choices}
             _solve_batched(job.swimmer, choices, numbers, out, rows)
-        left = np.flatnonzero(out["status"] != DONE)
+        left = np.flatnonzero(out["status"] != DONE).tolist()
     for i in left:
         _solve_one(job, {name: column[i] for name, column in columns.items()}, out, i)
     return out

@@ -139,5 +139,5 @@ def lighthill_integrals(alpha: Any, epsilon: Any) -> tuple[Any, Any]:
     flat = [np.ascontiguousarray(x, dtype=kind).reshape(-1) for x in (alpha, epsilon)]
     A = np.array(_at.written(*flat, _table(), *_GAUSS))
     for x, (lo, hi) in zip(flat, (ALPHA_RANGE, EPSILON_RANGE)):
-        A[:, ~((x.real >= lo) & (x.real <= hi))] = np.nan
+        A[:, ~((np.real(x) >= lo) & (np.real(x) <= hi))] = np.nan
     return A[0].reshape(alpha.shape), A[1].reshape(alpha.shape)

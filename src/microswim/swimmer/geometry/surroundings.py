@@ -12,12 +12,11 @@ from dataclasses import dataclass
 from typing import Any, Literal
 
 import numpy as np
-from numpy.typing import NDArray
 
 from microswim import checks
 from microswim.errors import SpecError
+from microswim.numerics.array import Array
 
-Array = NDArray[np.float64]
 ALONG = 1e-9  # a component of a unit vector below this is rounding
 
 

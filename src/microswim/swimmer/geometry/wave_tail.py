@@ -129,12 +129,12 @@ class WaveTail(Tail, ABC):
         """Wavenumber ``k = 2 pi / lambda`` (1/length)."""
         if self.wavelength is not None:
             return 2.0 * np.pi / self.wavelength
-        return 2.0 * np.pi * self.waves / self.apparent_length
+        return 2.0 * np.pi * self.number_of_waves / self.apparent_length
 
     @property
     def number_of_waves(self) -> Any:
         """Number of waves on the tail, ``N = L / lambda``."""
-        if self.waves is not None:
+        if self.wavelength is None:
             return self.waves
         return self.apparent_length / self.wavelength
 

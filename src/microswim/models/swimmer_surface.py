@@ -22,9 +22,9 @@ from microswim.numerics.array import Array
 from microswim.swimmer.geometry.bodies import Body
 from microswim.swimmer.geometry.tails import Tail, WaveTail
 
-# Curvature x radius at which the inner side of a bend folds into itself, and from which on it is
-# nearly a crease.
-FOLDED, CREASED = 1.0, 0.9
+# Curvature x radius from which on a bend is refused (it folds into itself at one, and just below it
+# is a crease that no level resolves), and from which on it is nearly a crease.
+FOLDED, CREASED = 0.98, 0.9
 
 
 def rounded_ramp(s: Array, start: float, half_width: float) -> tuple[Array, Array, Array]:
@@ -215,7 +215,7 @@ def check(body: Body, tail: Tail, phase: float = 0.0) -> list[str]:
     Raises
     ------
     SpecError
-        If the tube folds into itself (curvature x radius of one and more, the inner side of the
+        If the tube folds into itself (curvature x radius of 0.98 and more, the inner side of the
         bend outside the body) or touches itself (turns closer than two filament radii).
     """
     radius = tail.radius
@@ -230,7 +230,7 @@ def check(body: Body, tail: Tail, phase: float = 0.0) -> list[str]:
             raise SpecError(
                 "tail.radius",
                 radius,
-                f"less than {radius / fold:.4g}, the centreline's radius of curvature at "
+                f"less than {FOLDED * radius / fold:.4g}, nearly the radius of curvature at "
                 f"s = {s[bend.argmax()]:.3g}",
                 "the tube would fold into itself: use a thinner filament, a smaller amplitude, "
                 "fewer waves or a longer ramp",

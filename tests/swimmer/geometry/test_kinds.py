@@ -23,10 +23,10 @@ CONCRETE = {c.__name__ for table in (TAILS, SHAPES, LAWS) for c in table.values(
 
 
 def is_word(node):
-    """Whether an expression is a word of the spec, ``tail.kind`` and the like (no dtype's)."""
+    """Whether an expression is a kind, ``tail.kind`` and the like (no dtype's, no spec field's)."""
     if not isinstance(node, ast.Attribute) or node.attr not in WORDS:
         return False
-    return getattr(node.value, "attr", getattr(node.value, "id", "")) != "dtype"
+    return getattr(node.value, "attr", getattr(node.value, "id", "")) not in ("dtype", "field")
 
 
 def is_text(node):

@@ -23,7 +23,6 @@ from microswim.calibration.region import positive_definite as blocks
 from microswim.calibration.region.matern import matern
 from microswim.models.rft.plane_wave import fill_nodes
 from microswim.numerics.fourier import MIRROR_R
-from microswim.swimmer.geometry.bodies import Spheroid
 from microswim.swimmer.swimmer import Swimmer
 
 FILE = "helix.npz"
@@ -123,10 +122,8 @@ class Atlas:
 
 def _bare(swimmer: Swimmer) -> Swimmer:
     """Return the swimmer with the exact drag of its body: there is no other truth."""
-    body = swimmer.body
-    if isinstance(body, Spheroid) and body.drag != "exact":
-        return replace(swimmer, body=replace(body, drag="exact"))
-    return swimmer
+    body = swimmer.body.exact
+    return swimmer if body is swimmer.body else replace(swimmer, body=body)
 
 
 def base(swimmer: Swimmer) -> tuple[Any, ...]:
@@ -177,5 +174,5 @@ def shipped() -> Atlas | None:
     """Return the atlas that comes with the package, None where there is none."""
     from microswim.calibration.atlas.text import unpack
 
-    path = files(__package__).joinpath(FILE)
+    path = files("microswim.calibration.atlas").joinpath(FILE)
     return unpack(path.read_bytes()) if path.is_file() else None

@@ -11,7 +11,7 @@ from typing import Any
 
 import numpy as np
 
-from microswim.swimmer.geometry.tails import HelicalTail
+from microswim.swimmer.geometry.tails import WaveTail, as_wave
 from microswim.swimmer.swimmer import Swimmer
 
 #: Numbers of a design and the range of the atlas, as (words, lowest, highest).
@@ -33,8 +33,7 @@ RATIOS = (
 
 def numbers(swimmer: Swimmer) -> np.ndarray:
     """Return the six dimensionless numbers of a design, shape (6, ...)."""
-    tail, (r_s, r_q, _) = swimmer.tail, swimmer.body.semi_axes3
-    assert isinstance(tail, HelicalTail)
+    tail, (r_s, r_q, _) = as_wave(swimmer.tail), swimmer.body.semi_axes3
     k = tail.wavenumber
     mean = (r_s * r_q * r_q) ** (1.0 / 3.0)
     values = (
@@ -83,7 +82,7 @@ def outside(swimmer: Swimmer) -> list[str]:
 def unlike(swimmer: Swimmer) -> list[str]:
     """Return in words what makes a swimmer another kind of thing than the atlas holds."""
     tail, body = swimmer.tail, swimmer.body
-    if not isinstance(tail, HelicalTail):
+    if not (isinstance(tail, WaveTail) and tail.is_rigid):
         return ["it holds helical tails"]
     if not body.is_axisymmetric or not np.all(np.real(body.semi_axes3[0]) > 0):
         return ["it holds bodies of revolution: a sphere or a spheroid"]

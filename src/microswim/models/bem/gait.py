@@ -15,7 +15,8 @@ import numpy as np
 from microswim.gait.gait import Gait
 from microswim.gait.one_pose import remark
 from microswim.models.bem.levels import Level, coarser, get_level
-from microswim.models.bem.solution import Solution, solve
+from microswim.models.bem.solution import Solution
+from microswim.models.bem.trust import doubts, trusted
 from microswim.numerics.array import Array
 from microswim.swimmer.swimmer import Swimmer
 
@@ -71,7 +72,7 @@ def _info(solutions: list[Solution], level: str) -> dict[str, Any]:
         "asymmetry": max(s.asymmetry for s in solutions),
         "reciprocity": max(s.reciprocity for s in solutions),
         "wall": wall,
-        "remarks": [*first.remarks, *([remark("wall")] if held else [])],
+        "remarks": [*first.remarks, *([remark("wall")] if held else []), *doubts(solutions)],
         **({"one_pose": "wall"} if held else {}),
         "joint": "torque and lateral force on the body alone drift with the logarithm of the mesh "
         "size; R, F_p and velocities converge",
@@ -113,7 +114,7 @@ def gait(
     solutions = []
     for n in range(wanted):
         phase = 2 * np.pi * n / count
-        solutions.append(solve(swimmer, phase, level=chosen))
+        solutions.append(trusted(swimmer, phase, chosen))
         if progress is not None:
             progress(n + 1, wanted)
     info = _info(solutions, chosen.name)

@@ -99,8 +99,10 @@ class Solution:
 
     @property
     def asymmetry(self) -> float:
-        """Largest |R_ij - R_ji| over sqrt(R_ii R_jj)."""
+        """Largest |R_ij - R_ji| over sqrt(R_ii R_jj); infinite where some R_ii is not positive."""
         R = self.raw_resistance
+        if R.diagonal().min() <= 0.0:
+            return float("inf")
         return float((np.abs(R - R.T) / np.sqrt(np.outer(R.diagonal(), R.diagonal()))).max())
 
     @cached_property
@@ -115,8 +117,15 @@ class Solution:
 
     @property
     def reciprocity(self) -> float:
-        """Largest |raw F_p - F_p| over sqrt(R_ii G): how well the corner at the joint is met."""
+        """Largest |raw F_p - F_p| over sqrt(R_ii G): how well the corner at the joint is met.
+
+        Infinite where R_ii or G is not positive, zero for a tail that does not move.
+        """
+        if not self.surface.motion.any():
+            return 0.0
         power = self.surface.moments[3].reshape(-1) @ self.density[:, 6]
+        if power <= 0.0 or self.raw_resistance.diagonal().min() <= 0.0:
+            return float("inf")
         scale = np.sqrt(self.raw_resistance.diagonal() * power)
         return float((np.abs(self.raw_propulsion - self.propulsion) / scale).max())
 

@@ -12,7 +12,7 @@ checked on construction.
 from __future__ import annotations
 
 from abc import ABC, abstractmethod
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any, ClassVar, Literal
 
 import numpy as np
@@ -67,6 +67,11 @@ class Body(ABC):
     @abstractmethod
     def semi_axes3(self) -> tuple[Any, Any, Any]:
         """Semi-axes along s, q, r (length)."""
+
+    @property
+    def exact(self) -> Body:
+        """The same body with its exact isolated resistance."""
+        return self
 
     @property
     def centre(self) -> np.ndarray:
@@ -170,6 +175,10 @@ class Spheroid(Body):
                 'prolate (r_s > r_q) for drag = "slender"',
                 'use drag = "exact"',
             )
+
+    @property
+    def exact(self) -> Body:
+        return self if self.drag == "exact" else replace(self, drag="exact")
 
     @property
     def semi_axes3(self) -> tuple[Any, Any, Any]:

@@ -1,0 +1,63 @@
+"""What the boundary elements measure of their own error is acted on."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+import microswim as ms
+from microswim.errors import SpecError
+from microswim.models import bem, swimmer_surface
+from microswim.models.bem import trust
+
+ROBOT = ms.Swimmer(
+    body=ms.Sphere(radius=0.5),
+    tail=ms.HelicalTail(length=2.0, amplitude=0.1, waves=3, radius=0.05),
+    fluid=ms.Fluid(viscosity=1.0),
+)
+COARSE = replace(bem.get_level("coarse"), phases=1)
+
+
+def beside(distance):
+    return replace(ROBOT, wall=ms.Wall(distance))
+
+
+def test_a_resistance_that_is_not_positive_definite_has_no_small_asymmetry():
+    """At a gap of 0.02 radii this mesh gives a body that the fluid pushes along."""
+    solved = bem.solve(beside(0.51))
+    assert np.linalg.eigvalsh(solved.resistance).min() < 0
+    assert solved.asymmetry == np.inf
+    assert trust.misfit(solved) == np.inf
+
+
+def test_a_flow_that_is_not_resolved_is_refused():
+    with pytest.raises(SpecError, match=r"wall\.distance = 0\.51: .*passive body.*gap"):
+        beside(0.51).gait("bem")
+
+
+def test_smaller_panels_are_tried_first_and_what_is_left_is_said():
+    gap = beside(0.51)
+    plain = trust.misfit(bem.solve(gap, level=COARSE))
+    gait = gap.gait("bem", level=COARSE)
+    left = gait.info["asymmetry"]
+    assert trust.DOUBTFUL < left < plain
+    assert any("reciprocal only to" in remark for remark in gait.info["remarks"])
+
+
+def test_a_flow_that_is_resolved_needs_no_word():
+    gait = ROBOT.gait("bem", level="coarse")
+    assert trust.doubts([bem.solve(ROBOT, level="coarse")]) == []
+    assert gait.info["remarks"] == []
+
+
+@pytest.mark.parametrize(("share", "refused"), [(0.985, True), (0.97, False)])
+def test_a_crease_that_no_level_resolves_is_refused(share, refused):
+    """Curvature of a helix ``b k^2 / (1 + b^2 k^2)``; its product with the radius is `share`."""
+    b, k = 0.1, 3 * np.pi
+    radius = share * (1 + (b * k) ** 2) / (b * k**2)
+    tail = ms.HelicalTail(length=2.0, amplitude=b, waves=3, radius=radius, ramp=0.0)
+    if refused:
+        with pytest.raises(SpecError, match=r"tail\.radius"):
+            swimmer_surface.check(ms.NoBody(), tail)
+    else:
+        assert "nearly a crease" in " ".join(swimmer_surface.check(ms.NoBody(), tail))

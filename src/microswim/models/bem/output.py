@@ -10,8 +10,8 @@ from numpy.typing import NDArray
 
 from microswim.models.bem.element import chebyshev_nodes, lagrange
 from microswim.models.bem.surface import Surface
-from microswim.numerics.files import write
 from microswim.numerics.array import Array
+from microswim.numerics.files import write
 from microswim.swimmer import doors
 
 if TYPE_CHECKING:

@@ -68,7 +68,9 @@ class _Bar:
 
     def __init__(self, what: str, console: Any) -> None:
         self.what, self.console = what, console
-        self.rate, self.state, self.shown, self.task = _Rate(), (0, None, ""), None, None
+        self.rate, self.state = _Rate(), (0, None, "")
+        self.shown: Any = None
+        self.task: Any = None
 
     def update(self, done: int, total: int) -> None:
         self.state = (done, total, self.rate.text(done))

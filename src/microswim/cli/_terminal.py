@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import codecs
+import io
 import os
 import sys
 from collections.abc import Iterator
@@ -32,7 +33,7 @@ def prepared() -> Iterator[None]:
         With status 1 if what was printed could not be written.
     """
     for stream in (sys.stdout, sys.stderr):
-        if hasattr(stream, "reconfigure"):
+        if isinstance(stream, io.TextIOWrapper):
             stream.reconfigure(errors="microswim.plain")
     os.environ["MPLBACKEND"] = "agg"  # pictures go to files; a display may not be there
     try:

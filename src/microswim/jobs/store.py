@@ -86,7 +86,8 @@ def keep(path: Path, result: Gait | str) -> None:
 def find(path: Path) -> Gait | str | None:
     """Read a solve; None if there is none, or none that is whole."""
     try:
-        notes, arrays = archive.unpack(path.read_bytes())
+        held: tuple[dict[str, Any], dict[str, Any]] = archive.unpack(path.read_bytes())
+        notes, arrays = held
         if notes.pop("key") != path.stem:
             return None
         if "reason" in notes:

@@ -33,7 +33,8 @@ def pack(notes: Mapping[str, Any], arrays: Mapping[str, Any]) -> bytes:
     """Return an archive of notes (what JSON can hold) and arrays, the same bytes every time."""
     held = _held(notes, arrays)
     buffer = io.BytesIO()
-    np.savez_compressed(buffer, **held, checksum=np.array(_digest(held)))
+    whole: dict[str, Any] = {**held, "checksum": np.array(_digest(held))}
+    np.savez_compressed(buffer, **whole)
     return buffer.getvalue()
 
 

@@ -115,7 +115,7 @@ def extremes(series: np.ndarray) -> tuple[Any, Any]:
     flat = 1e-12 * np.abs(series).max(axis=0)
     out = []
     for sense in (-1.0, 1.0):
-        at = np.argmax(sense * values.real, axis=0)
+        at = np.argmax(sense * np.real(values), axis=0)
         best = np.take_along_axis(values, at[None], axis=0)[0]
         x = phase[at] + 0.0 * best
         for _ in range(4):

@@ -183,7 +183,7 @@ def _with_dynamic_viscosity(tables: dict[str, Any]) -> dict[str, Any]:
     path = "fluid.kinematic_viscosity"
     if given is None:
         path, given = "fluid.viscosity", fluid.get("viscosity")
-        if not has_unit(given) or not _measures(given, "kinematic viscosity"):
+        if given is None or not has_unit(given) or not _measures(given, "kinematic viscosity"):
             return tables
     nu, rho = _number(path, given, "kinematic viscosity"), fluid.get("density", 0)
     rho = _number("fluid.density", rho, "density")

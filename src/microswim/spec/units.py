@@ -131,10 +131,11 @@ _COMMON = {
 
 
 @cache
-def _registry() -> pint.UnitRegistry:
+def _registry() -> Any:
     import pint  # takes a good part of a second
 
-    registry = pint.UnitRegistry(None, autoconvert_to_preferred=False)
+    empty: Any = None  # of pint's own units
+    registry = pint.UnitRegistry(empty, autoconvert_to_preferred=False)
     registry.load_definitions(_LIST.strip().splitlines())
     return registry
 

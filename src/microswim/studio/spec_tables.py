@@ -102,11 +102,12 @@ def _table(part: Any) -> dict[str, Any]:
 def _quantity(name: str, value: Any, units: dict[str, tuple[str, float]]) -> Any:
     """A number with its unit, as the spec file has it."""
     measures = FIELDS[name].measures
-    if isinstance(value, list) and measures:
+    if measures and isinstance(value, list):
         return [_quantity(name, v, units) for v in value]
+    number: Any = value
     if measures == "angle":
-        return f"{float(f'{math.degrees(value):.12g}')!r} deg"
+        return f"{float(f'{math.degrees(number):.12g}')!r} deg"
     if measures is None or not units:
         return value
     unit, size = units[measures]
-    return f"{float(f'{value / size:.12g}')!r} {unit}"
+    return f"{float(f'{number / size:.12g}')!r} {unit}"

@@ -62,9 +62,9 @@ class Group:
                 even, odd = even + a * np.cos(m * turn), odd - a * np.sin(m * turn)
         if not np.iscomplexobj(self.alpha):
             return (k * even) @ self.alpha + self.mean
-        a, b = self.alpha.real, self.alpha.imag
-        real = (k * even) @ a - (k * odd) @ b + self.mean.real
-        imag = (k * even) @ b + (k * odd) @ a + self.mean.imag
+        a, b = np.real(self.alpha), np.imag(self.alpha)
+        real = (k * even) @ a - (k * odd) @ b + np.real(self.mean)
+        imag = (k * even) @ b + (k * odd) @ a + np.imag(self.mean)
         return np.stack([real, imag], axis=-1).reshape(len(z), -1)
 
 

@@ -48,14 +48,14 @@ EACH = 64
 def familiar(seed: int = SEED) -> np.ndarray:
     """Return numbers (2 EACH, 6) of designs such as people begin with."""
     boxes = enumerate(FAMILIAR)
-    u = [np.array(a) * (np.array(b) / a) ** qmc.Sobol(6, seed=seed + n).random(EACH)
+    u = [np.array(a) * (np.array(b) / a) ** qmc.Sobol(6, rng=seed + n).random(EACH)
          for n, (a, b) in boxes]  # fmt: skip
     return np.concatenate(u)
 
 
 def drawn(count: int, seed: int = SEED) -> np.ndarray:
     """Return numbers (count, 6) of designs, all logarithmic but the ramp."""
-    u = qmc.Sobol(6, seed=seed).random(count)
+    u = qmc.Sobol(6, rng=seed).random(count)
     u = 0.5 * u + 0.25 * (1.0 - np.cos(np.pi * u))
     low, high = np.array(LOW), np.array(HIGH)
     x = low * (high / low) ** u

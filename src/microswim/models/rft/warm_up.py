@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from typing import Any
+
 import numpy as np
 
 from microswim.gait.screw import screw
@@ -20,7 +22,7 @@ def _beat(s: np.ndarray, phase: np.ndarray) -> np.ndarray:
 
 
 def _tails() -> tuple[Tail, ...]:
-    wave = {"length": 2.0, "amplitude": 0.1, "waves": 1.0, "radius": 0.05}
+    wave: dict[str, Any] = {"length": 2.0, "amplitude": 0.1, "waves": 1.0, "radius": 0.05}
     return (
         HelicalTail(**wave),
         PlaneWaveTail(**wave),

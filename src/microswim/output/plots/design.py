@@ -99,7 +99,7 @@ def design_map(
         at_x, at_y, shown = fx * result[x], fy * result[y], size * values
         filled = axes.contourf(at_x, at_y, shown, levels=16, cmap="viridis")
         figure.colorbar(filled, ax=axes, label=colours)
-        levels = filled.levels[::3]
+        levels = np.asarray(filled.levels)[::3]
         lines = axes.contour(at_x, at_y, shown, levels=levels, colors="white", linewidths=0.4)
         axes.clabel(lines, fontsize=6, fmt="%.3g")
         _expected(axes, result, at_x, at_y)
@@ -244,7 +244,7 @@ def robustness(
         there = {name: (values[which], colour) for name, (which, colour) in parts.items()}
         data, colours = zip(*(entry for entry in there.values() if len(entry[0])))
         names = [name for name, entry in there.items() if len(entry[0])]
-        axes.hist(data, edges, stacked=True, color=colours, label=names)
+        axes.hist(data, list(edges), stacked=True, color=colours, label=names)
         if nominal is not None:
             axes.axvline(factor * nominal, color="k", lw=1, ls="--", label="as designed")
         part = made.attrs["yield"]

@@ -59,7 +59,8 @@ def trajectory(run: xr.Dataset, swimmer: Swimmer | None = None) -> Figure:
     swimmer = _swimmer_of(run) if swimmer is None else swimmer
     with look():
         figure = blank(WIDE, 4.4)
-        top, bottom = np.ravel(figure.subfigures(2, 1, height_ratios=[1.15, 1.0]))
+        halves: Any = figure.subfigures(2, 1, height_ratios=[1.15, 1.0])
+        top, bottom = halves
         basis = _directions(run)
         _scene(top.subplots(), run, swimmer, basis)
         behind, time = bottom.subplots(1, 2, width_ratios=[1.0, 1.9])

@@ -46,9 +46,11 @@ STYLE: dict[str, Any] = {
 
 def look() -> Any:
     """Return the context in which figures are made and saved."""
-    from matplotlib import cycler, rc_context
+    from cycler import cycler
+    from matplotlib import rc_context
 
-    return rc_context(STYLE | {"axes.prop_cycle": cycler(color=CYCLE)})
+    style: Any = STYLE | {"axes.prop_cycle": cycler(color=CYCLE)}
+    return rc_context(style)
 
 
 def blank(width: float, height: float) -> Figure:

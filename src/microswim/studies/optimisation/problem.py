@@ -161,7 +161,7 @@ class Problem:
             [self._stack(at.lifted({k: v + 1j * STEP})) for k, v in numbers.items()], axis=1
         )
         widths = np.array([high - low for low, high in self.ranges.values()])
-        return lifted[:, 0].real, derivative_from(lifted) * widths
+        return np.real(lifted[:, 0]), derivative_from(lifted) * widths
 
     def values(self, numbers: Mapping[str, Any]) -> np.ndarray:
         """First objective and margins for numbers of the spec."""

@@ -119,11 +119,11 @@ class SweepStore:
                 store._check(place, start)
         return store
 
-    def status(self, place: tuple[slice, ...]) -> np.ndarray:
+    def status(self, place: Any) -> np.ndarray:
         """Status of the designs of a block."""
         return np.asarray(self._arrays["status"][place]).reshape(-1)
 
-    def read(self, place: tuple[slice, ...]) -> dict[str, np.ndarray]:
+    def read(self, place: Any) -> dict[str, np.ndarray]:
         """A block as it stands."""
         block = {}
         for name, array in self._arrays.items():
@@ -132,7 +132,7 @@ class SweepStore:
             block[name] = values.reshape(-1, *values.shape[len(place) :])
         return block
 
-    def write(self, place: tuple[slice, ...], first: int, block: Mapping[str, np.ndarray]) -> None:
+    def write(self, place: Any, first: int, block: Mapping[str, np.ndarray]) -> None:
         """Write a block, its status last.
 
         Raises

@@ -256,7 +256,8 @@ def _compare(
             tables["stages"][name].flat[i] = value
     if len(reasons) == np.prod(shape):
         raise MicroswimError(f"no design of the map could be solved; the first: {reasons[0]}")
-    return Validation(over=axes, quantities=names, **tables, reasons=reasons, against=against)
+    held: dict[str, Any] = tables
+    return Validation(over=axes, quantities=names, **held, reasons=reasons, against=against)
 
 
 def stages(reference: Gait, surrogate: Gait, samples: int = 16) -> dict[str, float]:

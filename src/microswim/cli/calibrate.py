@@ -124,7 +124,6 @@ def _names(texts: tuple[str, ...]) -> list[str]:
 
 def _region(given: Given, output: Path | None, options: dict, asked: dict) -> tuple[dict, dict]:
     from microswim.calibration.region.calibrate import calibrate_region
-    from microswim.calibration.region.correction import Correction
     from microswim.calibration.region.text import pack
     from microswim.cli._over import bounds
     from microswim.cli._progress import bar

@@ -85,7 +85,8 @@ class Stepper:
         checks.number("resolution", self.resolution, "4 or more steps per turn", least=4)
         allowed = "a whole number from 1 to 10000000"
         for name in ("steps", "most_steps"):
-            if (value := getattr(self, name)) is not None or name == "most_steps":
+            value: Any = getattr(self, name)
+            if value is not None or name == "most_steps":
                 checks.number(name, value, allowed, least=1, most=1e7)
                 if int(value) != value:
                     raise SpecError(name, value, allowed)

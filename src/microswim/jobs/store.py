@@ -92,7 +92,8 @@ def find(path: Path) -> Gait | str | None:
             return None
         if "reason" in notes:
             return str(notes["reason"])
-        return Gait(**arrays, **notes | {"free": tuple(notes["free"])})
+        notes["free"] = tuple(notes["free"])
+        return Gait(**arrays, **notes)
     except (OSError, KeyError, TypeError, ValueError):
         return None
 

@@ -115,7 +115,8 @@ def _use_temporary_folder() -> None:
             shutil.rmtree(folder, ignore_errors=True)
 
     atexit.register(remove)
-    os.environ["NUMBA_CACHE_DIR"] = config.CACHE_DIR = folder
+    os.environ["NUMBA_CACHE_DIR"] = folder
+    vars(config)["CACHE_DIR"] = folder
     warnings.warn(
         "compiled code cannot be kept: neither the package's folder nor the user's cache folder "
         f"can be written; it is kept in {folder} until this process ends, and compiled anew by the "

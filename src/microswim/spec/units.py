@@ -205,7 +205,8 @@ def _finite(number: float) -> float:
 
 
 def _angles(quantity: pint.Quantity) -> float:
-    return float(quantity.dimensionality.get("[angle]", 0))
+    angles: Any = quantity.dimensionality.get("[angle]", 0)
+    return float(angles)
 
 
 def has_unit(value: Any) -> bool:

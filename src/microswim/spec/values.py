@@ -53,7 +53,7 @@ def from_text(name: str, text: str, units: str, said: str = "") -> Any:
             return _quantity(field, text if bare is None else bare, units, said)
         case Field(kind="number") if bare is None:
             raise SpecError(said, text, "a bare number")
-        case Field(kind="number"):
+        case Field(kind="number") if bare is not None:
             return _finite(said, bare)
         case Field(kind="truth"):
             return from_python(name, _TRUTHS.get(text, text), units, said)

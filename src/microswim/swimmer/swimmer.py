@@ -175,7 +175,9 @@ class Swimmer:
         """A swimmer that comes with the package, such as ``"tabak/helix"`` or ``"goto/C"``."""
         return doors.go(doors.READ_PRESET, name, overrides)
 
-    def gait(self, model: Literal["rft", "atlas", "bem", "fem"] = "rft", **options: Any) -> Gait:
+    def gait(
+        self, model: Literal["rft", "auto", "atlas", "bem", "fem"] | str = "rft", **options: Any
+    ) -> Gait:
         """Gait by a model: surrogate ``"rft"`` or ``"atlas"``, reference ``"bem"`` or ``"fem"``.
 
         By the surrogate it takes about a millisecond, the first as the thousandth; after

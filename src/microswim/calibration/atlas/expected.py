@@ -11,6 +11,7 @@ from microswim.calibration.atlas.atlas import shipped
 from microswim.calibration.atlas.near import QUANTITIES, Misses
 from microswim.gait.gait import DEGREES_OF_FREEDOM, Gait
 from microswim.swimmer.drag.interaction import Interaction
+from microswim.swimmer.geometry.tails import as_wave
 from microswim.swimmer.swimmer import Swimmer
 
 #: Largest difference of a level of the boundary elements from the finest, over the design range.
@@ -95,7 +96,7 @@ def _relative(misses: Misses, swimmer: Swimmer, gait: Gait) -> list[Any]:
     _, z, _ = atlas.place(swimmer)
     found = misses(np.real(z)[None])[0]
     rate, size = abs(float(np.real(gait.rate))), np.abs(np.real(gait.velocity_amplitude))
-    scale = {"u_lateral": rate * float(np.real(swimmer.tail.amplitude)), "o_lateral": rate}
+    scale = {"u_lateral": rate * float(np.real(as_wave(swimmer.tail).amplitude)), "o_lateral": rate}
     out: list[Any] = []
     for i, entry in enumerate(_ENTRY):
         name, value = QUANTITIES[entry], float(found[entry])

@@ -18,6 +18,7 @@ from microswim.calibration.region.positive_definite import REAL
 from microswim.errors import SpecError
 from microswim.models.rft.gait import gait as surrogate
 from microswim.swimmer.drag.coefficients import Cox, GrayHancock, Lighthill
+from microswim.swimmer.geometry.tails import as_wave
 from microswim.swimmer.swimmer import Swimmer
 
 ENOUGH = 400  #: designs from which the kernels' lengths are found
@@ -104,6 +105,6 @@ def _surrogate(solved: list[Solved], law: Any) -> np.ndarray:
 
 def _missed(guess: np.ndarray, truth: np.ndarray, solved: list[Solved]) -> np.ndarray:
     """Return errors (n, 4), as `Misses` holds them, relative to the answer where it has a mean."""
-    b = np.array([float(s.swimmer.tail.amplitude) for s in solved])
+    b = np.array([float(as_wave(s.swimmer.tail).amplitude) for s in solved])
     size = np.stack([np.abs(guess[:, 0]), b, np.abs(guess[:, 2]), np.ones_like(b)], axis=1)
     return np.abs(guess - truth) / size

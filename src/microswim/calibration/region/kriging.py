@@ -193,7 +193,7 @@ def conditioned(Z: Any, N: Any, Y: Any, lengths: Any, phasors: Any, noise: float
     w, one = half[:, :-1], half[:, -1]
     mean = (one.conj() @ w) / np.vdot(one, one).real
     w = w - np.outer(one, mean)
-    alpha = solve_triangular(L, w, lower=True, trans="C")
+    alpha = solve_triangular(L, w, lower=True, trans=2)
     variance = np.sum(np.abs(w) ** 2, axis=0) / (len(Z) - 1)
     return Kriging(Z, N, lengths, phasors, noise, alpha, mean, variance)
 

@@ -201,7 +201,7 @@ def _calibrated(swimmer: Swimmer, arrays: dict, good: np.ndarray, rate: Any) -> 
     region, free, n = swimmer.region, np.array(swimmer.motion.mask), len(good)
     assert region is not None
 
-    def solved(rows: np.ndarray, phases: int) -> tuple[Any, Any, Any]:
+    def solved(rows: np.ndarray, phases: int) -> Any:
         picked = {k: v[rows] if v.size > 1 else v for k, v in arrays.items()}
         return region.solve(swimmer.lifted(picked), free, phases)
 

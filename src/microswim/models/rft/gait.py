@@ -146,7 +146,7 @@ def gait(swimmer: Swimmer, *, nodes: int | None = None, phases: int | None = Non
 
 
 def _helix(arc: bool, p: np.ndarray, nodes: int | None, swimmer: Swimmer) -> tuple[Any, ...]:
-    tail = swimmer.tail
+    tail: Any = swimmer.tail
     numbers = tail.number_of_waves, tail.amplitude * tail.wavenumber, tail.ramp
     waves, bk, ramp = (np.real(x) for x in numbers)
     if nodes is not None or waves < FEWEST_WAVES:

@@ -6,6 +6,7 @@ from typing import Any
 
 from microswim.gait.portrait import Rows
 from microswim.gait.readable import quantity, significant
+from microswim.swimmer.geometry.tails import WaveTail
 from microswim.swimmer.swimmer import Swimmer
 
 
@@ -52,7 +53,7 @@ def _tail(swimmer: Swimmer) -> str:
     kind = tail.kind.replace("_", " ")
     words = [f"{hand}-handed {kind}" if hand else kind]
     words.append(f"length {_q(swimmer, tail.apparent_length, 'm')}")
-    if hasattr(tail, "amplitude"):
+    if isinstance(tail, WaveTail):
         words.append(f"amplitude {_q(swimmer, tail.amplitude, 'm')}")
     words.append(f"{_short(significant(float(tail.number_of_waves)))} waves")
     words.append(f"radius {_q(swimmer, tail.radius, 'm')}")

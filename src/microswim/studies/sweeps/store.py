@@ -127,7 +127,7 @@ class SweepStore:
         """A block as it stands."""
         block = {}
         for name, array in self._arrays.items():
-            values = array[place]
+            values = np.asarray(array[place])
             values = values.astype(object) if name == "reason" else values
             block[name] = values.reshape(-1, *values.shape[len(place) :])
         return block

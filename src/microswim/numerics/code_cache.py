@@ -116,7 +116,7 @@ def _use_temporary_folder() -> None:
 
     atexit.register(remove)
     os.environ["NUMBA_CACHE_DIR"] = folder
-    vars(config)["CACHE_DIR"] = folder
+    config.__dict__["CACHE_DIR"] = folder
     warnings.warn(
         "compiled code cannot be kept: neither the package's folder nor the user's cache folder "
         f"can be written; it is kept in {folder} until this process ends, and compiled anew by the "

@@ -87,7 +87,7 @@ def step_out(r):
 
 def made_robots_differ(r):
     """The mean of many is near the drawing; more than half are good as it lies above the limit."""
-    speed = r["made"].speed.values
+    speed = r["made"].swimming_speed.values
     assert np.nanmean(speed) == pytest.approx(r["nominal speed"], rel=0.02)
     assert 0.5 < r["yield"] < 0.95
     assert r["yield"] == pytest.approx(np.mean(speed >= 0.035), abs=1e-9)

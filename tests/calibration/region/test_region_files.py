@@ -137,7 +137,7 @@ def test_more_designs_than_memory_would_hold_are_refused(made):
 
 
 def test_expected_errors_are_never_claimed_outside():
-    fitted = ms.calibrate_region(HELIX, REGION, "rft", solves=9, workers=0)
+    fitted = ms.calibrate_region(HELIX, REGION, "rft", solves=9, workers=0).swimmer
     inside = fitted.gait().info
     assert inside["outside"] == []
     assert all(np.isfinite(e) for e in inside["expected_errors"].values())

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 import microswim as ms
-from microswim.errors import SpecError
+from microswim.errors import MachineError, SpecError
 from microswim.swimmer.geometry.surroundings import Channel
 
 pytest.importorskip("ngsolve", reason="needs the extra fem")
@@ -185,9 +185,9 @@ def test_unknown_level_is_refused():
 
 def test_without_ngsolve_one_sentence_says_what_to_install(monkeypatch):
     monkeypatch.setattr(fem, "find_spec", lambda name: None)
-    with pytest.raises(SpecError, match=r'pip install "microswim\[fem\]"'):
+    with pytest.raises(MachineError, match=r'pip install "microswim\[fem\]"'):
         fem.channel_gait(swimmer())
-    with pytest.raises(SpecError, match=r'pip install "microswim\[fem\]"'):
+    with pytest.raises(MachineError, match=r'pip install "microswim\[fem\]"'):
         fem.swim(swimmer())
 
 

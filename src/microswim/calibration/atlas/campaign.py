@@ -12,7 +12,6 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-from scipy.stats import qmc
 
 from microswim.calibration.atlas import coordinates
 from microswim.calibration.atlas.atlas import FILE
@@ -23,6 +22,7 @@ from microswim.calibration.region.fit import Solved
 from microswim.errors import SpecError
 from microswim.gait.gait import Gait
 from microswim.jobs import references
+from microswim.numerics.sobol import points
 from microswim.swimmer.fluid import Fluid
 from microswim.swimmer.geometry.bodies import Spheroid
 from microswim.swimmer.geometry.tails import HelicalTail
@@ -48,14 +48,14 @@ EACH = 64
 def familiar(seed: int = SEED) -> np.ndarray:
     """Return numbers (2 EACH, 6) of designs such as people begin with."""
     boxes = enumerate(FAMILIAR)
-    u = [np.array(a) * (np.array(b) / a) ** qmc.Sobol(6, rng=seed + n).random(EACH)
+    u = [np.array(a) * (np.array(b) / a) ** points(EACH, 6, seed + n)
          for n, (a, b) in boxes]  # fmt: skip
     return np.concatenate(u)
 
 
 def drawn(count: int, seed: int = SEED) -> np.ndarray:
     """Return numbers (count, 6) of designs, all logarithmic but the ramp."""
-    u = qmc.Sobol(6, rng=seed).random(count)
+    u = points(count, 6, seed)
     u = 0.5 * u + 0.25 * (1.0 - np.cos(np.pi * u))
     low, high = np.array(LOW), np.array(HIGH)
     x = low * (high / low) ** u

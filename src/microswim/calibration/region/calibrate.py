@@ -12,7 +12,6 @@ from dataclasses import replace
 from typing import Any, Literal
 
 import numpy as np
-from scipy.stats import qmc
 
 from microswim.calibration.region import kriging
 from microswim.calibration.region.correction import Correction, features, fixed_numbers, words
@@ -33,6 +32,7 @@ from microswim.errors import MachineError, MicroswimError, SpecError
 from microswim.gait.gait import Gait
 from microswim.jobs import references
 from microswim.jobs.processes import counted
+from microswim.numerics.sobol import points
 from microswim.spec.values import all_from_python
 from microswim.swimmer.swimmer import Swimmer
 
@@ -215,9 +215,7 @@ def _pool(swimmer: Swimmer, region: Region, seed: int) -> list[Swimmer]:
     """Scrambled Sobol points of the region that make sense, in their order."""
     low, high = np.array(list(region.values()), dtype=float).T
     out = []
-    for x in low + (high - low) * qmc.Sobol(len(region), rng=np.random.default_rng(seed)).random(
-        POOL
-    ):
+    for x in low + (high - low) * points(POOL, len(region), seed):
         try:
             out.append(swimmer.with_(dict(zip(region, map(float, x)))))
         except SpecError:
@@ -273,9 +271,7 @@ def _correction(
 ) -> Correction:
     groups = fit_groups(solved, former)
     columns = columns_of(np.array([features(s.swimmer) for s in solved], dtype=float))
-    order = sorted(
-        range(len(groups)), key=lambda i: groups_of(swimmer.tail.kind == "helix")[i][0].start
-    )
+    order = sorted(range(len(groups)), key=lambda i: groups_of(swimmer.tail.is_rigid)[i][0].start)
     surfaces = Surfaces(tuple(groups[i] for i in order))
     errors, spots, ratios = left_out_errors(surfaces, columns, solved, doubtful)
     return Correction(

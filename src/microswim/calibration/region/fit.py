@@ -159,7 +159,7 @@ def left_out_errors(
     their largest value. Designs set aside or not resolved count in the expected error alone: there
     the reference itself is that much in doubt.
     """
-    helix = solved[0].swimmer.tail.kind == "helix"
+    helix = solved[0].swimmer.tail.is_rigid
     residual = [g.left_out()[0] for g in surfaces.groups]
     y = targets(solved) - np.concatenate([kriging.interleaved(r) for r in residual], axis=1)
     doubt = surfaces.left_out_doubt()

@@ -46,8 +46,8 @@ STYLE: dict[str, Any] = {
 
 def look() -> Any:
     """Return the context in which figures are made and saved."""
-    from cycler import cycler
     from matplotlib import rc_context
+    from matplotlib.rcsetup import cycler
 
     style: Any = STYLE | {"axes.prop_cycle": cycler(color=CYCLE)}
     return rc_context(style)

@@ -14,7 +14,8 @@ import { Judge, askFlow } from "./panels/judge";
 import { SpeedMap } from "./panels/map";
 import { Stage } from "./scene/stage";
 import { METHODS, Store, attempt, notice } from "./state/store";
-import type { Answer } from "./state/types";
+import type { Start } from "./state/types";
+import { learn } from "./state/words";
 
 const store = new Store();
 const view: View = { paused: false, pace: 0.6, arrows: false };
@@ -233,7 +234,8 @@ async function begin(): Promise<void> {
     store.designs = store.snapshot.designs.map((d) => store.make(d.name, d.answer));
     view.pace = Number(store.snapshot.view.pace ?? view.pace);
   } else {
-    const { name, answer } = await call<{ name: string; answer: Answer }>("/api/start");
+    const { name, answer, words } = await call<Start>("/api/start");
+    learn(words);
     store.designs = [store.make(name, answer)];
   }
   store.tell("designs", "structure", "tables", "answer", "rest");

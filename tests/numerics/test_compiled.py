@@ -19,7 +19,6 @@ from microswim.models.rft.segment import HELIX, PLANE_WAVE
 from microswim.numerics.code_cache import digest
 from microswim.numerics.compiled import settled
 from microswim.numerics.quadrature import gauss
-from microswim.spec.units import _COMMON, _registry
 from microswim.swimmer.drag import lighthill
 
 HEAVY = {"numba", "scipy", "xarray", "pandas", "matplotlib", "pint", "rich"}
@@ -322,11 +321,3 @@ print(ms.evaluate(swimmer, {"tail.amplitude": np.full(4000, 0.1)})["swimming_spe
 """
     speed = ms.screw(ms.Swimmer.preset("tabak/helix").gait()).speed
     assert float(python(code, NUMBA_DISABLE_JIT="1")) == pytest.approx(speed, rel=1e-8)
-
-
-@pytest.mark.parametrize("unit", _COMMON)
-def test_units_known_without_pint_are_what_pint_says(unit):
-    for text, factor in _COMMON[unit].items():
-        assert _registry().Quantity(1.0, text).to(unit).magnitude == pytest.approx(
-            factor, rel=1e-15
-        )

@@ -18,7 +18,9 @@ from microswim.spec import text
 from microswim.spec.file import from_dict
 from microswim.spec.toml import to_toml
 from microswim.studies.sweeps.layout import said
+from microswim.studio.page import snapshot
 from microswim.studio.spec_tables import canonical
+from microswim.studio.words import words
 import microswim as ms
 
 new = spec_text("helix", "um")
@@ -33,6 +35,9 @@ assert from_dict(text.toml(to_toml(canonical(swimmer), "again"), "again")).fluid
 assert axes(("fluid.dye=1 g/cm^3:2 g/cm^3:2",), "SI")["fluid.dye"].round(6).tolist() == [1e3, 2e3]
 assert bounds(("fluid.dye=1 kg/m^3:2 kg/m^3",), "SI", "--region")["fluid.dye"] == (1.0, 2.0)
 assert said("fluid.dye", "SI") == {"units": "kg/m^3", "long_name": "Dye"}
+dye = words()["fields"]["fluid.dye"]
+assert (dye["kind"], dye["label"], dye["help"]) == ("quantity", "Dye", "made up")
+assert '"fluid.dye": {"kind": "quantity", "label": "Dye"' in snapshot([{"tables": tables}])
 assert ms.sweep(swimmer, {"fluid.dye": ["1 kg/m^3"]})["fluid.dye"].units == "kg/m^3"
 for wrong in ("2 um", 2.0, "much"):
     try:

@@ -6,7 +6,7 @@ import pint
 import pytest
 
 import microswim as ms
-from microswim.spec.units import _COMMON, parse, to_si
+from microswim.spec.units import SIZES, _registry, parse, to_si
 
 TURN = 2 * math.pi
 
@@ -51,9 +51,9 @@ def test_what_measures_something_else_is_refused_in_a_sentence(text, unit):
     assert "\n" not in str(error.value)
 
 
-def test_the_common_units_mean_what_pint_says():
-    registry = pint.UnitRegistry()
-    for unit, known in _COMMON.items():
+@pytest.mark.parametrize("registry", [pint.UnitRegistry(), _registry()], ids=["pint's", "ours"])
+def test_the_common_units_mean_what_pint_says(registry):
+    for unit, known in SIZES.items():
         for text, size in known.items():
             there = registry.Quantity(1.0, text).to(unit).magnitude
             assert size == pytest.approx(there, rel=1e-15)

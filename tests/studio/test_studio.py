@@ -19,6 +19,7 @@ import microswim as ms
 from microswim.numerics.fourier import evaluate
 from microswim.spec import presets
 from microswim.spec.file import from_dict
+from microswim.spec.tables import FIELDS, TABLES
 from microswim.spec.toml import to_toml
 from microswim.studio import answers, page
 from microswim.studio import bounds as around
@@ -28,7 +29,10 @@ from microswim.studio.app import LARGEST_BODY, create_app
 from microswim.studio.hosts import LOCAL, is_known, name_of
 from microswim.studio.judge_processes import Judge
 from microswim.studio.server import address, listen
+from microswim.studio.spec_tables import canonical
+from microswim.studio.words import words
 
+PAGE = Path(__file__).parents[2] / "studio" / "src"
 HELIX = tomllib.loads(presets.read("tabak/helix"))
 WAVE = tomllib.loads(presets.read("tabak/plane_wave"))
 CELL = tomllib.loads(presets.read("goto/A"))
@@ -101,6 +105,34 @@ def test_readings_are_those_of_the_package(app, spec):
     )
     turns = truth["mean_velocity"][3] / (2 * math.pi)
     assert made["readings"]["body_rate_hz"] == pytest.approx(abs(turns), rel=1e-6, abs=1e-12)
+
+
+def test_the_page_is_told_of_every_field_and_quantity_it_shows(app):
+    status, _, start = call(app, "GET", "/api/start")
+    assert status == 200
+    told = start["words"]
+    assert set(told["fields"]) == set(FIELDS)
+    assert told["fields"]["tail.kind"]["choices"] == [
+        ["helix", "Helix"],
+        ["plane_wave", "Plane wave"],
+    ]
+    assert set(told["quantities"]) == set(start["answer"]["readings"])
+    assert set(told["outputs"]) <= set(told["quantities"])
+    for sizes, value in (("um", 1e-6), ("mPa s", 1e-3), ("deg", math.pi / 180)):
+        assert told["units"][sizes] == pytest.approx(value, rel=1e-15)
+    for name in presets.names():
+        spec = canonical(from_dict(tomllib.loads(presets.read(name))))
+        assert {f"{part}.{field}" for part in spec for field in spec[part]} <= set(told["fields"])
+
+
+def test_the_page_has_no_list_of_its_own():
+    """What fields, choices, units and quantities are called is not retyped in its sources."""
+    sources = "".join(p.read_text(encoding="utf-8") for p in PAGE.rglob("*.ts"))
+    texts = {label for f in FIELDS.values() for label in (f.about.label, *f.about.entries)}
+    texts |= {q["label"] for q in words()["quantities"].values()}
+    texts |= {"mPa s", "gray_hancock", "perpendicular", "translating"}
+    found = {t for t in texts if t.lower() not in TABLES and f'"{t}"' in sources}
+    assert not found
 
 
 @pytest.mark.parametrize("spec", [HELIX, WAVE], ids=["helix", "wave"])

@@ -455,6 +455,32 @@ def test_two_designs_side_by_side_and_two_tabs_apart(page, browser, server):
     other.close()
 
 
+def test_a_field_that_the_server_tells_is_on_the_page(browser, server):
+    """The page knows no field of its own: a made-up one gets its label, unit and choices."""
+
+    def with_dye(route):
+        start = route.fetch().json()
+        told = {"help": "made up", "entries": [], "usual": [0.0, 5.0], "choices": []}
+        start["words"]["fields"] |= {
+            "fluid.dye": {"kind": "quantity", "label": "Dye", **told},
+            "fluid.hue": {**told, "kind": "word", "label": "Hue", "choices": [["r", "Red"]]},
+        }
+        start["answer"]["tables"]["fluid"] |= {"dye": "2 kg/m^3", "hue": "r"}
+        route.fulfill(json=start)
+
+    fresh = browser.new_page()
+    fresh.route("**/api/start", with_dye)
+    fresh.goto(server, wait_until="commit")
+    fresh.wait_for_selector("body[data-ready]")
+    slider = fresh.locator('input[type=range][data-field="fluid.dye"]')
+    assert slider.get_attribute("aria-label") == "Dye"
+    assert fresh.input_value('input[aria-label="Dye, value"]') == "2"
+    assert float(slider.input_value()) == pytest.approx(400, abs=1)  # of 1000, from 0 to 5
+    assert fresh.text_content('[data-field="fluid.hue"][data-value="r"]') == "Red"
+    assert fresh.locator("#map-x option", has_text="fluid: dye").count() == 1
+    fresh.close()
+
+
 def test_nothing_went_wrong_on_the_way(page):
     """But for the refusals that were provoked."""
     assert [c for c in page.complaints if "422" not in c] == []

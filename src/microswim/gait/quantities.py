@@ -53,6 +53,8 @@ class Quantity:
         Value from a `Basis` of one gait, or of many designs (arrays in place of numbers).
     of_many
         Whether the batched kernel knows what it needs.
+    called
+        What people read where it is not the name itself.
     """
 
     name: str
@@ -60,6 +62,12 @@ class Quantity:
     meaning: str
     of: Callable[[Any], Any]
     of_many: bool = True
+    called: str = ""
+
+    @property
+    def label(self) -> str:
+        """Its name for people, in small letters."""
+        return self.called or self.name.replace("_", " ")
 
 
 def magnitude(x: Any) -> Any:
@@ -119,6 +127,7 @@ _LIST = (
         "frequency",
         "mean revolutions of the body about s per time, without sign",
         lambda b: magnitude(b.mean_velocity[..., 3]) / (2.0 * np.pi),
+        called="body rate",
     ),
     Quantity(
         "body_turns_per_period",
@@ -158,15 +167,21 @@ _LIST = (
         "frequency",
         "cycles of the motor per time, negative when reversed",
         lambda b: b.rate / (2.0 * np.pi),
+        called="motor frequency",
     ),
     Quantity(
-        "mean_power", "power", "power of the motor, mean over the period", lambda b: b.mean_power
+        "mean_power",
+        "power",
+        "power of the motor, mean over the period",
+        lambda b: b.mean_power,
+        called="motor power",
     ),
     Quantity(
         "mean_torque",
         "torque",
         "torque of the motor, mean over the period: mean power over the phase rate",
         lambda b: b.mean_torque,
+        called="motor torque",
     ),
     Quantity(
         "efficiency",

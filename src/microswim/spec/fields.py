@@ -81,6 +81,10 @@ class Field:
         """What it measures, or None for what is no quantity."""
         return DIMENSIONS[self.measures] if self.measures else None
 
+    def said(self, word: str) -> str:
+        """Return what one of its choices is called on the page."""
+        return self.about.words.get(word, word.replace("_", " ").capitalize())
+
 
 def read_off(tables: Mapping[str, tuple[type, ...]]) -> dict[str, Field]:
     """Return the fields of all tables by dotted name; kinds of one table share their fields."""

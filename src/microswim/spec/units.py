@@ -120,8 +120,9 @@ tesla = kilogram / second ** 2 / ampere = T
 gauss = 1e-4 * tesla = G
 degree_Celsius = kelvin; offset: 273.15 = °C = degC = celsius
 """
-#: What most specs hold, so that they need not wait for pint; a test holds it to what pint says.
-_COMMON = {
+#: Sizes in SI of the units that most specs hold, so that they need not wait for pint, and that
+#: the studio writes; a test holds them to what pint says.
+SIZES = {
     "m": {"m": 1.0, "mm": 1e-3, "um": 1e-6, "µm": 1e-6, "nm": 1e-9},
     "Hz": {"Hz": 1.0, "kHz": 1e3},
     "Pa s": {"Pa s": 1.0, "mPa s": 1e-3},
@@ -178,8 +179,8 @@ def to_si(value: Any, unit: str) -> float:
     """
     text = str(value)
     match = _QUANTITY.fullmatch(text)
-    if match and match[2] in _COMMON.get(unit, ()):
-        return _finite(float(match[1]) * _COMMON[unit][match[2]])
+    if match and match[2] in SIZES.get(unit, ()):
+        return _finite(float(match[1]) * SIZES[unit][match[2]])
     if match and not match[2]:
         raise ValueError(f'must have a unit, as in "{match[1]} {unit}"')
     try:

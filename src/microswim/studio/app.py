@@ -33,6 +33,7 @@ from microswim.studio import spec_tables as tables
 from microswim.studio.budget import Budget
 from microswim.studio.hosts import LOCAL, Hosts
 from microswim.studio.judge_processes import Judge
+from microswim.studio.words import words
 
 LARGEST_BODY = 512 * 1024  #: bytes
 SLOWEST_BODY = 30.0  #: seconds until it is here
@@ -95,7 +96,7 @@ def create_app(
         return file(request.path_params["name"])
 
     def beginning(_: Any) -> Any:
-        return {"name": name, "answer": first}
+        return {"name": name, "answer": first, "words": words()}
 
     routes = [
         Route("/", index),

@@ -12,6 +12,7 @@ from typing import Any
 from microswim.errors import MicroswimError, SpecError
 from microswim.studio import answers
 from microswim.studio.spec_tables import swimmer_of
+from microswim.studio.words import words
 
 STATIC = files(__name__.rpartition(".")[0]) / "static"
 MOST_DESIGNS = 2
@@ -55,7 +56,7 @@ def snapshot(designs: Any, ask: Any = None, view: Any = None) -> str:
     for design in designs:
         name = str(design.get("name", "design"))[:80]
         solved.append({"name": name, "answer": answers.solve(design.get("tables"), name)})
-    data: dict[str, Any] = {"designs": solved, "view": _view(view)}
+    data: dict[str, Any] = {"designs": solved, "view": _view(view), "words": words()}
     if isinstance(ask, dict) and ask:
         made = answers.map_(designs[0].get("tables"), ask.get("x"), ask.get("y"))
         data["map"] = {"ask": {k: ask[k] for k in ("x", "y", "output") if k in ask}, **made}

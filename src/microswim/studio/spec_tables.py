@@ -15,6 +15,7 @@ from microswim.numerics.plain import plain
 from microswim.spec.file import from_dict
 from microswim.spec.tables import FIELDS
 from microswim.spec.text import toml
+from microswim.spec.units import DIMENSIONS, SIZES
 from microswim.swimmer.swimmer import Swimmer
 
 LARGEST_SPEC = 256 * 1024  #: bytes; a region calibration is the most of it
@@ -85,13 +86,13 @@ def units_of(swimmer: Swimmer) -> dict[str, tuple[str, float]]:
     if swimmer.units != "SI":
         return {}
     size, viscosity = float(swimmer.tail.apparent_length), float(swimmer.fluid.viscosity)
-    length = ("um", 1e-6) if size < 1e-3 else ("mm", 1e-3) if size < 1.0 else ("m", 1.0)
-    return {
-        "length": length,
-        "viscosity": ("mPa s", 1e-3) if viscosity < 0.1 else ("Pa s", 1.0),
-        "density": ("kg/m^3", 1.0),
-        "frequency": ("Hz", 1.0),
+    suits = {
+        "length": "um" if size < 1e-3 else "mm" if size < 1.0 else "m",
+        "viscosity": "mPa s" if viscosity < 0.1 else "Pa s",
+        "density": "kg/m^3",
+        "frequency": "Hz",
     }
+    return {kind: (unit, SIZES[DIMENSIONS[kind].si][unit]) for kind, unit in suits.items()}
 
 
 def _table(part: Any) -> dict[str, Any]:

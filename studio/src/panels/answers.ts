@@ -1,6 +1,7 @@
 // The right panel, upper half: the numbers, and how far they can be trusted.
 
-import { NAMES, digits, el, reading } from "../state/dom";
+import { digits, el, reading } from "../state/dom";
+import { called } from "../state/words";
 import type { Store } from "../state/store";
 
 const LISTED = ["forward_velocity", "body_rate_hz", "lateral_amplitude", "path_radius", "efficiency", "mean_torque", "mean_power"];
@@ -27,8 +28,8 @@ export class Answers {
     const r = answer.readings;
     const [n, unit] = reading("swimming_speed", r.swimming_speed, answer.dimensional);
     const [l] = reading("body_lengths_per_time", r.body_lengths_per_time, answer.dimensional);
-    return el("div", { class: "hero", title: NAMES.swimming_speed.hint },
-      el("div", { class: "caption" }, "Swimming speed"),
+    return el("div", { class: "hero", title: called("swimming_speed").meaning },
+      el("div", { class: "caption" }, called("swimming_speed").label),
       el("div", { class: "figure" },
         el("span", { "data-reading": "swimming_speed", "data-value": String(r.swimming_speed) }, n),
         el("small", {}, unit)),
@@ -56,7 +57,7 @@ export class Answers {
       const [n, unit] = reading(name, value, answer.dimensional);
       return el("dd", { "data-reading": name, "data-value": String(value) }, n, unit ? el("small", {}, ` ${unit}`) : null);
     });
-    return [el("dt", { title: NAMES[name].hint }, NAMES[name].label), ...cells];
+    return [el("dt", { title: called(name).meaning }, called(name).label), ...cells];
   }
 
   /** Expected error of the surrogate here, in colour. */

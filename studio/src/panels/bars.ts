@@ -3,11 +3,10 @@
 import { call, download } from "../state/api";
 import { digits, el } from "../state/dom";
 import { attempt, notice, type Store } from "../state/store";
+import { words } from "../state/words";
 import type { SpeedMap } from "./map";
 import type { Stage } from "../scene/stage";
 import type { Actor } from "../scene/actor";
-
-const LARGEST = 256 * 1024;
 
 interface Presets {
   names: string[];
@@ -92,7 +91,9 @@ export class TopBar {
   }
 
   private async read(file: File): Promise<void> {
-    if (file.size > LARGEST) return notice(`${file.name} has ${Math.round(file.size / 1024)} KiB; a spec has at most 256 KiB.`, "error");
+    const { largest } = words();
+    const kib = (n: number): string => `${Math.round(n / 1024)} KiB`;
+    if (file.size > largest) return notice(`${file.name} has ${kib(file.size)}; a spec has at most ${kib(largest)}.`, "error");
     const text = await file.text();
     await attempt(() => this.store.load(file.name.replace(/\.toml$/, ""), text));
   }

@@ -1,7 +1,8 @@
 // The left panel: every number of the spec as a slider with its unit, choices as segments.
 
 import { digits, el, pretty } from "../state/dom";
-import { CHOICES, SIZE, label, quantity, read, sensible, spoken, type Range } from "../state/fields";
+import { label, quantity, read, sensible, spoken, type Range } from "../state/fields";
+import { field, size } from "../state/words";
 import type { Design, Store } from "../state/store";
 import type { Tables, Value } from "../state/types";
 
@@ -19,9 +20,6 @@ const FIRST: Record<string, string[]> = {
   channel: ["shape", "diameter", "length", "ends", "tilt", "position"],
 };
 const BOUNDS: [string, string][] = [["wall", "Wall"], ["channel", "Channel"]];
-const AXES: Record<string, string[]> = {
-  translation: ["s", "q", "r"], rotation: ["s", "q", "r"], tail: ["t", "n", "r"],
-};
 const STEPS = 1000;
 
 export class Controls {
@@ -54,11 +52,16 @@ export class Controls {
     this.showProblem();
   }
 
-  private section(part: string, title: string): HTMLElement {
-    const table = this.store.design.tables[part];
+  /** Every field of a table, those that matter most first. */
+  private fields(part: string): HTMLElement[] {
+    const table = this.store.design.tables[part] ?? {};
     const first = FIRST[part] ?? [];
     const names = [...first.filter((n) => n in table), ...Object.keys(table).filter((n) => !first.includes(n))];
-    const body = names.flatMap((name) => this.field(`${part}.${name}`, table[name]));
+    return names.flatMap((name) => this.field(`${part}.${name}`, table[name]));
+  }
+
+  private section(part: string, title: string): HTMLElement {
+    const body = this.fields(part);
     if (part === "fluid") body.push(...this.bounds());
     const box = el("details", { open: this.open.get(part) }, el("summary", {}, title), ...body);
     box.addEventListener("toggle", () => this.open.set(part, box.open));
@@ -80,21 +83,19 @@ export class Controls {
       this.rows.push(() => b.setAttribute("aria-pressed", String(now() === kind)));
       return b;
     });
-    const table = store.design.tables[now()] ?? {};
-    const names = (FIRST[now()] ?? []).filter((n) => n in table);
     return [
       el("div", { class: "row bounds" }, el("label", {}, "Bounded by"), el("div", { class: "segments six" }, ...buttons)),
-      ...names.flatMap((name) => this.field(`${now()}.${name}`, table[name])),
+      ...this.fields(now()),
     ];
   }
 
   private field(path: string, value: Value): HTMLElement[] {
     if (path === "motion.free") return [this.freedom(path)];
-    if (path in CHOICES) return [this.choice(path)];
+    if (field(path)?.choices.length) return [this.choice(path)];
     if (typeof value === "boolean") return [this.toggle(path)];
     if (Array.isArray(value)) {
-      const name = path.split(".")[1].split("[")[0];
-      const head = name in AXES && !path.includes("[") ? [el("h4", {}, name === "tail" ? "Factors on the tail" : `Body, ${name}`)] : [];
+      const about = field(path);
+      const head = about?.kind === "number" && !path.includes("[") ? [el("h4", { title: about.help }, about.label)] : [];
       return [...head, ...value.flatMap((v, i) => this.field(`${path}[${i}]`, v))];
     }
     return quantity(value) ? [this.slider(path)] : [];
@@ -150,25 +151,25 @@ export class Controls {
     box.addEventListener("keydown", (event) => event.key === "Enter" && box.blur());
     box.addEventListener("blur", show);
     this.rows.push(show);
-    return el("div", { class: "row" }, el("label", {}, label(path)), el("span", { class: "value" }, box, unit), track);
+    return el("div", { class: "row" }, el("label", { title: field(path)?.help }, label(path)), el("span", { class: "value" }, box, unit), track);
   }
 
   private choice(path: string): HTMLElement {
-    const options = CHOICES[path];
+    const options = field(path)!.choices;
     const { store } = this;
     const set = (value: string): void => this.choose(path, value);
     if (options.length > 2) {
       const select = el("select", { "data-field": path, "aria-label": label(path) }, ...options.map(([v, t]) => el("option", { value: v }, t)));
       select.addEventListener("change", () => set(select.value));
       this.rows.push(() => (select.value = String(read(store.design.tables, path))));
-      return el("div", { class: "row choice" }, el("label", {}, label(path)), select);
+      return el("div", { class: "row choice" }, el("label", { title: field(path)?.help }, label(path)), select);
     }
     const buttons = options.map(([value, text]) => {
       const b = el("button", { type: "button", "data-field": path, "data-value": value, onclick: () => set(value) }, text);
       this.rows.push(() => b.setAttribute("aria-pressed", String(read(store.design.tables, path) === value)));
       return b;
     });
-    return el("div", { class: "row choice" }, el("label", {}, label(path)), el("div", { class: "segments" }, ...buttons));
+    return el("div", { class: "row choice" }, el("label", { title: field(path)?.help }, label(path)), el("div", { class: "segments" }, ...buttons));
   }
 
   private toggle(path: string): HTMLElement {
@@ -176,7 +177,7 @@ export class Controls {
     const box = el("input", { type: "checkbox", class: "switch", "data-field": path, "aria-label": label(path) });
     box.addEventListener("change", () => store.edit({ [path]: box.checked }, true));
     this.rows.push(() => (box.checked = Boolean(read(store.design.tables, path))));
-    return el("div", { class: "row choice" }, el("label", {}, label(path)), box);
+    return el("div", { class: "row choice" }, el("label", { title: field(path)?.help }, label(path)), box);
   }
 
   /** Which of the six directions are free. */
@@ -233,8 +234,7 @@ export class Controls {
 /** Another body of about the same size. */
 function bodyOf(shape: string, axes: number[], tables: Tables): Record<string, Value> {
   const { n, unit } = quantity(tables.tail.length)!;
-  const inUnit = (x: number): number => (unit ? x / ({ um: 1e-6, mm: 1e-3, nm: 1e-9 }[unit] ?? 1) : x);
-  const [a, b, c] = axes[0] > 0 ? axes.map(inUnit) : [n / 4, n / 4, n / 4];
+  const [a, b, c] = axes[0] > 0 ? axes.map((x) => x / size(unit)) : [n / 4, n / 4, n / 4];
   const say = (x: number): Value => spoken(Number(x.toPrecision(4)), unit);
   if (shape === "sphere") return { shape, radius: say(Math.cbrt(a * b * c)) };
   if (shape === "spheroid") return { shape, semi_axes: [say(a === b ? 1.5 * a : a), say(b)] };
@@ -247,7 +247,7 @@ function boundOf(kind: string, design: Design): Record<string, Value> {
   const { unit } = quantity(design.tables.tail.length)!;
   const { semi_axes: [a, b, c], amplitude, radius, length } = design.answer.shape;
   const reach = Math.max(b, c, amplitude + radius);
-  const say = (x: number): Value => spoken(Number((x / (SIZE[unit] ?? 1)).toPrecision(3)), unit);
+  const say = (x: number): Value => spoken(Number((x / size(unit)).toPrecision(3)), unit);
   if (kind === "wall") return { distance: say(2 * reach), tilt: "0 deg", azimuth: "90 deg" };
   const none = say(0);
   return {

@@ -1,7 +1,8 @@
 // Ask the judge: boundary elements in the background, surrogate against reference, calibrate here.
 
 import { Refusal, call } from "../state/api";
-import { NAMES, digits, el, reading } from "../state/dom";
+import { digits, el, reading } from "../state/dom";
+import { called, words } from "../state/words";
 import { METHODS, attempt, notice, type Store } from "../state/store";
 import type { FlowAnswer, JudgeAnswer, Row } from "../state/types";
 
@@ -51,7 +52,7 @@ export class Judge {
 
   build(): void {
     if (this.stop) return;
-    const levels = el("select", { "aria-label": "Resolution", id: "level" }, ...["coarse", "standard", "fine"].map((l) => el("option", { value: l }, l)));
+    const levels = el("select", { "aria-label": "Resolution", id: "level" }, ...words().levels.map((l) => el("option", { value: l }, l)));
     levels.value = this.level;
     levels.addEventListener("change", () => (this.level = levels.value));
     const children = [
@@ -116,7 +117,7 @@ export class Judge {
       e === null ? "–" : Math.abs(e) < 5e-5 ? "0 %" : `${e >= 0 ? "+" : "−"}${digits(Math.abs(100 * e), 2)} %`;
     const rows = made.rows.filter((r) => r.name !== "forward_velocity").map((r) =>
       el("tr", { "data-row": r.name },
-        el("td", {}, r.name === "swimming_speed" ? "Speed" : NAMES[r.name].label, el("small", {}, ` ${cells(r)[2]}`)), el("td", {}, cells(r)[0]), el("td", {}, cells(r)[1]),
+        el("td", {}, called(r.name).label, el("small", {}, ` ${cells(r)[2]}`)), el("td", {}, cells(r)[0]), el("td", {}, cells(r)[1]),
         el("td", { class: grade(r.error) }, percent(r.error))));
     const fit = made.calibration;
     const phases = made.phases === 0 ? "finite elements" : made.phases === 1 ? "one phase" : `${made.phases} phases`;

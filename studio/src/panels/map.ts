@@ -1,13 +1,13 @@
 // The map: speed or efficiency over two numbers of the spec, the design as a dot that can be moved.
 
 import { Latest, call } from "../state/api";
-import { NAMES, digits, el, pretty, reading } from "../state/dom";
-import { SIZE, label, numbers, quantity, read, si, spoken } from "../state/fields";
+import { digits, el, pretty, reading } from "../state/dom";
+import { label, numbers, quantity, read, si, spoken } from "../state/fields";
+import { called, size, words } from "../state/words";
 import type { Controls } from "./controls";
 import { attempt, notice, type Store } from "../state/store";
 import type { Axis, MapAnswer, MapAsk, Tables } from "../state/types";
 
-const OUTPUTS = ["swimming_speed", "efficiency", "mean_torque", "mean_power", "body_rate_hz"];
 const STOPS: [number, number, number][] = [
   [18, 28, 48], [27, 62, 92], [32, 104, 122], [58, 150, 130], [132, 190, 118], [226, 205, 106], [255, 236, 178],
 ];
@@ -61,7 +61,6 @@ export class SpeedMap {
       });
       this.selects[key] = select;
     }
-    this.selects.output.append(...OUTPUTS.map((o) => el("option", { value: o }, NAMES[o].label)));
     const best = el("button", { class: "primary", id: "optimum", title: "Move to the best design on this map", onclick: () => this.optimum() }, "Optimum");
     if (this.store.snapshot) best.hidden = this.selects.x.disabled = this.selects.y.disabled = true;
     this.canvas.addEventListener("pointerdown", (e) => {
@@ -94,6 +93,7 @@ export class SpeedMap {
       this.selects[key].replaceChildren(...known.map((f) => el("option", { value: f }, `${part(f)}${label(f).toLowerCase()}`)));
       this.selects[key].value = this.field[key];
     }
+    this.selects.output.replaceChildren(...words().outputs.map((o) => el("option", { value: o }, called(o).label)));
     this.selects.output.value = this.output;
   }
 
@@ -101,7 +101,7 @@ export class SpeedMap {
     const span = this.controls.span(field);
     const q = quantity(read(this.store.design.tables, field));
     if (!span || !q) return null;
-    const unit = SIZE[q.unit] ?? 1;
+    const unit = size(q.unit);
     const low = span.low <= 0 && field !== "tail.frequency" ? span.high / 60 : span.low;
     return { field, from: low * unit, to: span.high * unit, count };
   }
@@ -219,7 +219,7 @@ export class SpeedMap {
     const end = (key: "x" | "y", i: number): string => {
       const q = quantity(read(this.store.design.tables, this.field[key]));
       const values = this.answer![key];
-      return digits(values[i ? values.length - 1 : 0] / (SIZE[q?.unit ?? ""] ?? 1), 2);
+      return digits(values[i ? values.length - 1 : 0] / size(q?.unit ?? ""), 2);
     };
     const unit = (key: "x" | "y"): string => {
       const u = quantity(read(this.store.design.tables, this.field[key]))?.unit;
@@ -298,7 +298,7 @@ export class SpeedMap {
     const { tables } = this.store.design;
     const say = (field: string, value: number) => {
       const q = quantity(read(tables, field))!;
-      return spoken(Number((value / (SIZE[q.unit] ?? 1)).toPrecision(4)), q.unit);
+      return spoken(Number((value / size(q.unit)).toPrecision(4)), q.unit);
     };
     this.store.edit({ [this.field.x]: say(this.field.x, x), [this.field.y]: say(this.field.y, y) }, commit);
   }
@@ -311,7 +311,7 @@ export class SpeedMap {
     if (!best) return;
     this.move(best.x, best.y, true);
     const { dimensional } = this.store.design.answer;
-    notice(`Best on this map: ${NAMES[this.output].label.toLowerCase()} ${reading(this.output, best.value, dimensional).join(" ")}`);
+    notice(`Best on this map: ${called(this.output).label.toLowerCase()} ${reading(this.output, best.value, dimensional).join(" ")}`);
   }
 
   /** For a second design: nothing of the first may show. */

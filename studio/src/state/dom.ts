@@ -1,5 +1,7 @@
 // Small helpers for elements and numbers.
 
+import { called } from "./words";
+
 type Child = Node | string | null | undefined;
 
 export function el<K extends keyof HTMLElementTagNameMap>(
@@ -46,24 +48,11 @@ export function withPrefix(value: number, unit: string, n = 3): [string, string]
   return [digits(value / size, n), prefix + unit];
 }
 
-export const NAMES: Record<string, { label: string; unit: string; percent?: boolean; hint: string }> = {
-  swimming_speed: { label: "Swimming speed", unit: "m/s", hint: "net displacement along the screw axis per time" },
-  forward_velocity: { label: "Forward velocity", unit: "m/s", hint: "mean velocity towards the body's front" },
-  body_lengths_per_time: { label: "Body lengths per time", unit: "/s", hint: "swimming speed over the body's own length" },
-  body_rate_hz: { label: "Body rate", unit: "Hz", hint: "turns of the body about its axis" },
-  lateral_amplitude: { label: "Lateral wobble", unit: "m/s", hint: "half of peak to peak of the lateral velocity" },
-  path_radius: { label: "Path radius", unit: "m", hint: "distance of the body's centre from the screw axis" },
-  efficiency: { label: "Efficiency", unit: "", percent: true, hint: "power to drag the body over the motor's power" },
-  mean_torque: { label: "Motor torque", unit: "N m", hint: "mean over a period" },
-  mean_power: { label: "Motor power", unit: "W", hint: "mean over a period" },
-};
-
 export function reading(name: string, value: number | null | undefined, dimensional: boolean, n = 3): [string, string] {
   if (value === null || value === undefined) return ["–", ""];
-  const about = NAMES[name];
-  if (about.percent) return [digits(100 * value, n), "%"];
+  if (name === "efficiency") return [digits(100 * value, n), "%"];
   if (name === "body_lengths_per_time") return [digits(value, n), dimensional ? "/s" : ""];
-  return dimensional ? withPrefix(value, about.unit, n) : [digits(value, n), ""];
+  return dimensional ? withPrefix(value, called(name).unit, n) : [digits(value, n), ""];
 }
 
 export function pretty(unit: string): string {

@@ -3,6 +3,7 @@
 import { Latest, Refusal, call } from "./api";
 import { clone } from "./dom";
 import { write } from "./fields";
+import { learn } from "./words";
 import type { Answer, Snapshot, Tables, Value } from "./types";
 
 export interface Reference {
@@ -48,6 +49,7 @@ export class Store {
   constructor() {
     const data = document.getElementById("snapshot");
     this.snapshot = data ? (JSON.parse(data.textContent!) as Snapshot) : null;
+    if (this.snapshot) learn(this.snapshot.words);
   }
 
   on(event: Event, listener: () => void): void {

@@ -1,5 +1,7 @@
 // What travels between server and page; see src/microswim/studio/answers.py.
 
+import type { Words } from "./words";
+
 export type Value = string | number | boolean | Value[];
 export type Tables = Record<string, Record<string, Value>>;
 
@@ -109,5 +111,13 @@ export interface FlowAnswer {
 export interface Snapshot {
   designs: { name: string; answer: Answer }[];
   view: Record<string, unknown>;
+  words: Words;
   map?: { ask: MapAsk } & MapAnswer;
+}
+
+/** What a new page shows first. */
+export interface Start {
+  name: string;
+  answer: Answer;
+  words: Words;
 }

@@ -1,0 +1,49 @@
+"""What the page says of fields, units and quantities: read off the tables that say each once."""
+
+from __future__ import annotations
+
+from typing import Any
+
+from microswim.gait.quantities import NUMBERS, QUANTITIES, UNITS
+from microswim.spec.fields import Field
+from microswim.spec.tables import FIELDS
+from microswim.spec.units import SIZES
+from microswim.studio.answers import MAP_OUTPUTS
+from microswim.studio.judge_jobs import LEVELS
+from microswim.studio.spec_tables import LARGEST_SPEC
+
+CODE = "custom"  #: the kind of tail that a file gives by code; the studio runs none
+
+
+def words() -> dict[str, Any]:
+    """Return fields by dotted name, sizes of units in SI, quantities, and what can be asked."""
+    return {
+        "fields": {path: _field(field) for path, field in FIELDS.items()},
+        "units": {name: size for sizes in SIZES.values() for name, size in sizes.items()},
+        "quantities": {name: _quantity(name) for name in NUMBERS},
+        "outputs": MAP_OUTPUTS,
+        "levels": LEVELS,
+        "largest": LARGEST_SPEC,
+    }
+
+
+def _field(field: Field) -> dict[str, Any]:
+    about = field.about
+    return {
+        "kind": field.kind,
+        "label": about.label,
+        "help": about.help,
+        "entries": about.entries,
+        "usual": about.usual,
+        "choices": [(word, field.said(word)) for word in field.choices if word != CODE],
+    }
+
+
+def _quantity(name: str) -> dict[str, str]:
+    about = QUANTITIES[name]
+    unit = UNITS[about.dimension][0]
+    return {
+        "label": about.label[0].upper() + about.label[1:],
+        "unit": "" if unit == "1" else unit,
+        "meaning": about.meaning,
+    }

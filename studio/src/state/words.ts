@@ -1,0 +1,55 @@
+// What the server says of fields, units and quantities; src/microswim/studio/words.py sends it.
+
+export interface Field {
+  kind: "quantity" | "number" | "truth" | "word" | "text";
+  label: string;
+  help: string;
+  /** what the entries of a list are called */
+  entries: string[];
+  /** where a slider runs, if that does not depend on the design */
+  usual: [number, number] | null;
+  /** the words that are allowed, and what they are called */
+  choices: [string, string][];
+}
+
+export interface Quantity {
+  label: string;
+  /** SI; empty for a plain number */
+  unit: string;
+  meaning: string;
+}
+
+export interface Words {
+  fields: Record<string, Field>;
+  /** size of each unit in SI */
+  units: Record<string, number>;
+  quantities: Record<string, Quantity>;
+  /** quantities that a map can show */
+  outputs: string[];
+  /** resolutions of the judge */
+  levels: string[];
+  /** bytes of a spec file */
+  largest: number;
+}
+
+let told: Words = { fields: {}, units: {}, quantities: {}, outputs: [], levels: [], largest: 0 };
+
+export function learn(words: Words): void {
+  told = words;
+}
+
+export const words = (): Words => told;
+
+/** What is known of a field; an entry of a list is one of its field. */
+export function field(path: string): Field | undefined {
+  return told.fields[path.replace(/\[.*$/, "")];
+}
+
+export function size(unit: string): number {
+  return told.units[unit] ?? 1;
+}
+
+/** What a quantity is called, its unit and meaning. */
+export function called(name: string): Quantity {
+  return told.quantities[name] ?? { label: name.replace(/_/g, " "), unit: "", meaning: "" };
+}

@@ -132,9 +132,10 @@ def base(swimmer: Swimmer) -> tuple[Any, ...]:
     D = np.array(np.broadcast_arrays(*swimmer.body.diagonal(swimmer.fluid.viscosity)))
     kind, each = np.result_type(p, D), np.broadcast_shapes(p.shape[1:], D.shape[1:])
     most = int(np.max(shaded.sizes(swimmer.tail.number_of_waves)))
-    ramp_rule, xi, weight = shaded.rules(most)
-    nodes = np.zeros((7, ramp_rule[0].size + most + 1, *each), dtype=kind)
-    fill_nodes.written(nodes, p, ramp_rule, (xi[most], weight[most]))
+    ramp_rule, *rows = shaded.rules(most)
+    rule = shaded.behind_ramp.written(most, *rows)
+    nodes = np.zeros((7, ramp_rule[0].size + rule[0].size, *each), dtype=kind)
+    fill_nodes.written(nodes, p, ramp_rule, rule)
     nodes[6, -1] = 1.0
     R, F = np.zeros((6, 6, *each), dtype=kind), np.zeros((6, *each), dtype=kind)
     for i in range(6):

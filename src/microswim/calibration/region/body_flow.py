@@ -23,10 +23,27 @@ from typing import Any
 
 import numpy as np
 
+from microswim.errors import SpecError
 from microswim.models.rft.plane_wave import fill_nodes
-from microswim.models.rft.segment import add_sums
+from microswim.models.rft.segment import (
+    C_N,
+    C_R,
+    C_T,
+    MOST_NODES,
+    OFFSET,
+    RAMP,
+    SPIN,
+    TIP,
+    WAVENUMBER,
+    add_sums,
+    in_plane,
+    nothing,
+    out_of_plane,
+    plus,
+    resistances,
+)
 from microswim.numerics.compiled import FAST, compiled
-from microswim.numerics.quadrature import gauss
+from microswim.numerics.quadrature import PANEL, gauss
 from microswim.swimmer.drag.coefficients import GrayHancock
 from microswim.swimmer.geometry.tails import as_wave
 from microswim.swimmer.swimmer import Swimmer
@@ -34,6 +51,54 @@ from microswim.swimmer.swimmer import Swimmer
 _LAW = GrayHancock(tip=True)
 
 ON_RAMP = 8  #: nodes on the ramp
+FEWEST, PER_WAVE = 6, 4.5  #: nodes on the rest: of a straight tail, and more for each wave
+
+
+@compiled(fastmath=FAST, error_model="numpy", inline="always")
+def shaded_segment(X: Any, T: Any, U: Any, n: Any, d: Any, w: Any, spin: Any, radius: Any) -> Any:
+    """Return what one segment adds beside a sphere: the 28 sums of `segment.segment`.
+
+    With ``A = a I - b X X'`` and tau the factors of ``H = [A, -tau X^]``, ``e = A T`` and
+    ``m = tau X x T``,
+
+        H' C H = [n A^2 + d e e', -n a tau X^ + d e m'; .., n tau^2 (|X|^2 I - X X') + d m m'],
+        H' C U = [n A U + d (T . U) e; n tau X x U + d (T . U) m],
+
+    and the spin adds ``w T T'`` as ever. Far from the sphere a and tau are one, b is zero.
+    """
+    x, y, z = X
+    t0, t1, t2 = T
+    u0, u1, u2 = U
+    r2 = x * x + y * y + z * z
+    q2 = radius * radius / r2
+    q = np.sqrt(q2)
+    a, b, tau = 1.0 - 0.25 * q * (3.0 + q2), 0.75 * q * (1.0 - q2) / r2, 1.0 - q2 * q
+    along = b * (x * t0 + y * t1 + z * t2)
+    e0, e1, e2 = a * t0 - along * x, a * t1 - along * y, a * t2 - along * z
+    m0, m1, m2 = tau * (y * t2 - z * t1), tau * (z * t0 - x * t2), tau * (x * t1 - y * t0)
+    na, nb, nt, nc = n * a * a, n * b * (2.0 * a - b * r2), n * a * tau, n * tau * tau
+    d0, d1, d2, D0, D1, D2 = d * e0, d * e1, d * e2, d * m0, d * m1, d * m2
+    w0, w1, w2 = w * t0, w * t1, w * t2
+    slip = t0 * u0 + t1 * u1 + t2 * u2
+    away, turn, pull = n * b * (x * u0 + y * u1 + z * u2), n * tau, n * a
+    return (
+        d0 * e0 + na - nb * x * x,
+        *(d1 * e0 - nb * x * y, d1 * e1 + na - nb * y * y),
+        *(d2 * e0 - nb * x * z, d2 * e1 - nb * y * z, d2 * e2 + na - nb * z * z),
+        *(D0 * e0, D0 * e1 - nt * z, D0 * e2 + nt * y),
+        D0 * m0 + nc * (y * y + z * z) + w0 * t0,
+        *(D1 * e0 + nt * z, D1 * e1, D1 * e2 - nt * x, D1 * m0 - nc * x * y + w1 * t0),
+        D1 * m1 + nc * (x * x + z * z) + w1 * t1,
+        *(D2 * e0 - nt * y, D2 * e1 + nt * x, D2 * e2, D2 * m0 - nc * x * z + w2 * t0),
+        *(D2 * m1 - nc * y * z + w2 * t1, D2 * m2 + nc * (x * x + y * y) + w2 * t2),
+        d0 * slip + pull * u0 - away * x,
+        d1 * slip + pull * u1 - away * y,
+        d2 * slip + pull * u2 - away * z,
+        D0 * slip + turn * (y * u2 - z * u1) + w0 * spin,
+        D1 * slip + turn * (z * u0 - x * u2) + w1 * spin,
+        D2 * slip + turn * (x * u1 - y * u0) + w2 * spin,
+        n * (u0 * u0 + u1 * u1 + u2 * u2) + d * slip * slip + w * spin * spin,
+    )
 
 
 @compiled(fastmath=FAST, error_model="numpy")
@@ -41,75 +106,38 @@ def add_tail(R: Any, F: Any, p: Any, nodes: Any, phase: float, g: float) -> Any:
     """Add tail and tip to the lower triangle of R and to ``F_p``; returns G.
 
     `nodes` as of `rft.plane_wave.fill_nodes`, the tip the last of them; g the sign of the
-    helix's hand, zero for a plane wave. With ``A = a I - b x x'`` and T the factors of H = [A, -T
-    x^] and y the tangent over the step in s, ``A y = w`` and ``m = T x × y``,
-
-        H' C H = [n A^2 + D w w', ..; n a T x^ + D m w', n T^2 (|x|^2 I - x x') + D m m' + S y y'].
-
-    Each sum is a scalar of its own: without stores in the loop the compiler takes several nodes at
-    once.
+    helix's hand, zero for a plane wave.
     """
-    k, c_n, d_c, c_r, radius, spin = p[2], p[6], p[5] - p[6], p[7], p[8], p[9]
+    k, radius, spin = p[WAVENUMBER], p[OFFSET], p[SPIN]
+    local = p[C_N], p[C_T] - p[C_N], p[C_R]
     C, S = np.cos(phase), np.sin(phase)
-    zero = p.dtype.type(0)  # a number: where the sums are arrays, each becomes one of its own
-    r00, r10, r11, r20, r21, r22 = zero, zero, zero, zero, zero, zero
-    r30, r31, r32, r33, r40, r41, r42 = zero, zero, zero, zero, zero, zero, zero
-    r43, r44, r50, r51, r52, r53, r54, r55 = zero, zero, zero, zero, zero, zero, zero, zero
-    f0, f1, f2, f3, f4, f5, G = zero, zero, zero, zero, zero, zero, zero
-    last = nodes.shape[1] - 1
-    for i in range(last + 1):
-        x, amplitude, slope = nodes[0, i], nodes[2, i], nodes[3, i]
+    sums = nothing(p.dtype.type(0))
+    for i in range(nodes.shape[1]):
         c, d = nodes[4, i] * C + nodes[5, i] * S, nodes[5, i] * C - nodes[4, i] * S
-        y, u = amplitude * c, amplitude * d
-        z, v = -g * u, g * y
-        t, w = slope * c - k * u, -g * (slope * d + k * y)
-        v2 = 1.0 + t * t + w * w
-        dl = nodes[1, i] * np.sqrt(v2)
-        n, D, c_s = c_n * dl + nodes[6, i] * p[10], d_c * dl / v2, c_r * dl / v2
-        r2 = x * x + y * y + z * z
-        q2 = radius * radius / r2
-        q = np.sqrt(q2)
-        a, b, T = 1.0 - 0.25 * q * (3.0 + q2), 0.75 * q * (1.0 - q2) / r2, 1.0 - q2 * q
-        bx = b * (x + y * t + z * w)
-        w0, w1, w2 = a - bx * x, a * t - bx * y, a * w - bx * z
-        m0, m1, m2 = T * (y * w - z * t), T * (z - x * w), T * (x * t - y)
-        na, nb, nt, nc = n * a * a, n * b * (2.0 * a - b * r2), n * a * T, n * T * T
-        D0, D1, D2, E0, E1, E2 = D * w0, D * w1, D * w2, D * m0, D * m1, D * m2
-        r00 += D0 * w0 + na - nb * x * x
-        r10 += D1 * w0 - nb * x * y
-        r11 += D1 * w1 + na - nb * y * y
-        r20 += D2 * w0 - nb * x * z
-        r21 += D2 * w1 - nb * y * z
-        r22 += D2 * w2 + na - nb * z * z
-        r30 += E0 * w0
-        r31 += E0 * w1 - nt * z
-        r32 += E0 * w2 + nt * y
-        r33 += E0 * m0 + nc * (y * y + z * z) + c_s
-        r40 += E1 * w0 + nt * z
-        r41 += E1 * w1
-        r42 += E1 * w2 - nt * x
-        r43 += E1 * m0 - nc * x * y + c_s * t
-        r44 += E1 * m1 + nc * (x * x + z * z) + c_s * t * t
-        r50 += E2 * w0 - nt * y
-        r51 += E2 * w1 + nt * x
-        r52 += E2 * w2
-        r53 += E2 * m0 - nc * x * z + c_s * w
-        r54 += E2 * m1 - nc * y * z + c_s * t * w
-        r55 += E2 * m2 + nc * (x * x + y * y) + c_s * w * w
-        slip, bu, turn = t * u + w * v, n * b * (y * u + z * v), n * T
-        f0 += D0 * slip - bu * x
-        f1 += D1 * slip + n * a * u - bu * y
-        f2 += D2 * slip + n * a * v - bu * z
-        f3 += E0 * slip + turn * (y * v - z * u) + c_s * spin
-        f4 += E1 * slip - turn * x * v + c_s * t * spin
-        f5 += E2 * slip + turn * x * u + c_s * w * spin
-        G += n * (u * u + v * v) + D * slip * slip + c_s * spin * spin
-    sums = (
-        *(r00, r10, r11, r20, r21, r22, r30, r31, r32, r33),
-        *(r40, r41, r42, r43, r44, r50, r51, r52, r53, r54, r55),
-    )
-    add_sums(R, F, sums, (f0, f1, f2, f3, f4, f5))
-    return G
+        q, q_s, u = in_plane(nodes[2, i], nodes[3, i], k, c, d)
+        r, r_s, v = out_of_plane(g, nodes[3, i], k, q, u, d)
+        n, D, w = resistances(nodes[1, i], 1.0 + q_s * q_s + r_s * r_s, True, local)
+        n += nodes[6, i] * p[TIP]
+        X, T, U = (nodes[0, i], q, r), (1.0, q_s, r_s), (0.0, u, v)
+        sums = plus(sums, shaded_segment(X, T, U, n, D, w, spin, radius))
+    add_sums(R, F, sums[:21], sums[21:27])
+    return sums[27]
+
+
+@compiled()
+def behind_ramp(size: int, xi: Any, weight: Any) -> Any:
+    """Return nodes and weights of about `size` nodes behind the ramp; the last is the tip.
+
+    One of the rules of `rules`, or equal panels where it would take more than the largest.
+    """
+    if size < len(xi):
+        return xi[size, : size + 1], weight[size, : size + 1]
+    count = (size + PANEL - 1) // PANEL
+    nodes, weights = np.ones(count * PANEL + 1), np.zeros(count * PANEL + 1)
+    for i in range(count * PANEL):
+        nodes[i] = (i // PANEL + xi[PANEL, i % PANEL]) / count
+        weights[i] = weight[PANEL, i % PANEL] / count
+    return nodes, weights
 
 
 @compiled()
@@ -118,8 +146,8 @@ def table(p: Any, size: int, ramp_rule: Any, xi: Any, weight: Any) -> Any:
 
     The rules are those of `rules`, `size` nodes on the rest.
     """
-    rule = xi[size, : size + 1], weight[size, : size + 1]
-    if p[3] == 0.0:  # no ramp, no nodes on it
+    rule = behind_ramp(size, xi, weight)
+    if p[RAMP] == 0.0:  # no ramp, no nodes on it
         ramp_rule = ramp_rule[0][:0], ramp_rule[1][:0]
     nodes = np.zeros((7, ramp_rule[0].size + rule[0].size), dtype=p.dtype)
     fill_nodes(nodes, p, ramp_rule, rule)
@@ -170,8 +198,10 @@ def parameters(swimmer: Swimmer) -> np.ndarray:
 def rules(most: int) -> tuple[Any, Any, Any]:
     """Quadrature on the ramp; nodes and weights of up to `most` nodes on the rest in rows.
 
-    The rest ends with the tip, a node without length.
+    The rest ends with the tip, a node without length. Two panels' nodes are the most of a row:
+    `behind_ramp` makes panels of what takes more.
     """
+    most = min(most, 2 * PANEL)
     xi, weight = np.ones((most + 1, most + 1)), np.zeros((most + 1, most + 1))
     for n in range(1, most + 1):
         xi[n, :n], weight[n, :n] = gauss(n)
@@ -179,8 +209,19 @@ def rules(most: int) -> tuple[Any, Any, Any]:
 
 
 def sizes(waves: Any) -> Any:
-    """Nodes on the rest for so many waves: about 1e-5, enough below a correction of 1e-3."""
-    return 6 + np.ceil(4.5 * np.real(waves)).astype(int)
+    """Nodes on the rest for so many waves: a helix to rounding, a plane wave to ``(b k)^2 / 100``.
+
+    The corrections are fitted to the same base with the same nodes, and take that up.
+
+    Raises
+    ------
+    SpecError
+        If a tail has so many turns that it would take more than `MOST_NODES`.
+    """
+    most = (MOST_NODES - FEWEST) / PER_WAVE
+    if not np.all(np.real(waves) <= most):
+        raise SpecError("tail.waves", float(np.max(np.real(waves))), f"{most:.5g} at most")
+    return FEWEST + np.ceil(PER_WAVE * np.real(waves)).astype(int)
 
 
 def hand(swimmer: Swimmer) -> float:

@@ -136,6 +136,7 @@ def _chunk(
         good = _buildable(many, p, body)
         rate = np.broadcast_to(many.tail.rate, (n,))
     if swimmer.region is not None:
+        good &= _nodes(p).sum(axis=1) <= MOST_NODES
         return _calibrated(swimmer, arrays, good, rate)
     if swimmer.tail.is_planar:
         good &= (shapes(p)[1] <= STEEPEST) & (_nodes(p).sum(axis=1) <= MOST_NODES)

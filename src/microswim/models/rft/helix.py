@@ -31,8 +31,11 @@ from microswim.models.rft.segment import (
     WAVENUMBER,
     add_sums,
     add_tip,
+    in_plane,
     nothing,
+    out_of_plane,
     plus,
+    resistances,
     segment,
 )
 from microswim.numerics.compiled import FAST, compiled
@@ -147,18 +150,15 @@ def add_ramp(R: Any, F: Any, p: Any, phase: Any, arc: bool, rule: Any, trig: Any
     if xi.size == 0:
         return 0 * b
     fill_trig(trig, xi, k * s, phase)
-    slope, c_n, d_c, c_r = b / s, p[C_N] * s, (p[C_T] - p[C_N]) * s, p[C_R] * s
+    slope, local = b / s, (p[C_N] * s, (p[C_T] - p[C_N]) * s, p[C_R] * s)
 
     sums = nothing(0 * b)
     for i in range(xi.size):
         c, d, a, x = trig[0, i], trig[1, i], b * xi[i], s * xi[i] + offset
-        y, u = a * c, a * d
-        z, v = -g * u, g * y
-        t, w = slope * c - k * u, -g * (slope * d + k * y)
-        v2 = 1.0 + t * t + w * w
-        dl = weight[i] * (np.sqrt(v2) if arc else 1.0)
-        n, D, S = c_n * dl, d_c * dl / v2, c_r * dl / v2
-        sums = plus(sums, segment((x, y, z), (1.0, t, w), (0.0, u, v), n, D, S, spin))
+        q, q_s, u = in_plane(a, slope, k, c, d)
+        r, r_s, v = out_of_plane(g, slope, k, q, u, d)
+        n, D, S = resistances(weight[i], 1.0 + q_s * q_s + r_s * r_s, arc, local)
+        sums = plus(sums, segment((x, q, r), (1.0, q_s, r_s), (0.0, u, v), n, D, S, spin))
     add_sums(R, F, sums[:21], sums[21:27])
     return sums[27]
 

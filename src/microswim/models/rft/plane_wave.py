@@ -2,10 +2,18 @@
 
 With ``c = cos(k s - phase)``, ``d = sin(k s - phase)`` and x measured from the body's centre,
 
-    X = (x, a c, 0),   v t = (1, a' c - a k d, 0),   u = (0, a d, 0)
+    X = (x, y, 0),   T = (1, t, 0),   U = (0, u, 0),   y = a c,  t = a' c - a k d,  u = a d
 
-so that 13 of the 21 sums of `segment.segment` are left. Both equal that plain quadrature to
-rounding; a test holds them to it.
+so that 12 of the 21 sums of `segment.segment` are left: with ``m = x t - y``
+
+    forces     ss: n + d          qs: d t              qq: n + d t^2        rr: n
+    turning    sr: n y            qr: -n x             rs: d m - n y        rq: d m t + n x
+    torques    ss: n y^2 + w      qs: w t - n x y      qq: n x^2 + w t^2
+               rr: d m^2 + n (x^2 + y^2)
+
+and five of the six forces. They stand here on their own because a compiler that keeps what
+``0 x inf`` is cannot leave out the others by itself, and this loop is most of the time that a plane
+wave takes. A test holds them to the plain quadrature of segment.
 """
 
 from __future__ import annotations
@@ -27,6 +35,8 @@ from microswim.models.rft.segment import (
     WAVENUMBER,
     add_tip,
     cosine_sine,
+    in_plane,
+    resistances,
 )
 from microswim.numerics.compiled import FAST, compiled, pays
 
@@ -73,7 +83,7 @@ def fill_rest(nodes: Any, p: Any, rule: Any) -> None:
 @compiled(fastmath=FAST, error_model="numpy")
 def add_wave(R: Any, F: Any, p: Any, nodes: Any, phase: float, arc: bool) -> Any:
     """Add ``B_t`` (lower triangle) and ``F_p`` at one phase; returns G."""
-    k, c_n, d_c, c_r, spin = p[WAVENUMBER], p[C_N], p[C_T] - p[C_N], p[C_R], p[SPIN]
+    k, spin, local = p[WAVENUMBER], p[SPIN], (p[C_N], p[C_T] - p[C_N], p[C_R])
     C, S = np.cos(phase), np.sin(phase)
     z = p.dtype.type(0)  # a number: where the sums are arrays, each becomes one of its own
     r00, r10, r11, r22, r32, r33, r42, r43, r44 = z, z, z, z, z, z, z, z, z
@@ -81,10 +91,8 @@ def add_wave(R: Any, F: Any, p: Any, nodes: Any, phase: float, arc: bool) -> Any
     for i in range(nodes.shape[1]):
         x, a = nodes[0, i], nodes[2, i]
         c, d = nodes[4, i] * C + nodes[5, i] * S, nodes[5, i] * C - nodes[4, i] * S
-        y, u, t = a * c, a * d, nodes[3, i] * c - a * k * d
-        v2 = 1.0 + t * t
-        dl = nodes[1, i] * (np.sqrt(v2) if arc else 1.0)
-        n, D, w = c_n * dl, d_c * dl / v2, c_r * dl / v2
+        y, t, u = in_plane(a, nodes[3, i], k, c, d)
+        n, D, w = resistances(nodes[1, i], 1.0 + t * t, arc, local)
         m = x * t - y
         nx, ny, Dm = n * x, n * y, D * m
         r00 += D + n

@@ -58,6 +58,30 @@ def cosine_sine(x: Any) -> tuple[Any, Any]:
     return c, s
 
 
+@compiled(fastmath=FAST, inline="always")
+def in_plane(a: Any, a_s: Any, k: Any, c: Any, d: Any) -> tuple[Any, Any, Any]:
+    """``q = a c``, its slope ``a' c - a k d`` and velocity ``a d``; c, d of ``k s - phase``."""
+    u = a * d
+    return a * c, a_s * c - k * u, u
+
+
+@compiled(fastmath=FAST, inline="always")
+def out_of_plane(g: Any, a_s: Any, k: Any, q: Any, u: Any, d: Any) -> tuple[Any, Any, Any]:
+    """``r = -g a d``, its slope ``-g (a' d + a k c)`` and velocity ``g a c``, from those of q."""
+    return -g * u, -g * (a_s * d + k * q), g * q
+
+
+@compiled(fastmath=FAST, error_model="numpy", inline="always")
+def resistances(ds: Any, v2: Any, arc: bool, c: Any) -> tuple[Any, Any, Any]:
+    """``n = c_n dl``, ``d = (c_t - c_n) dl / v^2``, ``w = c_r dl / v^2``; c holds the three.
+
+    v is the length of the tangent; the line element is ``dl = v ds``, or ds without `arc`.
+    """
+    c_n, d_c, c_r = c
+    dl = ds * (np.sqrt(v2) if arc else 1.0)
+    return c_n * dl, d_c * dl / v2, c_r * dl / v2
+
+
 @compiled(fastmath=FAST)
 def wave_nodes(kind: int, x: Any, phase: Any, on_ramp: Any, p: Any) -> Any:
     """Centreline, slope and velocity at ``s = x L`` [Tabak Eqs. 11, 12]."""
@@ -68,19 +92,19 @@ def wave_nodes(kind: int, x: Any, phase: Any, on_ramp: Any, p: Any) -> Any:
     else:
         amplitude, slope = b + 0 * x, 0 * b
     c, d = np.cos(k * s - phase), np.sin(k * s - phase)
-    q, q_s, q_phase = amplitude * c, slope * c - amplitude * k * d, amplitude * d
+    q, q_s, q_phase = in_plane(amplitude, slope, k, c, d)
     if kind == PLANE_WAVE:
         return s, q, 0 * q, q_s, 0 * q, q_phase, 0 * q
-    r, r_s = -g * amplitude * d, -g * (slope * d + amplitude * k * c)
-    return s, q, r, q_s, r_s, q_phase, g * amplitude * c
+    r, r_s, r_phase = out_of_plane(g, slope, k, q, q_phase, d)
+    return s, q, r, q_s, r_s, q_phase, r_phase
 
 
 @compiled(fastmath=FAST, error_model="numpy", inline="always")
 def segment(X: Any, T: Any, U: Any, n: Any, d: Any, w: Any, spin: Any) -> Any:
     """Return what one segment adds: 21 entries of ``B_t`` row by row, 6 of ``F_p``, and to G.
 
-    ``X`` position from the body's centre, ``T`` tangent of any length v, ``U`` velocity per unit
-    phase rate; resistances ``n = c_n dl``, ``d = (c_t - c_n) dl / v^2``, ``w = c_r dl / v^2``. With
+    ``X`` position from the body's centre, ``T`` tangent of any length, ``U`` velocity per unit
+    phase rate; n, d, w its `resistances`. With
     ``m = X x T`` a rotation W moves the segment along T at ``m . W``:
     B_t = n [I, -X^; X^, |X|^2 I - X X'] + d [T; m] [T; m]' + w [0; T] [0; T]'.
     """
@@ -165,7 +189,7 @@ def wave_tail(kind: int, arc: bool, p: Any, phase: Any, ramp_rule: Any, rule: An
     R = np.zeros((6, 6, *p.shape[1:]), dtype=p.dtype)
     F = np.zeros((6, *p.shape[1:]), dtype=p.dtype)
     L, ramp, offset, spin = p[LENGTH], p[RAMP], p[OFFSET], p[SPIN]
-    c_n, d_c, c_r = p[C_N], p[C_T] - p[C_N], p[C_R]
+    c = p[C_N], p[C_T] - p[C_N], p[C_R]
     sums = nothing(0 * L)
     for panel in range(2):
         xi, weight = ramp_rule if panel == 0 else rule
@@ -173,9 +197,8 @@ def wave_tail(kind: int, arc: bool, p: Any, phase: Any, ramp_rule: Any, rule: An
         width = ramp if panel == 0 else 1.0 - ramp
         for i in range(xi.size):
             s, q, r, q_s, r_s, u, v = wave_nodes(kind, start + width * xi[i], phase, panel == 0, p)
-            v2 = 1.0 + q_s * q_s + r_s * r_s
-            dl = weight[i] * width * L * (np.sqrt(v2) if arc else 1.0)
-            n, d, w = c_n * dl, d_c * dl / v2, c_r * dl / v2
+            ds, v2 = weight[i] * width * L, 1.0 + q_s * q_s + r_s * r_s
+            n, d, w = resistances(ds, v2, arc, c)
             X, T, U = (s + offset, q, r), (1.0, q_s, r_s), (0.0, u, v)
             sums = plus(sums, segment(X, T, U, n, d, w, spin))
     add_sums(R, F, sums[:21], sums[21:27])
@@ -191,12 +214,11 @@ def centreline_tail(X: Any, P_s: Any, U_all: Any, ds: Any, arc: bool, c: Any, sp
     """``(B_t, F_p, G)`` from a centreline on nodes: arrays (n, 3), quadrature weights ds (n,)."""
     R = np.zeros((6, 6, *X.shape[2:]), dtype=X.dtype)
     F = np.zeros((6, *X.shape[2:]), dtype=X.dtype)
-    sums = nothing(0 * X[0, 0])
+    sums, local = nothing(0 * X[0, 0]), (c[1], c[0] - c[1], c[2])
     for i in range(ds.size):
         T, U = (P_s[i, 0], P_s[i, 1], P_s[i, 2]), (U_all[i, 0], U_all[i, 1], U_all[i, 2])
         v2 = T[0] * T[0] + T[1] * T[1] + T[2] * T[2]
-        dl = ds[i] * (np.sqrt(v2) if arc else 1.0)
-        n, d, w = c[1] * dl, (c[0] - c[1]) * dl / v2, c[2] * dl / v2
+        n, d, w = resistances(ds[i], v2, arc, local)
         sums = plus(sums, segment((X[i, 0], X[i, 1], X[i, 2]), T, U, n, d, w, spin))
     add_sums(R, F, sums[:21], sums[21:27])
     for i in range(6):

@@ -88,7 +88,7 @@ def test_panels_agree_with_one_rule(swimmer, waves):
 
 
 def test_thousands_of_turns_take_memory_in_proportion():
-    """A table of all rules up to the longest took 650 MB for two thousand waves."""
+    """A table of all rules up to the longest took 1.3 GB for two thousand waves."""
     xi, weight = body_flow.rules(int(body_flow.sizes(2000.0)))[1:]
     assert xi.size + weight.size < 10_000
     nodes, weights = body_flow.behind_ramp.written(9006, xi, weight)

@@ -10,7 +10,8 @@ from click.testing import CliRunner
 import microswim as ms
 from microswim.cli import main
 from microswim.errors import RenamedWarning
-from microswim.gait.quantities import NUMBERS, OF_SHAPE, OLD, QUANTITIES, UNITS
+from microswim.gait.quantities import NUMBERS, OF_SHAPE, OLD, QUANTITIES
+from microswim.gait.units import UNITS
 from microswim.studies.optimisation import merits
 from microswim.studio.answers import readings
 

@@ -17,6 +17,7 @@ from microswim.cli._options import (
     print_json,
     swimmer_options,
 )
+from microswim.gait.units import unit
 from microswim.numerics.files import fresh
 
 PICTURE = "track.png"
@@ -77,7 +78,7 @@ def command(
         )
     result = {"swimmer": given.name, "units": swimmer.units, **found.as_dict()}
     if out is not None:
-        _draw(read, found.path, "m" if swimmer.units == "SI" else "", out / PICTURE)
+        _draw(read, found.path, unit(swimmer.units, "length"), out / PICTURE)
         result["picture"] = str(out / PICTURE)
     if as_json:
         print_json(result)

@@ -9,6 +9,7 @@ import numpy as np
 
 from microswim.errors import MicroswimError
 from microswim.gait.readable import quantity, significant
+from microswim.gait.units import unit
 
 Rows = list[tuple[str, str]]
 NOISE = 1e-12  #: of the largest component; below it a velocity is rounding
@@ -49,22 +50,21 @@ def of_gait(gait: Any) -> tuple[str, Rows]:
 
 
 def _numbers(gait: Any) -> Rows:
-    si = gait.units == "SI"
     mean, size = _clean(gait.mean_velocity), _clean(gait.velocity_amplitude)
     power, rate = np.real(gait.mean_power), np.real(gait.rate)
 
-    def q(value: Any, unit: str) -> str:
-        return quantity(np.real(value), unit if si else "")
+    def q(value: Any, kind: str) -> str:
+        return quantity(np.real(value), unit(gait.units, kind))
 
     turn = f", {significant(mean[3] / abs(rate))} turns per period" if rate else ""
     rows = [
-        ("forward", f"{q(-mean[0], 'm/s')} (u_s = {q(mean[0], 'm/s')})"),
-        ("sideways", f"{q(size[1], 'm/s')} along q, {q(size[2], 'm/s')} along r (amplitudes)"),
-        ("body", f"turns at {q(mean[3], 'rad/s')} about s{turn}"),
+        ("forward", f"{q(-mean[0], 'speed')} (u_s = {q(mean[0], 'speed')})"),
+        ("sideways", f"{q(size[1], 'speed')} along q, {q(size[2], 'speed')} along r (amplitudes)"),
+        ("body", f"turns at {q(mean[3], 'rate')} about s{turn}"),
         (
             "motor",
-            f"frequency {q(rate / (2.0 * np.pi), 'Hz')}, power {q(power, 'W')}, "
-            f"torque {q(gait.mean_torque, 'N m')}",
+            f"frequency {q(rate / (2.0 * np.pi), 'frequency')}, power {q(power, 'power')}, "
+            f"torque {q(gait.mean_torque, 'torque')}",
         ),
     ]
     if gait.body_resistance_series is not None:

@@ -19,23 +19,6 @@ from microswim.gait.gait import Gait
 from microswim.gait.screw import screw
 from microswim.numerics.rigid_motion import ScrewMotion
 
-#: Unit of each dimension, in SI and of a dimensionless swimmer.
-UNITS = {
-    "number": ("1", "1"),
-    "speed": ("m/s", "length/time"),
-    "length": ("m", "length"),
-    "time": ("s", "time"),
-    "angle": ("rad", "rad"),
-    "frequency": ("Hz", "1/time"),
-    "rate": ("rad/s", "rad/time"),
-    "twist": ("m/s, rad/s", "length/time, rad/time"),
-    "power": ("W", "power"),
-    "torque": ("N m", "torque"),
-    "force": ("N", "power time/length"),
-    "speed per torque": ("1/(N s)", "length/(torque time)"),
-    "speed per power": ("1/N", "length/(power time)"),
-}
-
 
 @dataclass(frozen=True)
 class Quantity:
@@ -46,7 +29,7 @@ class Quantity:
     name
         What it is called everywhere.
     dimension
-        Key of `UNITS`.
+        Key of `microswim.gait.units.UNITS`.
     meaning
         One line.
     of

@@ -5,6 +5,8 @@ from __future__ import annotations
 import math
 from typing import Any
 
+from microswim.gait.units import is_dimensionless
+
 #: Units in which people of the field read a quantity, from large to small.
 _READ_IN = {
     "m": {"m": 1.0, "mm": 1e-3, "µm": 1e-6, "nm": 1e-9},
@@ -112,11 +114,6 @@ def significant(value: float, digits: int = 4) -> str:
     if -5 < exponent < 6:
         return f"{value:.{max(0, digits - 1 - exponent)}f}"
     return f"{value:.{digits - 1}e}"
-
-
-def is_dimensionless(unit: str) -> bool:
-    """Whether a unit is one of the words of a dimensionless swimmer, such as ``length/time``."""
-    return unit in ("", "1") or any(w in unit for w in ("length", "time", "power", "torque"))
 
 
 def label(name: str, unit: str) -> str:

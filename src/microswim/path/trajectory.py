@@ -15,6 +15,7 @@ from microswim import checks
 from microswim.errors import SpecError
 from microswim.gait.gait import Gait
 from microswim.gait.stepping import integrate, pack
+from microswim.gait.units import unit
 from microswim.numerics.rigid_motion import ScrewMotion, multiply, rotation_matrix
 
 if TYPE_CHECKING:
@@ -214,7 +215,7 @@ def _half_steps(t: np.ndarray, counts: np.ndarray) -> np.ndarray:
 def _dataset(gait: Gait, t: Any, x: Any, q: Any, angle: Any) -> xr.Dataset:
     import xarray as xr
 
-    length, time = ("m", "s") if gait.units == "SI" else ("length", "time")
+    length, time = (unit(gait.units, kind) for kind in ("length", "time"))
     return xr.Dataset(
         {
             "position": (("time", "axis"), x, {"units": length, "long_name": "body centre, lab"}),

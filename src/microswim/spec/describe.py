@@ -8,6 +8,7 @@ from typing import Any
 
 import numpy as np
 
+from microswim.gait.units import unit
 from microswim.spec.tables import FIELDS
 from microswim.swimmer.swimmer import Swimmer
 
@@ -62,8 +63,9 @@ def unit_of(name: str, units: str) -> str:
     ('m', '')
     """
     field = FIELDS.get(name.partition("[")[0])
-    known = units == "SI" and field is not None and field.dimension is not None
-    return field.dimension.si if known else ""  # type: ignore[union-attr]
+    if units != "SI" or field is None or field.measures is None:
+        return ""
+    return unit(units, field.measures)
 
 
 def _name_of(function: Any) -> str:

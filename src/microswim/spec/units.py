@@ -15,6 +15,8 @@ from dataclasses import dataclass
 from functools import cache
 from typing import TYPE_CHECKING, Any
 
+from microswim.gait.units import unit
+
 if TYPE_CHECKING:
     import pint
 
@@ -30,25 +32,23 @@ class Dimension:
 
     Parameters
     ----------
-    si
-        Its unit inside: SI, angles in radians.
-    word
-        What it is called for a swimmer without units.
+    name
+        Key of `microswim.gait.units.UNITS`.
     example
         A quantity that a person would write.
     smallest, largest
         Magnitudes between which a quantity other than zero must lie (SI).
     """
 
-    si: str
-    word: str
+    name: str
     example: str
     smallest: float = 1e-30
     largest: float = 1e30
 
-    def unit(self, units: str) -> str:
-        """Return the unit of numbers of a swimmer in SI, or the word where it has no units."""
-        return self.si if units == "SI" else self.word
+    @property
+    def si(self) -> str:
+        """Its unit inside: SI, angles in radians."""
+        return unit("SI", self.name)
 
     def refused(self, value: float) -> str | None:
         """Return the sentence about a number beyond what swims, or None."""
@@ -60,17 +60,20 @@ class Dimension:
 
 #: A field's dimension by name. The fields themselves stand in `microswim.spec.tables`.
 DIMENSIONS = {
-    "length": Dimension("m", "length", "1 um", 1e-12, 1e4),
-    "frequency": Dimension("Hz", "1/time", "10 Hz", 1e-9, 1e12),
-    "viscosity": Dimension("Pa s", "viscosity", "1 mPa s", 1e-9, 1e12),
-    "kinematic viscosity": Dimension("m^2/s", "length^2/time", "1 cSt", 1e-12, 1e12),
-    "density": Dimension("kg/m^3", "density", "1000 kg/m^3", 1e-6, 1e6),
-    "angle": Dimension("rad", "rad", "30 deg"),
-    "speed": Dimension("m/s", "length/time", "20 um/s"),
-    "angular rate": Dimension("rad/s", "rad/time", "60 rpm"),
-    "force": Dimension("N", "force", "1 pN"),
-    "torque": Dimension("N m", "torque", "2 nN m"),
-    "power": Dimension("W", "power", "1 fW"),
+    d.name: d
+    for d in (
+        Dimension("length", "1 um", 1e-12, 1e4),
+        Dimension("frequency", "10 Hz", 1e-9, 1e12),
+        Dimension("viscosity", "1 mPa s", 1e-9, 1e12),
+        Dimension("kinematic viscosity", "1 cSt", 1e-12, 1e12),
+        Dimension("density", "1000 kg/m^3", 1e-6, 1e6),
+        Dimension("angle", "30 deg"),
+        Dimension("speed", "20 um/s"),
+        Dimension("rate", "60 rpm"),
+        Dimension("force", "1 pN"),
+        Dimension("torque", "2 nN m"),
+        Dimension("power", "1 fW"),
+    )
 }
 
 #: The units that may be written; whatever else counts or measures something is refused.

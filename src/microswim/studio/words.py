@@ -4,7 +4,8 @@ from __future__ import annotations
 
 from typing import Any
 
-from microswim.gait.quantities import NUMBERS, QUANTITIES, UNITS
+from microswim.gait.quantities import NUMBERS, QUANTITIES
+from microswim.gait.units import is_dimensionless, unit
 from microswim.spec.fields import Field
 from microswim.spec.tables import FIELDS
 from microswim.spec.units import SIZES
@@ -41,9 +42,9 @@ def _field(field: Field) -> dict[str, Any]:
 
 def _quantity(name: str) -> dict[str, str]:
     about = QUANTITIES[name]
-    unit = UNITS[about.dimension][0]
+    si = unit("SI", about.dimension)
     return {
         "label": about.label[0].upper() + about.label[1:],
-        "unit": "" if unit == "1" else unit,
+        "unit": "" if is_dimensionless(si) else si,
         "meaning": about.meaning,
     }

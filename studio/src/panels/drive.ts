@@ -3,6 +3,7 @@
 import { digits, el, withPrefix } from "../state/dom";
 import { cross, dot, rotate, spinMobility, type Drive, type Pose, type Vec } from "../state/motion";
 import type { Store } from "../state/store";
+import { called } from "../state/words";
 
 const HISTORY = 240;
 
@@ -103,11 +104,11 @@ export class Driver {
   }
 
   private frequency(rate: number): string {
-    return this.store.design?.answer.dimensional ? withPrefix(rate / (2 * Math.PI), "Hz").join(" ") : digits(rate / (2 * Math.PI));
+    return this.store.design?.answer.dimensional ? withPrefix(rate / (2 * Math.PI), called("frequency").unit).join(" ") : digits(rate / (2 * Math.PI));
   }
 
   private torque(): string {
-    return this.store.design?.answer.dimensional ? withPrefix(this.unit, "N m", 2).join(" ") : digits(this.unit, 2);
+    return this.store.design?.answer.dimensional ? withPrefix(this.unit, called("mean_torque").unit, 2).join(" ") : digits(this.unit, 2);
   }
 
   get power(): number {
@@ -196,7 +197,7 @@ export class Driver {
     if (pose.time > t0) {
       this.measured = Math.abs((this.angle - a0) / (pose.time - t0));
       const speed = Math.hypot(...pose.x.map((v, i) => v - this.went[0][i])) / (pose.time - t0);
-      const [n, unit] = this.store.design.answer.dimensional ? withPrefix(speed, "m/s") : [digits(speed), ""];
+      const [n, unit] = this.store.design.answer.dimensional ? withPrefix(speed, called("swimming_speed").unit) : [digits(speed), ""];
       this.figure.replaceChildren(n, el("small", {}, unit));
     }
     const follows = this.measured > 0.97 * this.rate;

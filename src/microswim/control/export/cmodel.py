@@ -16,17 +16,9 @@ from microswim import __version__, checks
 from microswim.control.export.precision import FIGURES, PRECISIONS, check_range, single
 from microswim.control.stepper import Stepper
 from microswim.errors import SpecError
+from microswim.gait.units import unit
 
-UNITS = {
-    "SI": {
-        "length": "m", "time": "s", "force": "N", "torque": "N m", "field": "T",
-        "moment": "A m^2", "viscosity": "Pa s",
-    },
-    "dimensionless": {
-        "length": "length", "time": "time", "force": "force", "torque": "force length",
-        "field": "field", "moment": "torque/field", "viscosity": "force time/length^2",
-    },
-}  # fmt: skip
+MEASURED = ("length", "time", "force", "torque", "field", "moment", "viscosity")
 BANNER = """\
 /* {name}: a swimmer at low Reynolds number, written by microswim {version}.
 
@@ -133,7 +125,8 @@ def filled(template: str, values: dict[str, str]) -> str:
 
 
 def _values(stepper: Stepper, name: str, spec: str) -> dict[str, str]:
-    gait, units = stepper.gait, UNITS[stepper.gait.units]
+    gait = stepper.gait
+    units = {kind: unit(gait.units, kind) for kind in MEASURED}
     digest = sha256(spec.encode() or repr(stepper.response.twist.tolist()).encode()).hexdigest()[
         :16
     ]

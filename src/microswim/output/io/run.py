@@ -18,7 +18,8 @@ from microswim.errors import SpecError
 from microswim.gait import quantities
 from microswim.gait.gait import DEGREES_OF_FREEDOM, Gait
 from microswim.gait.observed import observed
-from microswim.gait.quantities import UNITS
+from microswim.gait.units import UNITS
+from microswim.gait.units import unit as unit
 from microswim.numerics.files import write
 from microswim.path.trajectory import trajectory
 from microswim.swimmer.swimmer import Swimmer
@@ -154,18 +155,6 @@ def dataset(
             spec=spec,
         )
     )
-
-
-def unit(gait_units: str, kind: str) -> str:
-    """Unit of a kind of quantity (``"speed"``, ``"length"``, ...) in SI or dimensionless.
-
-    Examples
-    --------
-    >>> import microswim as ms
-    >>> ms.io.unit("SI", "speed")
-    'm/s'
-    """
-    return UNITS[kind][gait_units != "SI"] if kind in UNITS else kind
 
 
 def over_the_period(gait: Gait) -> xr.Dataset:

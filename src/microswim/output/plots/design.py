@@ -10,6 +10,7 @@ import numpy as np
 import xarray as xr
 
 from microswim.gait.quantities import current
+from microswim.gait.units import unit
 from microswim.output.io.surface import surface
 from microswim.output.plots.drawing import Camera, draw_surface, scale_bar
 from microswim.output.plots.style import BLUE, ORANGE, WIDE, blank, few_ticks, look, readable
@@ -55,7 +56,7 @@ def swimmers(axes: Axes, robots: Sequence[Swimmer], names: Sequence[str] = ()) -
         )
     axes.axis("off")
     length = float(f"{robots[0].tail.apparent_length / 2:.0e}")
-    scale_bar(axes, length, "m" if robots[0].units == "SI" else "")
+    scale_bar(axes, length, unit(robots[0].units, "length"))
 
 
 def design_map(

@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from microswim.gait.readable import prefixed
+from microswim.gait.units import is_dimensionless
 from microswim.output.io.surface import BODY, Surface
 from microswim.output.plots.style import BODY as BODY_COLOUR
 from microswim.output.plots.style import TAIL as TAIL_COLOUR
@@ -82,7 +83,7 @@ def scale_bar(axes: Axes, length: float, unit: str) -> None:
     y = low - 0.04 * (high - low)
     axes.plot([left, left + size], [y, y], color="#1b1b1b", lw=2.0, solid_capstyle="butt")
     axes.annotate(
-        f"{size * factor:.3g} {name}" if unit else f"length {size:.3g}",
+        f"length {size:.3g}" if is_dimensionless(unit) else f"{size * factor:.3g} {name}",
         (left + size / 2.0, y),
         (0, -4),
         textcoords="offset points",

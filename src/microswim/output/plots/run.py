@@ -11,7 +11,8 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 import xarray as xr
 
-from microswim.gait.readable import is_dimensionless, label, prefixed
+from microswim.gait.readable import label, prefixed
+from microswim.gait.units import unit
 from microswim.numerics.rigid_motion import rotation_matrix
 from microswim.output.io.surface import surface
 from microswim.output.plots.drawing import Camera, draw_surface, scale_bar, triad
@@ -93,9 +94,9 @@ def velocity(run: xr.Dataset) -> Figure:
     with look():
         figure = blank(WIDE, 2.5)
         linear, angular, power = figure.subplots(1, 3)
-        si = run.attrs["units"] == "SI"
-        _components(linear, run, slice(0, 3), "velocity", "m/s" if si else "", "u")
-        _components(angular, run, slice(3, 6), "body rate", "rad/s" if si else "", r"\Omega")
+        speed, rate = (unit(run.attrs["units"], kind) for kind in ("speed", "rate"))
+        _components(linear, run, slice(0, 3), "velocity", speed, "u")
+        _components(angular, run, slice(3, 6), "body rate", rate, r"\Omega")
         _power(power, run)
         for axes, letter in zip((linear, angular, power), "abc"):
             axes.set(xlabel="phase of the tail (periods)", xlim=(0, 1))
@@ -111,7 +112,7 @@ def track_and_fit(track: np.ndarray, path: np.ndarray, unit: str) -> Figure:
     track, path
         Positions, (n, 2) or (n, 3).
     unit
-        ``"m"``, or empty for a dimensionless swimmer.
+        Of both: ``"m"``, or ``"length"``.
 
     Returns
     -------
@@ -174,7 +175,7 @@ def _scene(axes: Axes, run: xr.Dataset, swimmer: Swimmer | None, basis: np.ndarr
     axes.set_axis_off()
     axes.margins(0.03, 0.06)
     _title(axes, "a", "swimmer and path, to scale")
-    scale_bar(axes, extent, "m" if run.attrs["units"] == "SI" else "")
+    scale_bar(axes, extent, unit(run.attrs["units"], "length"))
     triad(axes, camera)
 
 
@@ -234,7 +235,7 @@ def _components(
         axes.axhline(factor * mean, color=colour, lw=0.6, ls=":", zorder=1)
         axes.plot(turns, factor * v, color=colour, ls=style, label=f"${symbol}_{axis}$")
     _roomy(axes, factor * values)
-    axes.set_ylabel(label(name, unit) if unit else f"{name}{_dimensionless_note(run, which)}")
+    axes.set_ylabel(f"{name} ({unit})")
     axes.legend(ncols=3, loc="upper center", columnspacing=1.0, handlelength=1.9)
     if which.start == 3 and run.frequency != 0:
         per_turn = abs(float(2.0 * np.pi * run.frequency)) * factor
@@ -245,10 +246,6 @@ def _components(
         right.set_ylabel("(revolutions per period)")
 
 
-def _dimensionless_note(run: xr.Dataset, which: slice) -> str:
-    return " (lengths per time)" if which.start == 0 else " (rad per time)"
-
-
 def _power(axes: Axes, run: xr.Dataset) -> None:
     values = run.power.values
     factor, unit = prefixed(float(np.abs(values).max()), run.power.attrs["units"])
@@ -257,8 +254,7 @@ def _power(axes: Axes, run: xr.Dataset) -> None:
     axes.axhline(mean, color=GREY, lw=0.6, ls=":")
     axes.plot(turns, factor * values, color=PURPLE)
     _roomy(axes, np.append(factor * values, 0.0))
-    name = "motor power" if is_dimensionless(unit) else f"motor power ({unit})"
-    axes.set_ylabel(name)
+    axes.set_ylabel(label("motor power", unit))
 
 
 def _roomy(axes: Axes, values: Any) -> None:

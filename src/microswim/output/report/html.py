@@ -14,7 +14,9 @@ from importlib.resources import files
 from typing import TYPE_CHECKING, Any
 
 from microswim.gait.gait import DEGREES_OF_FREEDOM
+from microswim.gait.quantities import QUANTITIES
 from microswim.gait.readable import quantity, significant, with_error
+from microswim.gait.units import unit
 from microswim.output.report.document import document
 from microswim.output.report.document import table as document_table
 from microswim.swimmer.swimmer import Swimmer
@@ -74,35 +76,30 @@ def numbers_table(numbers: dict[str, Any], name: str) -> Table:
     >>> table.rows[0][:2]
     ('swimming speed', '10.21 µm/s')
     """
-    si = numbers["units"] == "SI"
-
     off = numbers.get("expected_error") or {}
 
-    def q(value: float, unit: str, of: str = "") -> str:
-        return with_error(value, off.get(of), unit if si else "")
+    def q(value: float, kind: str, of: str = "") -> str:
+        return with_error(value, off.get(of), unit(numbers["units"], kind))
 
-    mean = numbers["mean_velocity"]
+    def row(name: str, told: str, of: str = "", symbol: str = "") -> tuple[str, str, str]:
+        about = QUANTITIES[name]
+        return about.label + symbol, q(numbers[name], about.dimension, of), told
+
+    si = numbers["units"] == "SI"
     turns = f"{significant(numbers['body_turns_per_period'])} revolutions per period"
     hertz = f", {quantity(numbers['body_rate_hz'], 'Hz')}" if si else ""
     lengths = f"{significant(numbers['body_lengths_per_time'])} body lengths per {_time(si)}"
+    u_s = q(numbers["mean_velocity"][0], "speed", "us")
     rows = [
-        ("swimming speed", q(numbers["swimming_speed"], "m/s", "us"), lengths),
-        ("mean velocity u_s", q(mean[0], "m/s", "us"), "negative: the body leads"),
-        (
-            "lateral amplitude u_q",
-            q(numbers["lateral_amplitude"], "m/s", "uq"),
-            "half of peak to peak",
-        ),
-        ("body rate |Omega_s|", q(numbers["body_rate"], "rad/s", "os"), turns + hertz),
-        (
-            "path radius",
-            q(numbers["path_radius"], "m"),
-            "of the body's centre about the screw axis",
-        ),
-        ("path pitch", q(numbers["path_pitch"], "m"), "advance per turn of the period's screw"),
-        ("motor frequency", q(numbers["frequency"], "Hz"), "of the tail relative to the body"),
-        ("motor power", q(numbers["mean_power"], "W"), "mean over the period"),
-        ("motor torque", q(numbers["mean_torque"], "N m"), "mean over the period"),
+        row("swimming_speed", lengths, "us"),
+        ("mean velocity u_s", u_s, "negative: the body leads"),
+        row("lateral_amplitude", "half of peak to peak", "uq", " u_q"),
+        row("body_rate", turns + hertz, "os", " |Omega_s|"),
+        row("path_radius", "of the body's centre about the screw axis"),
+        row("path_pitch", "advance per turn of the period's screw"),
+        row("frequency", "of the tail relative to the body"),
+        row("mean_power", "mean over the period"),
+        row("mean_torque", "mean over the period"),
         ("efficiency", f"{significant(100.0 * numbers['efficiency'], 3)} %", "Eq. (24)"),
     ]
     if off:
@@ -163,29 +160,29 @@ def spec_table(swimmer: Swimmer) -> Table:
     >>> [row[1] for row in table.rows if row[0] == "alpha"]
     ['0.7277']
     """
-    d, tail, si = derived(swimmer), swimmer.tail, swimmer.units == "SI"
+    d, tail = derived(swimmer), swimmer.tail
 
-    def q(key: str, unit: str) -> str:
-        return quantity(d[key], unit if si else "")
+    def q(key: str, kind: str) -> str:
+        return quantity(d[key], unit(swimmer.units, kind))
 
-    axes = " x ".join(quantity(r, "m" if si else "") for r in d["semi_axes"])
+    axes = " x ".join(quantity(r, unit(swimmer.units, "length")) for r in d["semi_axes"])
     body = f"semi-axes {axes}" if any(d["semi_axes"]) else "an isolated tail"
     wave = []
     if d["wavenumber"] is not None:  # a tail of any shape has none
-        wave = [("wavenumber k", q("wavenumber", "1/m"), "2 pi over wavelength")]
+        wave = [("wavenumber k", q("wavenumber", "wavenumber"), "2 pi over wavelength")]
     motion = f"{tail.sections} sections, {tail.surface_motion} surface motion"
     rows = [
         ("body", swimmer.body.shape, body),
         ("tail", tail.kind, f"{motion} (for bem and fem)"),
-        ("apparent length L", q("apparent_length", "m"), "along s"),
-        ("arc length", q("arc_length", "m"), "along the filament, ramp left out"),
+        ("apparent length L", q("apparent_length", "length"), "along s"),
+        ("arc length", q("arc_length", "length"), "along the filament, ramp left out"),
         ("alpha", significant(d["alpha"]), "apparent over arc length"),
         ("number of waves N", significant(d["number_of_waves"]), "L over wavelength"),
         *wave,
-        ("c_t", q("c_t", "Pa s"), f"along the filament, law {swimmer.coefficients.law}"),
-        ("c_n", q("c_n", "Pa s"), "across the filament"),
-        ("c_r", q("c_r", "Pa s m^2"), "spin about itself"),
-        ("tip", q("tip", "Pa s m"), "drag of the free end (tip = true)"),
+        ("c_t", q("c_t", "viscosity"), f"along the filament, law {swimmer.coefficients.law}"),
+        ("c_n", q("c_n", "viscosity"), "across the filament"),
+        ("c_r", q("c_r", "drag of spin"), "spin about itself"),
+        ("tip", q("tip", "drag of a point"), "drag of the free end (tip = true)"),
         ("Reynolds number", significant(d["reynolds_number"], 3), "from body length and frequency"),
         (
             "free motions",

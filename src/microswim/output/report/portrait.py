@@ -6,6 +6,7 @@ from typing import Any
 
 from microswim.gait.portrait import Rows
 from microswim.gait.readable import quantity, significant
+from microswim.gait.units import unit
 from microswim.swimmer.geometry.tails import WaveTail
 from microswim.swimmer.swimmer import Swimmer
 
@@ -30,8 +31,8 @@ def of_swimmer(swimmer: Swimmer) -> tuple[str, Rows]:
     return f"Swimmer, {swimmer.units}", rows
 
 
-def _q(swimmer: Swimmer, value: Any, unit: str) -> str:
-    return _short(quantity(value, unit if swimmer.units == "SI" else ""))
+def _q(swimmer: Swimmer, value: Any, kind: str) -> str:
+    return _short(quantity(value, unit(swimmer.units, kind)))
 
 
 def _short(text: str) -> str:
@@ -43,7 +44,7 @@ def _short(text: str) -> str:
 
 
 def _body(swimmer: Swimmer) -> str:
-    axes = [_q(swimmer, 2.0 * r, "m") for r in swimmer.body.semi_axes3]
+    axes = [_q(swimmer, 2.0 * r, "length") for r in swimmer.body.semi_axes3]
     return f"{swimmer.body.shape}, {' x '.join(axes)}" if any(swimmer.body.semi_axes3) else "none"
 
 
@@ -52,19 +53,19 @@ def _tail(swimmer: Swimmer) -> str:
     hand = getattr(tail, "handedness", None)
     kind = tail.kind.replace("_", " ")
     words = [f"{hand}-handed {kind}" if hand else kind]
-    words.append(f"length {_q(swimmer, tail.apparent_length, 'm')}")
+    words.append(f"length {_q(swimmer, tail.apparent_length, 'length')}")
     if isinstance(tail, WaveTail):
-        words.append(f"amplitude {_q(swimmer, tail.amplitude, 'm')}")
+        words.append(f"amplitude {_q(swimmer, tail.amplitude, 'length')}")
     words.append(f"{_short(significant(float(tail.number_of_waves)))} waves")
-    words.append(f"radius {_q(swimmer, tail.radius, 'm')}")
-    words.append(f"frequency {_q(swimmer, tail.frequency, 'Hz')}")
+    words.append(f"radius {_q(swimmer, tail.radius, 'length')}")
+    words.append(f"frequency {_q(swimmer, tail.frequency, 'frequency')}")
     return ", ".join(words)
 
 
 def _fluid(swimmer: Swimmer) -> str:
     fluid = swimmer.fluid
-    density = f", density {_q(swimmer, fluid.density, 'kg/m^3')}" if fluid.density else ""
-    return f"viscosity {_q(swimmer, fluid.viscosity, 'Pa s')}{density}"
+    density = f", density {_q(swimmer, fluid.density, 'density')}" if fluid.density else ""
+    return f"viscosity {_q(swimmer, fluid.viscosity, 'viscosity')}{density}"
 
 
 def _drag(swimmer: Swimmer) -> str:

@@ -11,14 +11,15 @@ import re
 from typing import Any
 
 from microswim.errors import SpecError
-from microswim.gait.quantities import NUMBERS, OLD, QUANTITIES, UNITS
+from microswim.gait.quantities import NUMBERS, OLD, QUANTITIES
+from microswim.gait.units import unit
 from microswim.spec.tables import FIELDS
 from microswim.spec.units import NUMBER, has_unit, parse, to_si
 from microswim.swimmer.swimmer import Swimmer
 
 #: SI units of the merits that have one, by their names of today and of before.
 MEASURED_IN = {
-    name: UNITS[QUANTITIES[name].dimension][0]
+    name: unit("SI", QUANTITIES[name].dimension)
     for name in NUMBERS
     if QUANTITIES[name].dimension != "number"
 } | {"arc_length": "m", "tail_length": "m"}

@@ -13,7 +13,7 @@ import numpy as np
 
 from microswim.gait.gait import DEGREES_OF_FREEDOM
 from microswim.gait.quantities import QUANTITIES
-from microswim.output.io.run import unit
+from microswim.gait.units import unit
 from microswim.spec.tables import FIELDS
 from microswim.studies.sweeps.space import Space
 
@@ -50,10 +50,7 @@ def said(name: str, units: str) -> dict[str, str]:
     field = FIELDS.get(name.partition("[")[0])
     if field is None or field.kind not in ("quantity", "number"):
         return {}
-    dimension = field.dimension
-    if dimension is None:
-        return {"units": "1", "long_name": field.about.label}
-    return {"units": dimension.unit(units), "long_name": field.about.label}
+    return {"units": unit(units, field.measures or "number"), "long_name": field.about.label}
 
 
 def blank(rows: int) -> dict[str, np.ndarray]:

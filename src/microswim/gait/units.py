@@ -1,0 +1,57 @@
+"""What is measured and in which unit: SI inside, a word for a swimmer without units. The one table.
+
+The quantities of a gait, the fields of a spec, files, tables, pictures and exports read it. Which
+units a person may write stands in `microswim.spec.units`.
+"""
+
+from __future__ import annotations
+
+#: Unit of each dimension, in SI and of a swimmer without units.
+UNITS = {
+    "number": ("1", "1"),
+    "speed": ("m/s", "length/time"),
+    "length": ("m", "length"),
+    "time": ("s", "time"),
+    "angle": ("rad", "rad"),
+    "frequency": ("Hz", "1/time"),
+    "rate": ("rad/s", "rad/time"),
+    "twist": ("m/s, rad/s", "length/time, rad/time"),
+    "power": ("W", "power"),
+    "torque": ("N m", "torque"),
+    "force": ("N", "force"),
+    "speed per torque": ("1/(N s)", "length/(torque time)"),
+    "speed per power": ("1/N", "length/(power time)"),
+    "viscosity": ("Pa s", "viscosity"),
+    "kinematic viscosity": ("m^2/s", "length^2/time"),
+    "density": ("kg/m^3", "density"),
+    "wavenumber": ("1/m", "1/length"),
+    "drag of a point": ("Pa s m", "viscosity length"),
+    "drag of spin": ("Pa s m^2", "viscosity length^2"),
+    "field": ("T", "field"),
+    "moment": ("A m^2", "torque/field"),
+}
+WORDS = {word for si, word in UNITS.values() if word != si} | {"", "1"}
+
+
+def unit(units: str, kind: str) -> str:
+    """Unit of a kind of quantity (``"speed"``, ``"length"``, ...) in SI or dimensionless.
+
+    Parameters
+    ----------
+    units
+        ``"SI"`` or ``"dimensionless"``.
+    kind
+        A key of `UNITS`; what is none is a unit already and comes back.
+
+    Examples
+    --------
+    >>> import microswim as ms
+    >>> ms.io.unit("SI", "speed"), ms.io.unit("dimensionless", "speed")
+    ('m/s', 'length/time')
+    """
+    return UNITS[kind][units != "SI"] if kind in UNITS else kind
+
+
+def is_dimensionless(unit: str) -> bool:
+    """Whether a unit is one of the words of a dimensionless swimmer, such as ``length/time``."""
+    return unit in WORDS

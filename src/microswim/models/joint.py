@@ -10,14 +10,15 @@ from numpy.typing import NDArray
 
 from microswim.errors import SpecError
 from microswim.models.swimmer_surface import (
-    level_set,
+    Curve,
     section_axes,
     section_twist,
     smooth_centreline,
     tube_point,
 )
 from microswim.numerics.array import Array
-from microswim.swimmer.geometry.bodies import Body
+from microswim.swimmer.geometry import attachment
+from microswim.swimmer.geometry.bodies import Body, level_set
 from microswim.swimmer.geometry.tails import Tail
 
 
@@ -40,12 +41,7 @@ def piercing(body: Body, tail: Tail, phase: float = 0.0) -> float:
     value = level_set(body, smooth_centreline(tail, s, phase).P)
     last = _last_crossing(value)
     if last < 0:
-        raise SpecError(
-            "tail.amplitude",
-            getattr(tail, "amplitude", None),
-            "less than the body's half width where no ramp leads the tail to the body",
-            "use a smaller amplitude or a ramp",
-        )
+        raise attachment.refusal(tail)
     if last == s.size - 1:
         raise SpecError(
             "tail.length", tail.apparent_length, "long enough to leave the body", "make it longer"
@@ -104,6 +100,11 @@ class Joint:
     first: Array
     second: Array
     series: NDArray[np.complex128]
+
+    @property
+    def ahead(self) -> float:
+        """Mean of Theta - psi: where the tube's generators begin, seen from the azimuth."""
+        return float(self.series[2, 0].real)
 
     @property
     def depth(self) -> float:
@@ -185,6 +186,21 @@ def _crossing(tail: Tail, excess: Any, step: float, psi: Array) -> Array:
     return middle
 
 
+def _lean(tail: Tail, curve: Curve, axes: Array, pole: Array) -> Array:
+    """Direction on the unit sphere, across the pole, in which the tube leans on the body.
+
+    From it the azimuth counts, so that the patches turn with the tail from phase to phase and are
+    as good at one as at another. A tube that does not lean has its own first axis.
+    """
+    for direction in (curve.tangent / axes, section_axes(tail, curve)[0]):
+        across = direction / np.linalg.norm(direction)
+        across = across - across @ pole * pole
+        size = float(np.linalg.norm(across))
+        if size > 1e-6:
+            break
+    return across / size
+
+
 def trace_joint(body: Body, tail: Tail, phase: float = 0.0, points: int = 96) -> Joint:
     """Intersection of the tube with the body: where the distance to the centreline is r_t.
 
@@ -196,9 +212,7 @@ def trace_joint(body: Body, tail: Tail, phase: float = 0.0, points: int = 96) ->
     curve = smooth_centreline(tail, np.array(start), phase)
     pole = (curve.P - centre) / axes
     pole = pole / np.linalg.norm(pole)
-    first = section_axes(tail, curve)[0]
-    first = first - first @ pole * pole
-    first = first / np.linalg.norm(first)
+    first = _lean(tail, curve, axes, pole)
     psi = 2 * np.pi * np.arange(points) / points
     bare = Joint(start, pole, first, np.cross(pole, first), np.zeros((3, 1), complex))
     s = np.full(points, start)
@@ -217,7 +231,9 @@ def trace_joint(body: Body, tail: Tail, phase: float = 0.0, points: int = 96) ->
     grid = np.linspace(s.min() - 1e-6 * tail.radius, s.max() + 1e-6 * tail.radius, 201)
     twist = section_twist(tail, grid, phase)
     theta = theta + np.interp(s, grid, twist) - np.interp(start, grid, twist)
-    ahead = np.angle(np.exp(1j * (theta - psi)))
+    turned = np.exp(1j * (theta - psi))
+    mean = np.angle(turned.mean())
+    ahead = mean + np.angle(turned * np.exp(-1j * mean))
     series = np.fft.rfft(np.stack([angle, s - start, ahead]), axis=-1)[:, : points // 2] / points
     left = np.abs(series[:2, -6:]).max(axis=-1) @ [axes.max(), 1.0] / tail.radius
     if left > 1e-5 and points < 192:

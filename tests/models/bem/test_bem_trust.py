@@ -61,3 +61,20 @@ def test_a_crease_that_no_level_resolves_is_refused(share, refused):
             swimmer_surface.check(ms.NoBody(), tail)
     else:
         assert "nearly a crease" in " ".join(swimmer_surface.check(ms.NoBody(), tail))
+
+
+@pytest.mark.parametrize("phase", [1.0, 2.5])
+def test_a_steep_root_is_resolved_alike_at_every_phase(phase):
+    """On a sphere phase turns the whole swimmer about s, and the patches with it."""
+    root = replace(ROBOT, tail=ms.HelicalTail(length=0.81, amplitude=0.12, waves=1.2, radius=0.09))
+    first, later = (bem.solve(root, at, level=COARSE) for at in (0.0, phase))
+    turn = np.kron(np.eye(2), np.array([
+        [1.0, 0.0, 0.0],
+        [0.0, np.cos(phase), -np.sin(phase)],
+        [0.0, np.sin(phase), np.cos(phase)],
+    ]))  # fmt: skip
+    R = turn @ first.resistance @ turn.T
+    size = np.sqrt(np.outer(R.diagonal(), R.diagonal()))
+    assert np.abs((later.resistance - R) / size).max() < 1e-4
+    assert later.activity == pytest.approx(first.activity, rel=1e-5)
+    assert trust.misfit(later) == pytest.approx(trust.misfit(first), rel=0.3)

@@ -123,9 +123,11 @@ def _bent(edges: Array, joint: Joint, v: Array, psi: Array) -> tuple[Array, Arra
     fade = np.clip(1 - (edges - edges[0]) / (edges[last] - edges[0]), 0.0, 1.0)
     panels = np.arange(float(edges.size))
     left = np.interp(v, panels, fade)
-    return np.interp(v, panels, edges) + (s_joint - edges[0]) * left, psi + (
-        theta_joint - psi
-    ) * left
+    far = psi + joint.ahead
+    return (
+        np.interp(v, panels, edges) + (s_joint - edges[0]) * left,
+        far + (theta_joint - far) * left,
+    )
 
 
 def _tube(
@@ -139,8 +141,10 @@ def _tube(
     twist = geometry.section_twist(tail, grid, phase)
     twist = twist - np.interp(edges[0], grid, twist)
 
+    ahead = 0.0 if joint is None else joint.ahead
+
     def chart(u: Array, v: Array) -> Array:
-        s, theta = np.interp(v, panels, edges), u
+        s, theta = np.interp(v, panels, edges), u + ahead
         if joint is not None:
             bent = v <= rows
             psi = u.copy()

@@ -10,6 +10,10 @@ from typing import Any, TypeVar
 
 from microswim.errors import SpecError, renamed
 
+#: No number that is given is larger, and no size that must be positive smaller: with what is
+#: computed from them, up to the sixth power, they stay far from the edges of the floating point.
+LARGEST, SMALLEST = 1e30, 1e-30
+
 Called = TypeVar("Called", bound=Callable[..., Any])
 Class = TypeVar("Class", bound=type)
 
@@ -23,7 +27,10 @@ def number(
     least: float | None = None,
     most: float | None = None,
 ) -> None:
-    """Refuse what is not a finite real number within the bounds (`above` is exclusive)."""
+    """Refuse what is not a finite real number within the bounds (`above` is exclusive).
+
+    Nothing is larger than `LARGEST`, nothing that must be above zero smaller than `SMALLEST`.
+    """
     if isinstance(value, (str, bytes, bytearray)):
         mend = "numbers only: units are read in spec files and by with_" if str(value) else None
         raise SpecError(field, value, allowed, mend)
@@ -42,6 +49,9 @@ def number(
         or (most is not None and not x <= most)
     ):
         raise SpecError(field, value, allowed)
+    if abs(x) > LARGEST or (above == 0.0 and x < SMALLEST):
+        sizes = f"{SMALLEST:g} to {LARGEST:g} in size"
+        raise SpecError(field, value, f"{allowed}, {sizes}", "choose units in which it is near one")
 
 
 def positive(field: str, value: Any, what: str = "number") -> None:

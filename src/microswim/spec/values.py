@@ -7,11 +7,11 @@ a field is left as it is, for those who know the names to refuse.
 
 from __future__ import annotations
 
-import math
 import re
 from collections.abc import Mapping
 from typing import Any
 
+from microswim import checks
 from microswim.errors import SpecError, nearest
 from microswim.spec.fields import Field
 from microswim.spec.tables import FIELDS
@@ -130,8 +130,7 @@ def _field(name: str) -> Field | None:
 
 
 def _finite(said: str, value: float) -> float:
-    if not math.isfinite(value):
-        raise SpecError(said, value, "a finite number")
+    checks.number(said, value, "a finite number")
     return value
 
 

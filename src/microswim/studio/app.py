@@ -24,6 +24,7 @@ from starlette.requests import Request
 from starlette.responses import JSONResponse, Response
 from starlette.routing import Route
 
+from microswim import checks
 from microswim.errors import MicroswimError, SpecError
 from microswim.models.rft.warm_up import warm_up
 from microswim.spec import presets
@@ -37,7 +38,6 @@ from microswim.studio.words import words
 
 LARGEST_BODY = 512 * 1024  #: bytes
 SLOWEST_BODY = 30.0  #: seconds until it is here
-LARGEST = 1e100  #: number in a request; its inverse the smallest
 KINDS = {"html": "text/html", "js": "text/javascript", "css": "text/css", "txt": "text/plain"}
 SAFE = {
     "content-security-policy": "default-src 'self'; style-src 'self' 'unsafe-inline'; "
@@ -190,7 +190,7 @@ def _no_constant(name: str) -> float:
 
 def _finite(text: str) -> float:
     value = float(text)
-    if value and not 1.0 / LARGEST <= abs(value) <= LARGEST:
+    if abs(value) > checks.LARGEST or 0.0 < abs(value) < checks.SMALLEST:
         raise ValueError(f"{text[:20]} is beyond all sizes")
     return value
 

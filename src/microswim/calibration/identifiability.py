@@ -108,7 +108,7 @@ def physical_warnings(swimmer: Swimmer, directions: Sequence[Direction]) -> tupl
 def _not_definite(swimmer: Swimmer) -> list[str]:
     """Whether the body's own matrix, and the whole, dissipate energy in every motion."""
     from microswim.models.rft.gait import body_resistance
-    from microswim.models.rft.gait import gait as surrogate
+    from microswim.models.rft.gait import unchecked as surrogate
 
     out = []
     matrix = body_resistance(swimmer)

@@ -20,6 +20,9 @@ if TYPE_CHECKING:
 MODELS = ("rft", "bem", "fem")
 
 
+SAY_THEMSELVES = ("run", "show")  #: what is odd about a swimmer, among the remarks of its gait
+
+
 @dataclass(frozen=True)
 class Given:
     """The swimmer that the user gave: its name, its tables (``--set`` applied), its spec text."""
@@ -57,9 +60,20 @@ def swimmer_options(command: Callable[..., Any]) -> Callable[..., Any]:
         trust: Path | None,
         **rest: Any,
     ):
-        return command(given=read(spec, preset, changes, trust), **rest)
+        given = read(spec, preset, changes, trust)
+        if click.get_current_context().info_name not in SAY_THEMSELVES:
+            _say(given.swimmer)
+        return command(given=given, **rest)
 
     return wrapped
+
+
+def _say(swimmer: Swimmer) -> None:
+    """Say on stderr what can hardly be meant by a swimmer."""
+    from microswim.swimmer import physical_sense as sense
+
+    for remark in (*sense.remarks(swimmer), *sense.remarks_on_drag(swimmer)):
+        click.echo(f"note: {remark}", err=True)
 
 
 model_option = click.option(

@@ -21,7 +21,6 @@ from microswim import __version__
 from microswim.gait.gait import Gait
 from microswim.numerics import archive
 from microswim.numerics.files import write
-from microswim.numerics.plain import plain
 from microswim.swimmer.swimmer import Swimmer
 
 _SERIES = (
@@ -80,11 +79,7 @@ def keep(path: Path, result: Gait | str) -> None:
     else:
         arrays = {n: v for n in _SERIES if (v := getattr(result, n)) is not None}
         notes |= {"rate": float(result.rate), "free": list(map(bool, result.free))}
-        notes |= {
-            "model": result.model,
-            "units": result.units,
-            "info": plain(result.info, nan=True),
-        }
+        notes |= {"model": result.model, "units": result.units, "info": _plain(result.info)}
     write(path, archive.pack(notes, arrays))
 
 
@@ -101,3 +96,14 @@ def find(path: Path) -> Gait | str | None:
         return Gait(**arrays, **notes)
     except (OSError, KeyError, TypeError, ValueError):
         return None
+
+
+def _plain(value: Any) -> Any:
+    """Return the part of a model's notes that JSON can hold."""
+    if isinstance(value, dict):
+        return {str(k): _plain(v) for k, v in value.items()}
+    if isinstance(value, (list, tuple)):
+        return [_plain(v) for v in value]
+    if isinstance(value, (np.ndarray, np.generic)):
+        return value.tolist()
+    return value if isinstance(value, (str, int, float, bool, type(None))) else str(value)

@@ -19,7 +19,7 @@ from scipy.spatial.distance import cdist
 
 from microswim.errors import SpecError
 from microswim.numerics.array import Array
-from microswim.swimmer.geometry.bodies import Body
+from microswim.swimmer.geometry.bodies import Body, level_set
 from microswim.swimmer.geometry.tails import Tail, WaveTail
 
 # Curvature x radius from which on a bend is refused (it folds into itself at one, and just below it
@@ -190,12 +190,6 @@ def surface_velocity(tail: Tail, X: Array, s: Array, phase: float = 0.0) -> Arra
     T, speed = curve.tangent, np.linalg.norm(curve.P_s, axis=-1, keepdims=True)
     turning = np.cross(T, curve.P_sphi) / speed
     return curve.P_phi + np.cross(turning, X - curve.P)
-
-
-def level_set(body: Body, X: Array) -> Array:
-    """Ellipsoid's level function: negative inside the body, zero on it."""
-    scaled = (X - body.centre) / np.asarray(body.semi_axes3)
-    return np.sum(scaled**2, axis=-1) - 1.0
 
 
 def _bend_outside(body: Body, tail: Tail, s: Array, curve: Curve, alone: bool) -> Array:

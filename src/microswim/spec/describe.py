@@ -6,8 +6,9 @@ import json
 from dataclasses import fields
 from typing import Any
 
+import numpy as np
+
 from microswim.gait.units import unit
-from microswim.numerics.plain import plain
 from microswim.spec.tables import FIELDS
 from microswim.swimmer.swimmer import Swimmer
 
@@ -46,9 +47,9 @@ def to_tables(swimmer: Swimmer) -> dict[str, Any]:
 
 
 def _written(unit: str, value: Any) -> Any:
-    value = plain(value, nan=True)
-    if isinstance(value, list):
+    if isinstance(value, (list, tuple, np.ndarray)):
         return [_written(unit, v) for v in value]
+    value = value.item() if isinstance(value, np.generic) else value
     return f"{value!r} {unit}" if unit and isinstance(value, (int, float)) else value
 
 
@@ -73,4 +74,10 @@ def _name_of(function: Any) -> str:
 
 def spec_json(swimmer: Swimmer) -> str:
     """Return `describe` as canonical JSON, for provenance and comparison."""
-    return json.dumps(plain(describe(swimmer), nan=True), sort_keys=True)
+    return json.dumps(describe(swimmer), sort_keys=True, default=_jsonable)
+
+
+def _jsonable(value: Any) -> Any:
+    if isinstance(value, np.ndarray):
+        return value.tolist()
+    return value.item() if isinstance(value, np.generic) else str(value)

@@ -11,10 +11,10 @@ import numpy as np
 from microswim import checks
 from microswim.errors import SpecError, nearest
 from microswim.gait import portrait
-from microswim.swimmer import doors
+from microswim.swimmer import doors, physical_sense
 from microswim.swimmer.drag.coefficients import Coefficients, Unchosen
 from microswim.swimmer.drag.interaction import Interaction
-from microswim.swimmer.fields import numbers_of, set_item, without_other_names
+from microswim.swimmer.fields import numbers_of, replaced, set_item, without_other_names
 from microswim.swimmer.fluid import Fluid
 from microswim.swimmer.geometry.bodies import Body
 from microswim.swimmer.geometry.surroundings import Channel, Wall
@@ -199,9 +199,9 @@ class Swimmer:
             If the model's extra is not installed.
         """
         if model == "rft" and self.region is not None and not options:
-            return self.region.gait(self)
+            return physical_sense.said_with(self, self.region.gait(self))
         doors.check_options(model, options)
-        return doors.go(doors.MODELS[model], self, **options)
+        return physical_sense.said_with(self, doors.go(doors.MODELS[model], self, **options))
 
     def __str__(self) -> str:
         """Return a line for each part, with units."""
@@ -260,6 +260,25 @@ class Swimmer:
             for part in self.parts
             for path, value in numbers_of(getattr(self, part))
         }
+
+    def lifted(self, values: dict[str, Any]) -> Swimmer:
+        """Copy with dotted numbers replaced *unchecked*: complex numbers, or arrays of designs.
+
+        The formulas of the package accept both; see `gradient` and `sweep`.
+        """
+        swimmer = self
+        for path, value in values.items():
+            if path not in self.numbers:
+                raise SpecError(
+                    path, value, "a number of this swimmer", nearest(path, self.numbers)
+                )
+            part, name = path.split(".", 1)
+            name, *index = name.replace("]", "").split("[")
+            owner = getattr(swimmer, part)
+            if index:
+                value = set_item(getattr(owner, name), [int(i) for i in index], value)
+            swimmer = replaced(swimmer, part, replaced(owner, name, value))
+        return swimmer
 
     def gradient(self, output: str = "mean_velocity", wrt: Any = None) -> dict[str, Any]:
         """Exact derivatives of an output with respect to numbers of the spec.

@@ -43,7 +43,7 @@ from microswim.models.rft.segment import (
 from microswim.numerics.compiled import pays, settled
 from microswim.numerics.quadrature import gauss, panels
 from microswim.numerics.solve6 import solve
-from microswim.swimmer.fields import in_terms_of, lifted
+from microswim.swimmer.fields import in_terms_of
 from microswim.swimmer.geometry.tails import as_wave
 from microswim.swimmer.swimmer import Swimmer
 
@@ -117,7 +117,7 @@ def expected_errors(swimmer: Swimmer, values: dict[str, Any]) -> np.ndarray:
     """
     assert swimmer.region is not None
     arrays = {k: np.asarray(v, dtype=float).reshape(-1) for k, v in values.items()}
-    many = lifted(in_terms_of(swimmer, arrays), arrays)
+    many = in_terms_of(swimmer, arrays).lifted(arrays)
     return swimmer.region.expected_of_many(many, max(a.size for a in arrays.values()))
 
 
@@ -129,7 +129,7 @@ def _chunk(
         return _one_by_one(swimmer, arrays, n)
     with np.errstate(all="ignore"), warnings.catch_warnings():
         warnings.simplefilter("ignore")
-        many = lifted(swimmer, arrays)
+        many = swimmer.lifted(arrays)
         own = parameters if swimmer.region is None else swimmer.region.parameters
         p = np.ascontiguousarray(np.broadcast_to(own(many), (n, PARAMETERS)))
         body = np.ascontiguousarray(np.broadcast_to(body_resistance(many), (n, 6, 6)))
@@ -204,7 +204,7 @@ def _calibrated(swimmer: Swimmer, arrays: dict, good: np.ndarray, rate: Any) -> 
 
     def solved(rows: np.ndarray, phases: int) -> Any:
         picked = {k: v[rows] if v.size > 1 else v for k, v in arrays.items()}
-        return region.solve(lifted(swimmer, picked), free, phases)
+        return region.solve(swimmer.lifted(picked), free, phases)
 
     if not swimmer.tail.is_rigid:
         return _plane_waves(solved, good, None, rate)
@@ -219,7 +219,7 @@ def is_regular(swimmer: Swimmer, arrays: dict[str, Any]) -> bool:
     """Whether the symmetries hold on which the batched evaluation rests."""
     if not swimmer.tail.in_batches or np.any(np.ravel(swimmer.interaction.coupling)):
         return False
-    if any("coupling" in name for name in arrays):
+    if any("coupling" in name for name in arrays) or _may_gain(swimmer, arrays):
         return False
     if swimmer.tail.is_planar:
         return True
@@ -229,6 +229,13 @@ def is_regular(swimmer: Swimmer, arrays: dict[str, Any]) -> bool:
     alike = gamma.translation[1] == gamma.translation[2] and gamma.rotation[1] == gamma.rotation[2]
     sided = any(k.startswith("interaction.") and varied for k in arrays)
     return round_body and alike and not sided and free[1] == free[2] and free[4] == free[5]
+
+
+def _may_gain(swimmer: Swimmer, arrays: dict[str, Any]) -> bool:
+    """Whether a rotation coefficient below zero may make a swimmer that gains power."""
+    own = list(swimmer.interaction.rotation)
+    own += [v for k, v in arrays.items() if k.startswith("interaction.rotation")]
+    return any(np.min(np.real(v)) < 0.0 for v in own)
 
 
 def _buildable(many: Swimmer, p: np.ndarray, body: np.ndarray) -> np.ndarray:
@@ -241,6 +248,8 @@ def _buildable(many: Swimmer, p: np.ndarray, body: np.ndarray) -> np.ndarray:
     for name, value in numbers.items():
         if name.startswith(("body.", "interaction.tail")):
             good &= np.asarray(value) > 0
+        elif name.startswith("interaction.translation"):
+            good &= np.asarray(value) >= 0
     return good
 
 

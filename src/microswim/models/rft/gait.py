@@ -38,6 +38,7 @@ from microswim.models.rft.segment import (
 from microswim.numerics.compiled import pays
 from microswim.numerics.fourier import MIRROR_Q, add, rotate, series_of, trimmed
 from microswim.numerics.quadrature import gauss, panels
+from microswim.swimmer import physical_sense
 from microswim.swimmer.geometry.tails import as_wave
 from microswim.swimmer.swimmer import SURROUNDINGS, Swimmer
 
@@ -96,7 +97,7 @@ def gait(swimmer: Swimmer, *, nodes: int | None = None, phases: int | None = Non
     Parameters
     ----------
     swimmer
-        Any swimmer; its numbers may be complex (`microswim.swimmer.fields.lifted`).
+        Any swimmer; its numbers may be complex (`Swimmer.lifted`).
     nodes
         Gauss-Legendre nodes along the tail behind the ramp; by default enough for rounding, or
         the closed integrals of a helix.
@@ -111,7 +112,8 @@ def gait(swimmer: Swimmer, *, nodes: int | None = None, phases: int | None = Non
     Raises
     ------
     SpecError
-        If the tail is so steep or has so many turns that it cannot be resolved.
+        If the tail is so steep or has so many turns that it cannot be resolved, or interaction
+        coefficients make a swimmer that gains power from the fluid.
 
     Notes
     -----
@@ -122,6 +124,14 @@ def gait(swimmer: Swimmer, *, nodes: int | None = None, phases: int | None = Non
     """
     checks.count("nodes", nodes)
     checks.count("phases", phases)
+    physical_sense.require_drag(swimmer)
+    made = unchecked(swimmer, nodes, phases)
+    physical_sense.require_dissipation(swimmer, made)
+    return made
+
+
+def unchecked(swimmer: Swimmer, nodes: int | None = None, phases: int | None = None) -> Gait:
+    """`gait` of any coefficients, for searches that pass through what no fluid would do."""
     body = body_resistance(swimmer)
     tail = swimmer.tail
     if tail.is_rigid:
@@ -160,7 +170,8 @@ def _helix(arc: bool, p: np.ndarray, nodes: int | None, swimmer: Swimmer) -> tup
 def _about(swimmer: Swimmer) -> dict[str, Any]:
     around = [name for name in swimmer.parts if name in SURROUNDINGS]
     heard = "its coefficients may, when they were calibrated there"
-    return {"remarks": [f"the surrogate itself knows no {name}; {heard}" for name in around]}
+    boundaries = [f"the surrogate itself knows no {name}; {heard}" for name in around]
+    return {"remarks": [*physical_sense.remarks_on_drag(swimmer), *boundaries]}
 
 
 def _deforming(swimmer: Swimmer, nodes: int | None, phases: int | None) -> tuple[np.ndarray, ...]:

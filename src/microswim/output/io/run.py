@@ -5,6 +5,7 @@ Every number carries its unit, and every file the version, date, model and spec 
 
 from __future__ import annotations
 
+from dataclasses import replace
 from datetime import UTC, datetime
 from io import StringIO
 from os import PathLike
@@ -22,6 +23,7 @@ from microswim.gait.units import UNITS
 from microswim.gait.units import unit as unit
 from microswim.numerics.files import write
 from microswim.path.trajectory import trajectory
+from microswim.swimmer import physical_sense
 from microswim.swimmer.swimmer import Swimmer
 
 if TYPE_CHECKING:
@@ -53,6 +55,8 @@ def numbers(swimmer: Swimmer, gait: Gait) -> dict[str, Any]:
     >>> round(1e6 * float(ms.io.numbers(swimmer, swimmer.gait())["swimming_speed"]), 2)
     10.21
     """
+    if physical_sense.stands_still(swimmer):  # held or free, nothing else moves: no rounding left
+        gait = replace(gait, free=physical_sense.ABOUT_S)
     found = quantities.numbers(gait, swimmer.body_length)
     return {
         "model": gait.model,

@@ -11,6 +11,7 @@ import ast
 import operator
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
+from difflib import get_close_matches
 from typing import Any
 
 import numpy as np
@@ -226,7 +227,9 @@ def _is_quantity(node: Any) -> bool:
 
 def _nearest(name: str, known: Any) -> str:
     """Return what to offer instead: never a name of an earlier version."""
-    return nearest(name, sorted(set(known) - set(OLD)), old=OLD)
+    old = get_close_matches(name, OLD, n=1)
+    today = sorted(set(known) - set(OLD))
+    return f'did you mean "{OLD[old[0]]}"?' if old else nearest(name, today)
 
 
 def _value(node: Any, values: Mapping[str, Any]) -> Any:

@@ -56,6 +56,7 @@ class Coefficients(ABC):
     spin: bool = True
     tip: bool = False
     law: ClassVar[str]
+    is_given: ClassVar[bool] = False  #: whether c_t and c_n are numbers that somebody chose
     thickest: ClassVar[float] = np.inf  #: epsilon = 5.2 r_t alpha / lambda up to which it holds
 
     def __post_init__(self) -> None:
@@ -234,6 +235,7 @@ class Constant(Coefficients):
     normal: float
     tangential: float
     law: ClassVar[str] = "constant"
+    is_given: ClassVar[bool] = True
 
     def __post_init__(self) -> None:
         super().__post_init__()

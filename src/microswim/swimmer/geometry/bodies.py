@@ -260,4 +260,10 @@ class NoBody(Body):
         return (0.0 * viscosity,) * 6
 
 
+def level_set(body: Body, X: np.ndarray) -> np.ndarray:
+    """Return the ellipsoid's level function at points (..., 3): negative inside, zero on it."""
+    scaled = (X - np.real(body.centre)) / np.real(np.asarray(body.semi_axes3))
+    return np.sum(scaled**2, axis=-1) - 1.0
+
+
 SHAPES: dict[str, type[Body]] = {b.shape: b for b in (Sphere, Spheroid, Ellipsoid, NoBody)}

@@ -90,6 +90,17 @@ class Tail(ABC):
     def centreline(self, s: Any, phase: Any) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
         """Position, derivative along s, derivative in phase; each broadcast(s, phase) + (3,)."""
 
+    def continued(self, s: Any, phase: Any) -> np.ndarray:
+        """Position at s, behind the joint (s < 0) straight on; broadcast(s, phase) + (3,)."""
+        s, phase = np.broadcast_arrays(s, phase)
+        P, slope, _ = self.centreline(np.maximum(s, 0.0), phase)
+        return P + np.minimum(s, 0.0)[..., None] * slope
+
+    @property
+    def starts_on_axis(self) -> bool:
+        """Whether the tail is known to pass through the joint at all phases."""
+        return False
+
     @property
     def rate(self) -> Any:
         """Phase rate ``2 pi frequency`` (rad per time)."""
@@ -108,5 +119,7 @@ class Tail(ABC):
     def _check_filament(self) -> None:
         checks.positive("tail.radius", self.radius, "length")
         checks.number("tail.frequency", self.frequency, "a finite number")
+        if self.frequency:
+            checks.positive("tail.frequency", abs(self.frequency), "or negative number, or zero")
         checks.choice("tail.sections", self.sections, get_args(Sections))
         checks.choice("tail.surface_motion", self.surface_motion, get_args(SurfaceMotion))

@@ -68,6 +68,8 @@ class WaveTail(Tail, ABC):
         checks.positive("tail.length", self.length, "length")
         checks.number("tail.amplitude", self.amplitude, "a length of zero or more", least=0.0)
         checks.number("tail.ramp", self.ramp, "a fraction from 0 to 1", least=0.0, most=1.0)
+        if self.ramp:
+            checks.positive("tail.ramp", self.ramp, "fraction, or zero")
         checks.choice("tail.length_measure", self.length_measure, ("apparent", "arc"))
         self._check_filament()
         given = {"waves": self.waves, "wavelength": self.wavelength}
@@ -173,6 +175,15 @@ class WaveTail(Tail, ABC):
         grows = np.real(s) < np.real(end)
         slope = self.amplitude / end
         return np.where(grows, slope * s, self.amplitude), np.where(grows, slope, 0.0)
+
+    def continued(self, s: Any, phase: Any) -> np.ndarray:
+        """Position at s, behind the joint by the same formula."""
+        return self.centreline(s, phase)[0]
+
+    @property
+    def starts_on_axis(self) -> bool:
+        """Whether a ramp starts the wave at the joint."""
+        return float(np.real(self.ramp)) > 0.0
 
     def centreline(self, s: Any, phase: Any) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
         """Centreline, slope and velocity per unit phase rate [Tabak Eqs. 11, 12].

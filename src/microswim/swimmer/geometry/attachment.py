@@ -1,0 +1,44 @@
+"""Whether a tail touches its body: one rule for every model.
+
+The tail's centreline is continued behind the joint (helix and plane wave by their own formula, any
+other tail straight) and must lie inside the body somewhere. Without a ramp a helix of an amplitude
+beyond the body's half width winds around it and never does.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+
+from microswim.errors import SpecError
+from microswim.swimmer.geometry.bodies import Body, level_set
+from microswim.swimmer.geometry.tails import Tail
+
+SAMPLES = 1001
+MEND = "a ramp, such as tail.ramp = 0.1, leads it there; or use a smaller amplitude"
+
+
+def misses(body: Body, tail: Tail, phase: float = 0.0) -> bool:
+    """Whether the centreline passes the body by.
+
+    Parameters
+    ----------
+    body, tail
+        Of one swimmer; numbers may be complex, real parts count.
+    phase
+        Of the tail (rad).
+    """
+    if body.is_absent or tail.starts_on_axis:
+        return False
+    half = float(np.real(body.semi_axes3[0]))
+    s = np.linspace(-2.0 * half, float(np.real(tail.apparent_length)), SAMPLES)
+    return not bool((level_set(body, np.real(tail.continued(s, phase))) < 0.0).any())
+
+
+def refusal(tail: Tail) -> SpecError:
+    """Return the error of a model that needs the joint and finds none."""
+    return SpecError(
+        "tail.amplitude",
+        getattr(tail, "amplitude", None),
+        "less than the body's half width where no ramp leads the tail to the body",
+        MEND,
+    )

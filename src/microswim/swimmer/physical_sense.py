@@ -1,0 +1,179 @@
+"""What no swimmer in a real fluid would be like: refused where it cannot be, else said in words.
+
+Drag takes power from every motion [Kim & Karrila, Microhydrodynamics, 1991, Section 5.2], so the
+resistance of a body, and of a whole swimmer, is positive definite. Interaction coefficients below
+zero are not resistances; the paper's plane wave has one about r (its Table 3), which makes up for a
+coupling that the model lacks, and only then, with the whole still definite, such a swimmer passes.
+"""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from microswim.errors import SpecError
+from microswim.gait.gait import Gait
+from microswim.swimmer.geometry import attachment
+from microswim.swimmer.geometry.wave_tail import WaveTail
+
+if TYPE_CHECKING:
+    from microswim.swimmer.swimmer import Swimmer
+
+PHASES = 16  #: at which the whole resistance is looked at
+WIDE = 0.5  #: amplitude over length from which on no local law of resistance was made for it
+ABOUT_S = (False, False, False, True, False, False)  #: free to turn about s alone
+_ONES = (1.0, 1.0, 1.0)
+
+
+def said_with(swimmer: Swimmer, gait: Gait) -> Gait:
+    """Return the gait with the `remarks` on its swimmer before its own."""
+    said = remarks(swimmer)
+    if not said:
+        return gait
+    whole = [*said, *(r for r in gait.info.get("remarks", ()) if r not in said)]
+    return replace(gait, info={**gait.info, "remarks": whole})
+
+
+def remarks(swimmer: Swimmer) -> list[str]:
+    """Return a sentence on each thing that can be computed and hardly be meant.
+
+    Parameters
+    ----------
+    swimmer
+        Any swimmer; of complex numbers the real parts count.
+    """
+    return [*_of_shape(swimmer), *_of_motion(swimmer)]
+
+
+def remarks_on_drag(swimmer: Swimmer) -> list[str]:
+    """Return what is odd about the local law and the interaction coefficients of a surrogate."""
+    out = []
+    c_t, c_n = _local(swimmer)
+    if c_t > c_n:
+        out.append(
+            f"c_t = {c_t:.4g} is larger than c_n = {c_n:.4g}: no filament slides less easily along "
+            "itself than across, and such a tail swims backwards"
+        )
+    negative = [f"interaction.rotation[{i}]" for i in _negative(swimmer.interaction.rotation)]
+    if negative:
+        out.append(
+            f"{', '.join(negative)} below zero: this body would be turned by its own drag; the "
+            "coefficient makes up for what the model lacks, and holds at its own design alone"
+        )
+    return out
+
+
+def require_drag(swimmer: Swimmer) -> None:
+    """Refuse interaction coefficients of a body that no fluid resists.
+
+    Raises
+    ------
+    SpecError
+        If a translation is negative or the coupling larger than the drags that it joins.
+    """
+    x = swimmer.interaction
+    for i in _negative(x.translation):
+        value = float(np.real(x.translation[i]))
+        raise SpecError(
+            f"interaction.translation[{i}]", value, "zero or more",
+            "a body of negative drag would be driven by its own motion",
+        )  # fmt: skip
+    if not np.any(np.ravel(x.coupling)):
+        return
+    own = [i for i in range(6) if i < 3 or np.real(x.rotation[i - 3]) >= 0.0]
+    block = np.real(x.body_resistance(swimmer.body.diagonal(swimmer.fluid.viscosity)))
+    if not _dissipates(block[np.ix_(own, own)]):
+        raise SpecError(
+            "interaction.coupling", "its table", "small against the drags that it joins",
+            "this body would draw power from the fluid in some motion",
+        )  # fmt: skip
+
+
+def require_dissipation(swimmer: Swimmer, gait: Gait) -> None:
+    """Refuse a whole swimmer that would gain power from the fluid in some free motion.
+
+    Raises
+    ------
+    SpecError
+        If its resistance is not positive definite at some phase.
+    """
+    x, free = swimmer.interaction, np.flatnonzero(gait.free)
+    negative = _negative(x.rotation)
+    if not free.size or not (negative or np.any(np.ravel(x.coupling))):
+        return
+    phases = np.linspace(0.0, 2.0 * np.pi, PHASES, endpoint=False)
+    for R in np.real(gait.resistance(phases))[:, free[:, None], free]:
+        if not _dissipates(R):
+            name = f"interaction.rotation[{negative[0]}]" if negative else "interaction.coupling"
+            value = np.real(x.rotation[negative[0]]) if negative else "its table"
+            raise SpecError(
+                name, value, "such that every motion of the whole swimmer costs power",
+                "as it is, some motion would gain it, and velocities mean nothing",
+            )  # fmt: skip
+
+
+def stands_still(swimmer: Swimmer) -> bool:
+    """Whether the tail stands still in the lab while the motor turns the body that is not there.
+
+    A rigid tail alone, free to turn about s, meets no force and no torque where it turns backwards
+    as fast as the motor turns it: ``R V + F_p rate = 0`` at ``V = -sign rate e_s`` about the axis.
+    """
+    alone = swimmer.body.is_absent and swimmer.motion.mask[3]
+    return alone and swimmer.tail.is_rigid and swimmer.tail.surface_motion == "rigid"
+
+
+def _of_motion(swimmer: Swimmer) -> list[str]:
+    if not stands_still(swimmer):
+        return []
+    return [
+        "without a body nothing takes up the motor's torque: the tail stands still in the lab and "
+        "u_s is zero by a law, not by this shape; give it a body, or hold os"
+    ]
+
+
+def _of_shape(swimmer: Swimmer) -> list[str]:
+    tail, body, out = swimmer.tail, swimmer.body, []
+    half_width = min(_size(a) for a in body.semi_axes3[1:])
+    if not body.is_absent and _size(tail.radius) >= half_width:
+        out.append("the filament is as thick as the body or thicker")
+    if isinstance(tail, WaveTail) and _size(tail.amplitude) >= WIDE * _size(tail.apparent_length):
+        out.append(
+            "the amplitude is half of the tail's length or more: laws of local resistance were not "
+            "made for such a wave"
+        )
+    phases = (0.0,) if tail.is_rigid else tuple(0.25 * np.pi * i for i in range(8))
+    if any(attachment.misses(body, tail, phase) for phase in phases):
+        out.append(
+            "the tail does not touch the body: its amplitude is beyond the body's half width; "
+            f"{attachment.MEND}; bem and fem refuse it as it is"
+        )
+    return out
+
+
+def _local(swimmer: Swimmer) -> tuple[float, float]:
+    """``(c_t, c_n)`` where the user chose them or their factors, else a pair that is in order."""
+    factors = tuple(float(np.real(f)) for f in swimmer.interaction.tail)
+    if not swimmer.coefficients.is_given and factors == _ONES:
+        return 0.0, 1.0
+    pair = swimmer.coefficients.pair(swimmer.tail, swimmer.fluid.viscosity)
+    c_t, c_n = (float(np.real(c)) for c in pair)
+    return factors[0] * c_t, factors[1] * c_n
+
+
+def _negative(values: Any) -> list[int]:
+    return [i for i, value in enumerate(values) if np.real(value) < 0.0]
+
+
+def _dissipates(R: np.ndarray) -> bool:
+    """Whether a symmetric matrix, in units of its diagonal, is positive semidefinite."""
+    diagonal = np.diag(R)
+    if (diagonal < 0.0).any():
+        return False
+    scale = np.sqrt(np.where(diagonal > 0.0, diagonal, 1.0))
+    return bool(np.linalg.eigvalsh(R / np.outer(scale, scale))[0] > -1e-9)
+
+
+def _size(value: Any) -> float:
+    return float(np.max(np.abs(np.real(value))))

@@ -55,6 +55,10 @@ from .swimmer.geometry.surroundings import Channel as Channel
 from .swimmer.geometry.surroundings import Wall as Wall
 from .swimmer.geometry.tails import HelicalTail as HelicalTail
 from .swimmer.geometry.tails import PlaneWaveTail as PlaneWaveTail
+from .swimmer.magnetism.applied_field import OscillatingField as OscillatingField
+from .swimmer.magnetism.applied_field import RotatingField as RotatingField
+from .swimmer.magnetism.applied_field import UniformField as UniformField
+from .swimmer.magnetism.magnet import Magnet as Magnet
 from .swimmer.motion import Motion as Motion
 from .swimmer.swimmer import Swimmer as Swimmer
 

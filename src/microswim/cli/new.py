@@ -78,7 +78,7 @@ def spec_text(kind: str, units: str) -> str:
         table = next(t for t in kinds if given is None or given in _kinds_of(t, str(tag)))
         fields = [FIELDS[f"{name}.{f}"] for f in table.model_fields]
         shown = [(f, _start(f, units)) for f in fields if f.about.start is not None]
-        if tag:
+        if tag and name in chosen:
             shown.insert(0, (FIELDS[f"{name}.{tag}"], f'"{chosen[name]}"'))
         mark = "# " if name in COMMENTED else ""
         if shown:

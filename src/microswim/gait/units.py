@@ -27,6 +27,7 @@ UNITS = {
     "wavenumber": ("1/m", "1/length"),
     "drag of a point": ("Pa s m", "viscosity length"),
     "drag of spin": ("Pa s m^2", "viscosity length^2"),
+    "volume": ("m^3", "length^3"),
     "field": ("T", "field"),
     "moment": ("A m^2", "torque/field"),
 }

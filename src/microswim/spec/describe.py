@@ -9,13 +9,13 @@ from typing import Any
 import numpy as np
 
 from microswim.gait.units import unit
-from microswim.spec.tables import FIELDS
+from microswim.spec.tables import FIELDS, TAGS
 from microswim.swimmer.swimmer import Swimmer
 
 
 def describe(swimmer: Swimmer) -> dict[str, Any]:
     """Return the swimmer as the tables of a spec file, plain numbers and strings only."""
-    tags = {"body": "shape", "tail": "kind", "coefficients": "law"}
+    tags = TAGS | {"coefficients": "law"}
     tables: dict[str, Any] = {}
     for part in swimmer.parts:
         owner = getattr(swimmer, part)
@@ -48,6 +48,7 @@ def to_tables(swimmer: Swimmer) -> dict[str, Any]:
 
 def _written(unit: str, value: Any) -> Any:
     if isinstance(value, (list, tuple, np.ndarray)):
+        unit = "" if unit == "rad" else unit  # a direction as a vector
         return [_written(unit, v) for v in value]
     value = value.item() if isinstance(value, np.generic) else value
     return f"{value!r} {unit}" if unit and isinstance(value, (int, float)) else value

@@ -8,6 +8,7 @@ the parts themselves. A file holds either quantities with units (converted to SI
 from __future__ import annotations
 
 import math
+import re
 from collections.abc import Iterator
 from os import PathLike
 from typing import Any, Literal
@@ -26,18 +27,21 @@ from microswim.swimmer.fluid import Fluid
 from microswim.swimmer.geometry.bodies import SHAPES
 from microswim.swimmer.geometry.surroundings import Channel, Wall
 from microswim.swimmer.geometry.tails import TAILS
+from microswim.swimmer.magnetism.applied_field import FIELDS as APPLIED_FIELDS
+from microswim.swimmer.magnetism.applied_field import AppliedField
+from microswim.swimmer.magnetism.magnet import Magnet
 from microswim.swimmer.motion import Motion
 from microswim.swimmer.swimmer import Swimmer
 
 #: Tables that a spec may come to hold, and where their numbers are given today.
 ELSEWHERE = {
-    "field": "a field is given in Python: trajectory(..., field=...), Stepper",
-    "magnet": "a magnetic moment is given in Python (Stepper), or as export --moment",
     "gravity": "a force is given in Python: trajectory(..., force=...)",
     "flow": "a flow is given in Python: trajectory(..., flow=...)",
     "noise": "a diffusion is given in Python: trajectory(..., diffusion=...)",
     "hook": "the tail is joined to the body rigidly",
 }
+#: The kinds of the tables that have several.
+KINDS: dict[str, Any] = {"body": SHAPES, "tail": TAILS, "field": APPLIED_FIELDS}
 #: Other words for a field.
 SYNONYMS = {
     "tail.pitch": "tail.wavelength", "tail.lambda": "tail.wavelength", "tail.turns": "tail.waves",
@@ -47,7 +51,8 @@ SYNONYMS = {
     "tail.rate": "tail.frequency", "tail.omega": "tail.frequency", "tail.rpm": "tail.frequency",
     "body.diameter": "body.radius (half of it)", "body.axes": "body.semi_axes",
     "fluid.mu": "fluid.viscosity", "fluid.nu": "fluid.kinematic_viscosity",
-    "fluid.rho": "fluid.density", "wall.gap": "wall.distance", "channel.radius": "channel.diameter",
+    "fluid.rho": "fluid.density", "magnet.Br": "magnet.remanence", "field.B": "field.strength",
+    "field.amplitude": "field.strength", "field.rate": "field.frequency", "wall.gap": "wall.distance", "channel.radius": "channel.diameter",
 }  # fmt: skip
 
 
@@ -240,7 +245,13 @@ def _build(spec: SpecTable, units: Literal["SI", "dimensionless"], trusted: Trus
         region=None if spec.region is None else doors.go(doors.UNPACK_REGION, spec.region.data),
         wall=None if spec.wall is None else Wall(**_given(spec.wall)),
         channel=None if spec.channel is None else Channel(**_given(spec.channel)),
+        magnet=None if spec.magnet is None else Magnet(**_given(spec.magnet)),
+        field=None if spec.field is None else _field(_given(spec.field)),
     )
+
+
+def _field(given: dict[str, Any]) -> AppliedField:
+    return APPLIED_FIELDS[given.pop("kind")](**given)
 
 
 def _given(table: BaseModel) -> dict[str, Any]:
@@ -255,9 +266,14 @@ def _given(table: BaseModel) -> dict[str, Any]:
 
 def _sentence(error: ValidationError, tables: dict[str, Any]) -> SpecError:
     """The first complaint as one sentence."""
-    first = error.errors()[0]
-    tags = {"sphere", "spheroid", "ellipsoid", "none", "helix", "plane_wave", "custom"}
-    where = [p for i, p in enumerate(first["loc"]) if not (i == 1 and p in tags)]
+    first = _apt(error.errors())
+    tags = {*SHAPES, *TAILS, *APPLIED_FIELDS}
+    branch = re.compile(r".*\[.*\]")  # of a field that is a number or a list of them
+    where = [
+        p
+        for i, p in enumerate(first["loc"])
+        if not (i == 1 and p in tags) and not (isinstance(p, str) and branch.fullmatch(p))
+    ]
     path = "".join(f"[{p}]" if isinstance(p, int) else f".{p}" for p in where).lstrip(".")
     value, context = first["input"], first.get("ctx", {})
     match first["type"]:
@@ -273,11 +289,18 @@ def _sentence(error: ValidationError, tables: dict[str, Any]) -> SpecError:
             return _no_choice(path, value, FIELDS[path].choices)
         case "union_tag_invalid" | "union_tag_not_found":
             tag = context["discriminator"].strip("'")
-            return _no_choice(
-                f"{path}.{tag}", context.get("tag"), SHAPES if tag == "shape" else TAILS
-            )
+            return _no_choice(f"{path}.{tag}", context.get("tag"), KINDS[path])
     message = first["msg"].removeprefix("Input should be ").removeprefix("Value error, ")
     return SpecError(path or "spec", value, message)
+
+
+def _apt(complaints: list[Any]) -> Any:
+    """The first complaint; of a list that might have been a number, that about its entries."""
+    first = complaints[0]
+    if isinstance(first["input"], list):
+        within = [c for c in complaints if c["loc"][:2] == first["loc"][:2]]
+        return within[-1]
+    return first
 
 
 def _short(value: Any) -> str:

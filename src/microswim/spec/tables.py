@@ -49,6 +49,9 @@ Viscosity = Annotated[float, _reads("viscosity"), Measures("viscosity")]
 Kinematic = Annotated[float, _reads("kinematic viscosity"), Measures("kinematic viscosity")]
 Density = Annotated[float, _reads("density"), Measures("density")]
 Angle = Annotated[float, _reads("angle"), Measures("angle")]
+Volume = Annotated[float, _reads("volume"), Measures("volume")]
+Tesla = Annotated[float, _reads("magnetic field"), Measures("magnetic field")]
+Moment = Annotated[float, _reads("magnetic moment"), Measures("magnetic moment")]
 
 
 class _Table(BaseModel):
@@ -268,6 +271,72 @@ class ChannelTable(_Table):
     ends: Annotated[Literal["closed", "open"], About("Ends", "closed: walls | open")] = "closed"
 
 
+class MagnetTable(_Table):
+    """[magnet]: a permanent magnet, fixed in the body."""
+
+    moment: Annotated[
+        Moment | list[Moment] | None,
+        About("Moment", "magnetic, fixed in the body: [s, q, r], or its size, with a direction",
+              entries=("Moment along s", "Moment along q", "Moment along r")),
+    ] = None  # fmt: skip
+    remanence: Annotated[
+        Tesla | None, About("Remanence", "of the magnet, in place of the moment; with its size")
+    ] = None
+    shape: Annotated[
+        Literal["block", "cylinder", "sphere"], About("Shape", "block | cylinder | sphere")
+    ] = "block"
+    size: Annotated[
+        list[Length] | None,
+        About("Size", "edges of the block; diameter and height; or [diameter] of the sphere"),
+    ] = None
+    volume: Annotated[Volume | None, About("Volume", "in place of shape and size")] = None
+    direction: Annotated[
+        Angle | list[Angle] | None,
+        About("Direction", "of the moment: [s, q, r], or the angle from s towards q",
+              usual=(0.0, 90.0)),
+    ] = None  # fmt: skip
+    azimuth: Annotated[
+        Angle, About("Side, about s", "the moment's, from q towards r", usual=(-180.0, 180.0))
+    ] = 0.0
+
+
+_FIELD = About("Kind", "rotating | uniform | oscillating")
+_STRENGTH = About("Strength", "of the field", usual=(0.0, 0.02))
+_LINE = About("Direction", "in the lab, [x, y, z]")
+
+
+class RotatingFieldTable(_Table):
+    """[field] of kind "rotating"."""
+
+    kind: Annotated[Literal["rotating"], _FIELD]
+    strength: Annotated[Tesla, _STRENGTH]
+    frequency: Annotated[Frequency, About("Frequency", "turns of the field per time")]
+    axis: Annotated[list[Number], About("Axis", "that the field turns about, lab, [x, y, z]")] = [
+        1.0, 0.0, 0.0
+    ]  # fmt: skip
+    cone: Annotated[
+        Angle, About("Cone", "angle of the field out of its plane, towards the axis",
+                     usual=(-80.0, 80.0))
+    ] = 0.0  # fmt: skip
+
+
+class UniformFieldTable(_Table):
+    """[field] of kind "uniform"."""
+
+    kind: Annotated[Literal["uniform"], _FIELD]
+    strength: Annotated[Tesla, _STRENGTH]
+    direction: Annotated[list[Number], _LINE] = [1.0, 0.0, 0.0]
+
+
+class OscillatingFieldTable(_Table):
+    """[field] of kind "oscillating"."""
+
+    kind: Annotated[Literal["oscillating"], _FIELD]
+    strength: Annotated[Tesla, _STRENGTH]
+    frequency: Annotated[Frequency, About("Frequency", "cycles of the field per time")]
+    direction: Annotated[list[Number], _LINE] = [1.0, 0.0, 0.0]
+
+
 class RegionTable(_Table):
     """[region]: what ``microswim calibrate --region`` found, as text."""
 
@@ -286,6 +355,10 @@ class SpecTable(_Table):
     region: RegionTable = None  # type: ignore[assignment]
     wall: WallTable = None  # type: ignore[assignment]
     channel: ChannelTable = None  # type: ignore[assignment]
+    magnet: MagnetTable = None  # type: ignore[assignment]
+    field: RotatingFieldTable | UniformFieldTable | OscillatingFieldTable = Field(
+        default=None, discriminator="kind"
+    )  # type: ignore[assignment]
 
 
 #: The kinds of each table, by its name.
@@ -302,4 +375,4 @@ ALTERNATIVES = {
     "fluid.kinematic_viscosity": "fluid.viscosity",
 }
 #: The field that chooses the kind of a table.
-TAGS = {"body": "shape", "tail": "kind"}
+TAGS = {"body": "shape", "tail": "kind", "field": "kind"}

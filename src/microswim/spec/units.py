@@ -73,6 +73,9 @@ DIMENSIONS = {
         Dimension("force", "1 pN"),
         Dimension("torque", "2 nN m"),
         Dimension("power", "1 fW"),
+        Dimension("volume", "0.5 mm^3", 1e-36, 1e12),
+        Dimension("field", "5 mT", 1e-12, 1e3),
+        Dimension("moment", "2e-5 A m^2"),
     )
 }
 
@@ -131,6 +134,9 @@ SIZES = {
     "Pa s": {"Pa s": 1.0, "mPa s": 1e-3},
     "kg/m^3": {"kg/m^3": 1.0},
     "rad": {"rad": 1.0, "deg": math.pi / 180.0, "°": math.pi / 180.0},
+    "T": {"T": 1.0, "mT": 1e-3},
+    "A m^2": {"A m^2": 1.0},
+    "m^3": {"m^3": 1.0, "mm^3": 1e-9},
 }
 
 

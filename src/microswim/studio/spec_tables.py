@@ -73,8 +73,10 @@ def canonical(swimmer: Swimmer) -> dict[str, Any]:
     }
     if not any(map(any, swimmer.interaction.coupling)):
         del tables["interaction"]["coupling"]
-    around = {"wall": swimmer.wall, "channel": swimmer.channel}
+    around = {"wall": swimmer.wall, "channel": swimmer.channel, "magnet": swimmer.magnet}
     tables |= {name: _table(part) for name, part in around.items() if part is not None}
+    if swimmer.field is not None:
+        tables["field"] = {"kind": swimmer.field.kind, **_table(swimmer.field)}
     return {
         part: {k: _quantity(f"{part}.{k}", v, units) for k, v in table.items()}
         for part, table in tables.items()
@@ -91,6 +93,9 @@ def units_of(swimmer: Swimmer) -> dict[str, tuple[str, float]]:
         "viscosity": "mPa s" if viscosity < 0.1 else "Pa s",
         "density": "kg/m^3",
         "frequency": "Hz",
+        "field": "mT",
+        "moment": "A m^2",
+        "volume": "m^3",
     }
     return {kind: (unit, SIZES[DIMENSIONS[kind].si][unit]) for kind, unit in suits.items()}
 
@@ -103,12 +108,12 @@ def _table(part: Any) -> dict[str, Any]:
 def _quantity(name: str, value: Any, units: dict[str, tuple[str, float]]) -> Any:
     """A number with its unit, as the spec file has it."""
     measures = FIELDS[name].measures
-    if measures and isinstance(value, list):
+    if measures and isinstance(value, list) and measures != "angle":
         return [_quantity(name, v, units) for v in value]
     number: Any = value
-    if measures == "angle":
+    if measures == "angle" and not isinstance(value, list):
         return f"{float(f'{math.degrees(number):.12g}')!r} deg"
-    if measures is None or not units:
+    if measures in (None, "angle") or not units:
         return value
     unit, size = units[measures]
     return f"{float(f'{number / size:.12g}')!r} {unit}"

@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field, fields, is_dataclass, replace
+import dataclasses
+from dataclasses import dataclass, fields, is_dataclass, replace
 from os import PathLike
 from typing import TYPE_CHECKING, Any, Literal, Protocol
 
@@ -20,6 +21,8 @@ from microswim.swimmer.geometry.bodies import Body
 from microswim.swimmer.geometry.surroundings import Channel, Wall
 from microswim.swimmer.geometry.tails import Tail
 from microswim.swimmer.gradient import gradient
+from microswim.swimmer.magnetism.applied_field import AppliedField
+from microswim.swimmer.magnetism.magnet import Magnet
 from microswim.swimmer.motion import Motion
 
 if TYPE_CHECKING:
@@ -29,6 +32,7 @@ if TYPE_CHECKING:
 
 PARTS = ("fluid", "body", "tail", "coefficients", "interaction", "motion")
 SURROUNDINGS = ("wall", "channel")
+DRIVE = ("magnet", "field")
 
 
 class Region(Protocol):
@@ -91,6 +95,11 @@ class Swimmer:
         `Wall` beside the swimmer, for the boundary elements; none by default.
     channel
         `Channel` around the swimmer, for the finite elements; theirs by default.
+    magnet
+        `Magnet` in the body; none by default.
+    field
+        Magnetic field that it is in, `RotatingField`, `UniformField` or `OscillatingField`; none
+        by default. A gait does not depend on magnet and field; what follows a path does.
 
     Raises
     ------
@@ -112,18 +121,20 @@ class Swimmer:
     body: Body
     tail: Tail
     fluid: Fluid
-    coefficients: Coefficients = field(default_factory=Unchosen)
-    interaction: Interaction = field(default_factory=Interaction)
-    motion: Motion = field(default_factory=Motion)
+    coefficients: Coefficients = dataclasses.field(default_factory=Unchosen)
+    interaction: Interaction = dataclasses.field(default_factory=Interaction)
+    motion: Motion = dataclasses.field(default_factory=Motion)
     units: Literal["dimensionless", "SI"] = "dimensionless"
-    region: Region | None = field(default=None, repr=False)
+    region: Region | None = dataclasses.field(default=None, repr=False)
     wall: Wall | None = None
     channel: Channel | None = None
+    magnet: Magnet | None = None
+    field: AppliedField | None = None
 
     def __post_init__(self) -> None:
         for name, kind in zip(PARTS, (Fluid, Body, Tail, Coefficients, Interaction, Motion)):
             self._check_part(name, kind)
-        for name, kind in zip(SURROUNDINGS, (Wall, Channel)):
+        for name, kind in zip((*SURROUNDINGS, *DRIVE), (Wall, Channel, Magnet, AppliedField)):
             if getattr(self, name) is not None:
                 self._check_part(name, kind)
         if self.wall is not None and self.channel is not None:
@@ -131,6 +142,8 @@ class Swimmer:
         if self.region is not None and not callable(getattr(self.region, "gait", None)):
             raise SpecError("region", self.region, "a region calibration", "see calibrate_region")
         checks.choice("units", self.units, ("dimensionless", "SI"))
+        if self.units != "SI" and self.magnet is not None and self.magnet.moment is None:
+            raise SpecError("magnet.remanence: for a swimmer in SI; without units give the moment")
         if self.motion.frequency_frame == "lab" and self.tail.surface_motion != "rigid":
             raise SpecError(
                 "motion.frequency_frame", "lab", '"body" for a tail that does not rotate rigidly'
@@ -144,7 +157,8 @@ class Swimmer:
     @property
     def parts(self) -> tuple[str, ...]:
         """Names of the parts it has, as the tables of a spec file."""
-        return PARTS + tuple(n for n in SURROUNDINGS if getattr(self, n) is not None)
+        others = SURROUNDINGS + DRIVE
+        return PARTS + tuple(n for n in others if getattr(self, n) is not None)
 
     @property
     def body_length(self) -> Any:

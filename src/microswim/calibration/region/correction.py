@@ -24,7 +24,7 @@ from microswim.swimmer.swimmer import Swimmer
 
 NEAR = 0.7  #: spreads of the features over which left-out errors are averaged
 FEATURES = ("ln bk", "ln k r_t", "ln N", "ln r_s/r_t", "ln r_q/r_s", "ln r_r/r_s", "ramp")
-_FREELY = ("fluid.", "tail.frequency", "coefficients.", "interaction.")
+_FREELY = ("fluid.", "tail.frequency", "coefficients.", "interaction.", "magnet.", "field.")
 _WORDS = ("kind", "sections", "surface_motion", "length_measure")
 
 

@@ -1,0 +1,1 @@
+"""Magnets and the fields that drive them."""

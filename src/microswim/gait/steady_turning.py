@@ -166,9 +166,7 @@ class SteadyTurning:
         for first, last in zip(ends, [*ends[1:], ends[0] + 2.0 * np.pi]):
             middle, half = (first + last) / 2.0, (last - first) / 2.0
             if room(middle) > 0:
-                made.append(
-                    lambda u, m=middle, h=half: b(m - h * np.cos(u), np.sign(np.sin(u)))
-                )
+                made.append(lambda u, m=middle, h=half: b(m - h * np.cos(u), np.sign(np.sin(u))))
         return tuple(made)
 
     @cached_property
@@ -206,7 +204,7 @@ class SteadyTurning:
 
     @cached_property
     def step_out(self) -> float:
-        """Largest rate of the field that the robot follows (rad per time); zero if it never does."""
+        """Largest rate of the field that the robot follows (rad per time), or zero."""
         return max((max(self.rates(arc)) for arc in self.arcs), default=0.0)
 
     @cached_property
@@ -245,7 +243,7 @@ class SteadyTurning:
         ends = beyond(arc.start), beyond(arc.end)
         if ends[0] * ends[1] >= 0.0:
             return self.at(arc.curve(arc.start if abs(ends[0]) < abs(ends[1]) else arc.end))
-        return self.at(arc.curve(brentq(beyond, arc.start, arc.end, xtol=1e-13)))
+        return self.at(arc.curve(_zero(beyond, arc.start, arc.end)))
 
 
 def _zeros(of: Callable[[float], float]) -> list[float]:
@@ -253,4 +251,9 @@ def _zeros(of: Callable[[float], float]) -> list[float]:
     u = np.linspace(0.0, 2.0 * np.pi, SAMPLES // 2 + 1)
     values = np.array([of(x) for x in u])
     change = np.flatnonzero(values[:-1] * values[1:] < 0)
-    return [float(brentq(of, u[i], u[i + 1], xtol=1e-14)) for i in change]
+    return [_zero(of, u[i], u[i + 1]) for i in change]
+
+
+def _zero(of: Callable[[float], float], low: float, high: float) -> float:
+    found: Any = brentq(of, low, high, xtol=1e-13)
+    return float(found)

@@ -51,8 +51,10 @@ SYNONYMS = {
     "tail.rate": "tail.frequency", "tail.omega": "tail.frequency", "tail.rpm": "tail.frequency",
     "body.diameter": "body.radius (half of it)", "body.axes": "body.semi_axes",
     "fluid.mu": "fluid.viscosity", "fluid.nu": "fluid.kinematic_viscosity",
-    "fluid.rho": "fluid.density", "magnet.Br": "magnet.remanence", "field.B": "field.strength",
-    "field.amplitude": "field.strength", "field.rate": "field.frequency", "wall.gap": "wall.distance", "channel.radius": "channel.diameter",
+    "fluid.rho": "fluid.density",
+    "magnet.Br": "magnet.remanence", "field.B": "field.strength",
+    "field.amplitude": "field.strength", "field.rate": "field.frequency",
+    "wall.gap": "wall.distance", "channel.radius": "channel.diameter",
 }  # fmt: skip
 
 

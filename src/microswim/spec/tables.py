@@ -7,55 +7,29 @@ these tables; the parts themselves check what makes physical sense.
 
 from __future__ import annotations
 
-from functools import partial
-from typing import Annotated, Any, Literal, get_args
+from typing import Annotated, Literal, get_args
 
-from pydantic import BaseModel, BeforeValidator, ConfigDict, Field, StrictBool
+from pydantic import Field, StrictBool
 
 from microswim.spec import fields
-from microswim.spec.fields import About, Measures
-from microswim.spec.units import DIMENSIONS, to_si
+from microswim.spec.fields import About
+from microswim.spec.magnetic_tables import (
+    MagnetTable,
+    OscillatingFieldTable,
+    RotatingFieldTable,
+    UniformFieldTable,
+)
+from microswim.spec.types import (
+    Angle,
+    Density,
+    Frequency,
+    Kinematic,
+    Length,
+    Number,
+    Viscosity,
+)
+from microswim.spec.types import Table as _Table
 from microswim.swimmer.fields import ALTERNATIVES as OF_A_SWIMMER
-
-
-def _read_quantity(value: Any, *, measures: str) -> Any:
-    """Return the number of a quantity, or a bare number as it stands."""
-    if isinstance(value, bool) or not isinstance(value, (int, float, str)):
-        raise ValueError("must be a number, or a quantity in quotes")
-    if not isinstance(value, str):
-        return value
-    dimension = DIMENSIONS[measures]
-    number = to_si(value, dimension.si)
-    refused = dimension.refused(number)
-    if refused:
-        raise ValueError(refused)
-    return number
-
-
-def _read_number(value: Any) -> Any:
-    if isinstance(value, bool) or not isinstance(value, (int, float)):
-        raise ValueError("must be a bare number")
-    return value
-
-
-def _reads(measures: str) -> BeforeValidator:
-    return BeforeValidator(partial(_read_quantity, measures=measures))
-
-
-Number = Annotated[float, BeforeValidator(_read_number)]
-Length = Annotated[float, _reads("length"), Measures("length")]
-Frequency = Annotated[float, _reads("frequency"), Measures("frequency")]
-Viscosity = Annotated[float, _reads("viscosity"), Measures("viscosity")]
-Kinematic = Annotated[float, _reads("kinematic viscosity"), Measures("kinematic viscosity")]
-Density = Annotated[float, _reads("density"), Measures("density")]
-Angle = Annotated[float, _reads("angle"), Measures("angle")]
-Volume = Annotated[float, _reads("volume"), Measures("volume")]
-Tesla = Annotated[float, _reads("magnetic field"), Measures("magnetic field")]
-Moment = Annotated[float, _reads("magnetic moment"), Measures("magnetic moment")]
-
-
-class _Table(BaseModel):
-    model_config = ConfigDict(extra="forbid", allow_inf_nan=False)
 
 
 class FluidTable(_Table):
@@ -269,72 +243,6 @@ class ChannelTable(_Table):
     ] = [0.0, 0.0, 0.0]  # fmt: skip
     tilt: Annotated[Angle, About("Tilt", "of the swimmer about r", usual=_TILT)] = 0.0
     ends: Annotated[Literal["closed", "open"], About("Ends", "closed: walls | open")] = "closed"
-
-
-class MagnetTable(_Table):
-    """[magnet]: a permanent magnet, fixed in the body."""
-
-    moment: Annotated[
-        Moment | list[Moment] | None,
-        About("Moment", "magnetic, fixed in the body: [s, q, r], or its size, with a direction",
-              entries=("Moment along s", "Moment along q", "Moment along r")),
-    ] = None  # fmt: skip
-    remanence: Annotated[
-        Tesla | None, About("Remanence", "of the magnet, in place of the moment; with its size")
-    ] = None
-    shape: Annotated[
-        Literal["block", "cylinder", "sphere"], About("Shape", "block | cylinder | sphere")
-    ] = "block"
-    size: Annotated[
-        list[Length] | None,
-        About("Size", "edges of the block; diameter and height; or [diameter] of the sphere"),
-    ] = None
-    volume: Annotated[Volume | None, About("Volume", "in place of shape and size")] = None
-    direction: Annotated[
-        Angle | list[Angle] | None,
-        About("Direction", "of the moment: [s, q, r], or the angle from s towards q",
-              usual=(0.0, 90.0)),
-    ] = None  # fmt: skip
-    azimuth: Annotated[
-        Angle, About("Side, about s", "the moment's, from q towards r", usual=(-180.0, 180.0))
-    ] = 0.0
-
-
-_FIELD = About("Kind", "rotating | uniform | oscillating")
-_STRENGTH = About("Strength", "of the field", usual=(0.0, 0.02))
-_LINE = About("Direction", "in the lab, [x, y, z]")
-
-
-class RotatingFieldTable(_Table):
-    """[field] of kind "rotating"."""
-
-    kind: Annotated[Literal["rotating"], _FIELD]
-    strength: Annotated[Tesla, _STRENGTH]
-    frequency: Annotated[Frequency, About("Frequency", "turns of the field per time")]
-    axis: Annotated[list[Number], About("Axis", "that the field turns about, lab, [x, y, z]")] = [
-        1.0, 0.0, 0.0
-    ]  # fmt: skip
-    cone: Annotated[
-        Angle, About("Cone", "angle of the field out of its plane, towards the axis",
-                     usual=(-80.0, 80.0))
-    ] = 0.0  # fmt: skip
-
-
-class UniformFieldTable(_Table):
-    """[field] of kind "uniform"."""
-
-    kind: Annotated[Literal["uniform"], _FIELD]
-    strength: Annotated[Tesla, _STRENGTH]
-    direction: Annotated[list[Number], _LINE] = [1.0, 0.0, 0.0]
-
-
-class OscillatingFieldTable(_Table):
-    """[field] of kind "oscillating"."""
-
-    kind: Annotated[Literal["oscillating"], _FIELD]
-    strength: Annotated[Tesla, _STRENGTH]
-    frequency: Annotated[Frequency, About("Frequency", "cycles of the field per time")]
-    direction: Annotated[list[Number], _LINE] = [1.0, 0.0, 0.0]
 
 
 class RegionTable(_Table):

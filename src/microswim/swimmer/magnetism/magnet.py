@@ -1,6 +1,6 @@
 """A permanent magnet fixed in the body: its moment, given or from remanence and volume.
 
-    m = B_r V / mu_0      a uniformly magnetised piece of remanence B_r and volume V
+m = B_r V / mu_0      a uniformly magnetised piece of remanence B_r and volume V
 """
 
 from __future__ import annotations

@@ -1,0 +1,74 @@
+"""What a spec file may say of the magnet in the body and of the field around it."""
+
+from __future__ import annotations
+
+from typing import Annotated, Literal
+
+from microswim.spec.fields import About
+from microswim.spec.types import Angle, Frequency, Length, Moment, Number, Table, Tesla, Volume
+
+
+class MagnetTable(Table):
+    """[magnet]: a permanent magnet, fixed in the body."""
+
+    moment: Annotated[
+        Moment | list[Moment] | None,
+        About("Moment", "magnetic, fixed in the body: [s, q, r], or its size, with a direction",
+              entries=("Moment along s", "Moment along q", "Moment along r")),
+    ] = None  # fmt: skip
+    remanence: Annotated[
+        Tesla | None, About("Remanence", "of the magnet, in place of the moment; with its size")
+    ] = None
+    shape: Annotated[
+        Literal["block", "cylinder", "sphere"], About("Shape", "block | cylinder | sphere")
+    ] = "block"
+    size: Annotated[
+        list[Length] | None,
+        About("Size", "edges of the block; diameter and height; or [diameter] of the sphere"),
+    ] = None
+    volume: Annotated[Volume | None, About("Volume", "in place of shape and size")] = None
+    direction: Annotated[
+        Angle | list[Angle] | None,
+        About("Direction", "of the moment: [s, q, r], or the angle from s towards q",
+              usual=(0.0, 90.0)),
+    ] = None  # fmt: skip
+    azimuth: Annotated[
+        Angle, About("Side, about s", "the moment's, from q towards r", usual=(-180.0, 180.0))
+    ] = 0.0
+
+
+_FIELD = About("Kind", "rotating | uniform | oscillating")
+_STRENGTH = About("Strength", "of the field", usual=(0.0, 0.02))
+_LINE = About("Direction", "in the lab, [x, y, z]")
+
+
+class RotatingFieldTable(Table):
+    """[field] of kind "rotating"."""
+
+    kind: Annotated[Literal["rotating"], _FIELD]
+    strength: Annotated[Tesla, _STRENGTH]
+    frequency: Annotated[Frequency, About("Frequency", "turns of the field per time")]
+    axis: Annotated[list[Number], About("Axis", "that the field turns about, lab, [x, y, z]")] = [
+        1.0, 0.0, 0.0
+    ]  # fmt: skip
+    cone: Annotated[
+        Angle, About("Cone", "angle of the field out of its plane, towards the axis",
+                     usual=(-80.0, 80.0))
+    ] = 0.0  # fmt: skip
+
+
+class UniformFieldTable(Table):
+    """[field] of kind "uniform"."""
+
+    kind: Annotated[Literal["uniform"], _FIELD]
+    strength: Annotated[Tesla, _STRENGTH]
+    direction: Annotated[list[Number], _LINE] = [1.0, 0.0, 0.0]
+
+
+class OscillatingFieldTable(Table):
+    """[field] of kind "oscillating"."""
+
+    kind: Annotated[Literal["oscillating"], _FIELD]
+    strength: Annotated[Tesla, _STRENGTH]
+    frequency: Annotated[Frequency, About("Frequency", "cycles of the field per time")]
+    direction: Annotated[list[Number], _LINE] = [1.0, 0.0, 0.0]

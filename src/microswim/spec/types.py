@@ -1,0 +1,53 @@
+"""Types of the fields of a spec: quantities of each dimension, bare numbers, and their table."""
+
+from __future__ import annotations
+
+from functools import partial
+from typing import Annotated, Any
+
+from pydantic import BaseModel, BeforeValidator, ConfigDict
+
+from microswim.spec.fields import Measures
+from microswim.spec.units import DIMENSIONS, to_si
+
+
+def _read_quantity(value: Any, *, measures: str) -> Any:
+    """Return the number of a quantity, or a bare number as it stands."""
+    if isinstance(value, bool) or not isinstance(value, (int, float, str)):
+        raise ValueError("must be a number, or a quantity in quotes")
+    if not isinstance(value, str):
+        return value
+    dimension = DIMENSIONS[measures]
+    number = to_si(value, dimension.si)
+    refused = dimension.refused(number)
+    if refused:
+        raise ValueError(refused)
+    return number
+
+
+def _read_number(value: Any) -> Any:
+    if isinstance(value, bool) or not isinstance(value, (int, float)):
+        raise ValueError("must be a bare number")
+    return value
+
+
+def _reads(measures: str) -> BeforeValidator:
+    return BeforeValidator(partial(_read_quantity, measures=measures))
+
+
+Number = Annotated[float, BeforeValidator(_read_number)]
+Length = Annotated[float, _reads("length"), Measures("length")]
+Frequency = Annotated[float, _reads("frequency"), Measures("frequency")]
+Viscosity = Annotated[float, _reads("viscosity"), Measures("viscosity")]
+Kinematic = Annotated[float, _reads("kinematic viscosity"), Measures("kinematic viscosity")]
+Density = Annotated[float, _reads("density"), Measures("density")]
+Angle = Annotated[float, _reads("angle"), Measures("angle")]
+Volume = Annotated[float, _reads("volume"), Measures("volume")]
+Tesla = Annotated[float, _reads("magnetic field"), Measures("magnetic field")]
+Moment = Annotated[float, _reads("magnetic moment"), Measures("magnetic moment")]
+
+
+class Table(BaseModel):
+    """A table of a spec file: no fields but its own, and finite numbers."""
+
+    model_config = ConfigDict(extra="forbid", allow_inf_nan=False)

@@ -43,8 +43,8 @@ Kinematic = Annotated[float, _reads("kinematic viscosity"), Measures("kinematic 
 Density = Annotated[float, _reads("density"), Measures("density")]
 Angle = Annotated[float, _reads("angle"), Measures("angle")]
 Volume = Annotated[float, _reads("volume"), Measures("volume")]
-Tesla = Annotated[float, _reads("magnetic field"), Measures("magnetic field")]
-Moment = Annotated[float, _reads("magnetic moment"), Measures("magnetic moment")]
+Tesla = Annotated[float, _reads("field"), Measures("field")]
+Moment = Annotated[float, _reads("moment"), Measures("moment")]
 
 
 class Table(BaseModel):

@@ -123,6 +123,16 @@ json_option = click.option("--json", "as_json", is_flag=True, help="Print one JS
 out_option = click.option(
     "--out", metavar="DIR", type=click.Path(path_type=Path), help="Folder for files and pictures."
 )
+solver_option = click.option(
+    "--option",
+    "options",
+    multiple=True,
+    metavar="NAME=VALUE",
+    help='For the reference: level="fine".',
+)
+workers_option = click.option(
+    "--workers", type=click.IntRange(0, 1024), help="Processes (default: all cores)."
+)
 force_option = click.option("--force", is_flag=True, help="Replace what is in the way.")
 
 

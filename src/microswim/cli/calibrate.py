@@ -16,7 +16,9 @@ from microswim.cli._options import (
     force_option,
     json_option,
     print_json,
+    solver_option,
     swimmer_options,
+    workers_option,
 )
 from microswim.errors import MicroswimError, SpecError
 from microswim.numerics.files import write
@@ -64,14 +66,8 @@ from microswim.spec.toml import to_toml
 )
 @click.option("--region", multiple=True, metavar="NAME=LOW:HIGH", help="Calibrate over a region.")
 @click.option("--solves", type=click.IntRange(6), default=100, show_default=True)
-@click.option("--workers", type=click.IntRange(0, 1024), help="Processes (default: all cores).")
-@click.option(
-    "--option",
-    "options",
-    multiple=True,
-    metavar="NAME=VALUE",
-    help='For the reference: level="fine".',
-)
+@workers_option
+@solver_option
 @click.option("-o", "--output", type=click.Path(path_type=Path), help="Calibrated spec to write.")
 @force_option
 @json_option

@@ -16,6 +16,7 @@ from microswim.cli._options import (
     json_option,
     out_option,
     print_json,
+    solver_option,
     swimmer_options,
 )
 from microswim.errors import SpecError
@@ -65,7 +66,7 @@ FILES = (
     "--reference", "--verify", type=click.Choice(["bem", "fem"]), help="Judge, calibrate, repeat."
 )
 @click.option("--tolerance", default=0.05, show_default=True, help="Miss accepted by --reference.")
-@click.option("--option", "options", multiple=True, metavar="NAME=VALUE", help="Of the reference.")
+@solver_option
 @click.option(
     "--uncertain",
     multiple=True,

@@ -19,7 +19,9 @@ from microswim.cli._options import (
     json_option,
     out_option,
     print_json,
+    solver_option,
     swimmer_options,
+    workers_option,
 )
 from microswim.numerics.files import fresh, write
 
@@ -38,14 +40,8 @@ FILES = ("errors.csv", "validation.json", "errors.png")
 )
 @click.option("--over", multiple=True, required=True, metavar="NAME=A:B:N", help="Axes of the map.")
 @click.option("--quantity", multiple=True, metavar="NAMES", help="Velocities to compare.")
-@click.option("--workers", type=click.IntRange(0, 1024), help="Processes (default: all cores).")
-@click.option(
-    "--option",
-    "options",
-    multiple=True,
-    metavar="NAME=VALUE",
-    help='For the reference: level="fine".',
-)
+@workers_option
+@solver_option
 @out_option
 @force_option
 @json_option

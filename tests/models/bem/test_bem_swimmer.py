@@ -289,10 +289,7 @@ def test_no_slip_on_the_swimmer_and_rest_far_away(rough):
 
 def test_files_and_picture(rough, tmp_path):
     """As VTK itself reads them."""
-    import matplotlib
-
     pyvista = pytest.importorskip("pyvista", reason="needs the extra viz")
-    matplotlib.use("Agg")
     surface = pyvista.read(rough.to_vtk(tmp_path / "surface", side=3))
     assert surface.n_points == 9 * rough.surface.patches
     assert surface.n_cells == 4 * rough.surface.patches
@@ -304,6 +301,8 @@ def test_files_and_picture(rough, tmp_path):
     assert field["velocity"][-1] == pytest.approx(rough.velocity(np.array([1.0, 2.0, 2.0])))
     figure = rough.picture("sr", resolution=12)
     assert figure.axes[0].get_xlabel() == "s"
+    assert figure.axes[0].get_ylabel() == "r"
+    assert figure.axes[1].get_ylabel() == "speed"
 
 
 def beside(swimmer, wall):

@@ -96,9 +96,6 @@ def picture(
     -------
     matplotlib Figure
     """
-    import matplotlib.pyplot as plt
-    from matplotlib.collections import PolyCollection
-
     i, j = (AXES[c] for c in plane)
     hull = solution.surface.controls.reshape(-1, 3)
     if extent is None:
@@ -110,17 +107,10 @@ def picture(
     y = np.linspace(extent[2], extent[3], rows)
     points = np.zeros((y.size, x.size, 3))
     points[..., i], points[..., j] = x[None, :], y[:, None]
-    flat = points.reshape(-1, 3)
-    u = solution.velocity(flat)
-    u = u.reshape(points.shape)
-    figure, ax = plt.subplots(figsize=(8, 4.5)) if ax is None else (ax.figure, ax)
-    speed = ax.pcolormesh(x, y, np.linalg.norm(u, axis=-1), shading="gouraud", cmap="viridis")
-    ax.streamplot(x, y, u[..., i], u[..., j], color="w", linewidth=0.6, density=1.1, arrowsize=0.7)
-    figure.colorbar(speed, ax=ax, label="speed")
+    u = solution.velocity(points.reshape(-1, 3)).reshape(points.shape)
+    out = 3 - i - j
     outline = positions(solution.surface, 9)[..., [i, j]].reshape(-1, 2)
     shadow = outline[_quads(solution.surface.patches, 9)]
-    ax.add_collection(
-        PolyCollection(list(shadow), facecolor="0.75", edgecolor="0.75", linewidth=0.3, zorder=3)
-    )
-    ax.set(xlabel=plane[0], ylabel=plane[1], xlim=extent[:2], ylim=extent[2:], aspect="equal")
-    return figure
+    sides = {plane[0]: x, plane[1]: y}
+    units = solution.swimmer.units
+    return doors.go(doors.CUT, sides, u[..., [i, j, out]], shadow, units, ax=ax)

@@ -3,12 +3,14 @@
 from __future__ import annotations
 
 import functools
+import inspect
 import math
 from collections.abc import Callable, Iterable, Mapping, Set
 from dataclasses import MISSING, fields
+from os import PathLike
 from typing import Any, TypeVar
 
-from microswim.errors import SpecError, renamed
+from microswim.errors import SpecError, nearest, renamed
 
 #: No number that is given is larger, and no size that must be positive smaller: with what is
 #: computed from them, up to the sixth power, they stay far from the edges of the floating point.
@@ -74,7 +76,7 @@ def numbers(field: str, values: Any, length: int, allowed: str, **bounds: float)
 def choice(field: str, value: Any, options: Iterable[str]) -> None:
     """Refuse what is not one of the options."""
     options = tuple(options)
-    if value not in options:
+    if not isinstance(value, str) or value not in options:
         raise SpecError(field, value, "one of " + ", ".join(f'"{o}"' for o in options))
 
 
@@ -87,8 +89,78 @@ def truth(field: str, value: Any) -> None:
 def count(field: str, value: Any, least: int = 1) -> None:
     """Refuse what is not a whole number of at least `least`; None passes."""
     whole = hasattr(value, "__index__") and not isinstance(value, bool)
-    if value is not None and not (whole and value >= least):
+    if value is not None and not (whole and not getattr(value, "ndim", 0) and value >= least):
         raise SpecError(field, value, f"a whole number of at least {least}")
+
+
+def text(field: str, value: Any) -> None:
+    """Refuse what is not text."""
+    if not isinstance(value, str):
+        raise SpecError(field, value, "text")
+
+
+def words(field: str, value: Any) -> None:
+    """Refuse what is neither a name nor a series of names."""
+    if isinstance(value, str):
+        return
+    if isinstance(value, (bytes, bytearray, Mapping)) or not isinstance(value, Iterable):
+        raise SpecError(field, value, "a name, or a list of names")
+    if isinstance(value, (Set, list, tuple)) and not all(isinstance(w, str) for w in value):
+        raise SpecError(field, value, "a name, or a list of names")
+
+
+def mapping(field: str, value: Any, allowed: str = "dotted names to values, {...}") -> None:
+    """Refuse what does not map names to values."""
+    if not isinstance(value, Mapping) or not all(isinstance(name, str) for name in value):
+        raise SpecError(field, value, allowed)
+
+
+def place(field: str, value: Any) -> None:
+    """Refuse what is not the path of a file or folder."""
+    if not isinstance(value, (str, PathLike)):
+        raise SpecError(field, value, "a path")
+
+
+def function(field: str, value: Any) -> None:
+    """Refuse what cannot be called."""
+    if not callable(value):
+        raise SpecError(field, value, "a function")
+
+
+def series(field: str, value: Any, allowed: str = "made of finite numbers") -> None:
+    """Refuse what is not a finite real number, or an array or list of such."""
+    import numpy as np
+
+    try:
+        if isinstance(value, (str, bytes, bytearray, Set, Mapping)) or np.iscomplexobj(value):
+            raise TypeError
+        good = np.asarray(value).dtype.kind != "b" and np.isfinite(np.asarray(value, float)).all()
+    except (TypeError, ValueError, OverflowError):
+        good = False
+    if not good:
+        raise SpecError(field, value, allowed)
+
+
+def kept(values: Any, kind: Any = float) -> Any:
+    """Return an array of its own that nobody can write into, for a frozen object to hold."""
+    import numpy as np
+
+    own = np.array(values, dtype=kind)
+    own.flags.writeable = False
+    return own
+
+
+def instance(field: str, value: Any, kind: str) -> None:
+    """Refuse what is not of a class, told by its name (its module may not be imported yet)."""
+    if not any(kind == owner.__name__ for owner in type(value).__mro__):
+        article = "an" if kind[0] in "AEIO" else "a"
+        raise SpecError(field, value, f"{article} {kind}")
+
+
+def required(cls: type) -> list[str]:
+    """Return the fields of a dataclass that must be given."""
+    own = [f for f in fields(cls) if f.init]
+    return [f.name for f in own if f.default is MISSING and f.default_factory is MISSING]
 
 
 def by_name(cls: Class) -> Class:
@@ -103,29 +175,94 @@ def by_name(cls: Class) -> Class:
     microswim.errors.SpecError: Fluid: its fields are given by name, such as Fluid(viscosity=...)
     """
     made = cls.__init__
-    known = [f.name for f in fields(cls) if f.init]
-    needed = [
-        f.name
-        for f in fields(cls)
-        if f.init and f.default is MISSING and f.default_factory is MISSING
-    ]
+    takes = {f.name: f for f in fields(cls) if f.init and not f.name.startswith("_")}
+    needed = required(cls)
+    by_place = [n for n, f in takes.items() if not f.kw_only]
 
     @functools.wraps(made)
-    def init(self: Any, *args: Any, **given: Any) -> None:
-        name = cls.__name__
-        if args:
-            example = ", ".join(f"{field}=..." for field in needed or known[:1])
-            raise SpecError(f"{name}: its fields are given by name, such as {name}({example})")
-        for field in given:
-            if field not in known:
-                raise SpecError(f"{name}: it has no field {field}; it has {', '.join(known)}")
-        missing = [field for field in needed if field not in given]
-        if missing:
-            raise SpecError(f"{name}: {', '.join(missing)} must be given")
-        made(self, **given)
+    def init(self: Any, *args: Any, **named: Any) -> None:
+        wrong = set(named) - takes.keys() or len(args) > len(by_place)
+        if wrong or set(by_place[: len(args)]) & named.keys():
+            raise _wrong_fields(cls.__name__, list(takes), needed, by_place, args, named)
+        if any(n not in named for n in needed if n not in by_place[: len(args)]):
+            raise _wrong_fields(cls.__name__, list(takes), needed, by_place, args, named)
+        made(self, *args, **named)
 
     cls.__init__ = init  # type: ignore[misc]
     return cls
+
+
+def _wrong_fields(
+    name: str, known: list[str], needed: list[str], by_place: list[str], args: tuple, named: dict
+) -> SpecError:
+    """Return what is wrong with a call of a dataclass."""
+    for field in named:
+        if field not in known:
+            it_has = f"it has {', '.join(known)}" if known else "it has none"
+            return SpecError(f"{name}: it has no field {field}; {it_has}")
+        if field in by_place[: len(args)]:
+            return SpecError(f"{name}: {field} is given twice")
+    if len(args) > len(by_place):
+        example = ", ".join(f"{field}=..." for field in needed or known[:1])
+        return SpecError(f"{name}: its fields are given by name, such as {name}({example})")
+    missing = [n for n in needed if n not in named and n not in by_place[: len(args)]]
+    return SpecError(f"{name}: {', '.join(missing)} must be given")
+
+
+def given(**checked: Callable[[str, Any], None]) -> Callable[[Called], Called]:
+    """Return a decorator: arguments are checked before any work, their names, then each value.
+
+    Each check takes name and value and refuses in a sentence; a default passes. A function without
+    checks is held to its names alone.
+
+    Examples
+    --------
+    >>> import microswim as ms
+    >>> ms.screw(5)
+    Traceback (most recent call last):
+        ...
+    microswim.errors.SpecError: gait = 5: must be a Gait
+    """
+
+    def decorate(function: Called) -> Called:
+        takes = inspect.signature(function)
+        name = function.__qualname__
+
+        @functools.wraps(function)
+        def called(*args: Any, **named: Any) -> Any:
+            try:
+                bound = takes.bind(*args, **named)
+            except TypeError:
+                raise _wrong_arguments(name, takes, args, named) from None
+            for argument, value in bound.arguments.items():
+                if argument in checked and value is not takes.parameters[argument].default:
+                    checked[argument](argument, value)
+            return function(*args, **named)
+
+        return called  # type: ignore[return-value]
+
+    return decorate
+
+
+def _wrong_arguments(name: str, takes: inspect.Signature, args: tuple, named: dict) -> SpecError:
+    """Return what is wrong with a call of a function."""
+    own = [p for p in takes.parameters.values() if p.name not in ("self", "cls")]
+    known = [p.name for p in own if p.kind is not p.VAR_KEYWORD]
+    args = args if len(own) == len(takes.parameters) else args[1:]
+    by_place = [p.name for p in own if p.kind in (p.POSITIONAL_ONLY, p.POSITIONAL_OR_KEYWORD)]
+    for argument in named:
+        if argument in by_place[: len(args)]:
+            return SpecError(f"{name}: {argument} is given twice")
+        if argument not in known and len(known) == len(own):
+            mend = nearest(argument, known) if known else "it takes none"
+            return SpecError(f"{name}: it takes no {argument}; {mend}")
+    if len(args) > len(by_place):
+        first = ", ".join(by_place) or "none"
+        return SpecError(f"{name}: it takes by position {first}; give the others by name")
+    filled = {*by_place[: len(args)], *named}
+    needed = (p for p in own if p.default is p.empty and p.kind is not p.VAR_KEYWORD)
+    missing = [p.name for p in needed if p.name not in filled]
+    return SpecError(f"{name}: {', '.join(missing)} must be given")
 
 
 def keyword_was(old: str, new: str) -> Callable[[Called], Called]:

@@ -15,6 +15,7 @@ import numpy as np
 from scipy.optimize import least_squares
 from scipy.stats import norm
 
+from microswim import checks
 from microswim.calibration import observations as observe
 from microswim.calibration.calibration import Calibration
 from microswim.calibration.identifiability import Direction, determined, physical_warnings
@@ -32,6 +33,7 @@ from microswim.swimmer.swimmer import Swimmer
 ONE_STEP = 0.02  #: seconds of all gaits for one observation and one unknown as Python
 
 
+@checks.by_name
 @dataclass(frozen=True, kw_only=True, eq=False)
 class CoefficientCalibration(Calibration):
     """Outcome of a calibration at one design, or at several that share their coefficients.

@@ -5,9 +5,11 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import Any
 
+from microswim import checks
 from microswim.swimmer.swimmer import Swimmer
 
 
+@checks.by_name
 @dataclass(frozen=True, kw_only=True, eq=False)
 class Calibration:
     """Outcome of a calibration, at one design (`calibrate`) or over many (`calibrate_region`).

@@ -62,18 +62,23 @@ class Observation:
     assumed: bool = field(default=False, init=False)
 
     def __post_init__(self) -> None:
+        checks.instance("swimmer", self.swimmer, "Swimmer")
         self._check_name()
-        value = np.asarray(self.value, dtype=float)
-        if not np.all(np.isfinite(value)) or value.size == 0:
-            raise SpecError(self.quantity, self.value, "finite numbers")
+        checks.series(f"value of {self.quantity}", self.value, "finite numbers")
+        value = checks.kept(self.value)
+        if value.size == 0:
+            raise SpecError(f"value of {self.quantity}", self.value, "finite numbers")
+        if value.ndim:
+            object.__setattr__(self, "value", value)
         if value.ndim and np.shape(self.phase) != value.shape:
             raise SpecError(f"{self.quantity}: as many phases as values must be given")
         sigma = self.sigma
         if sigma is None:
             sigma = ASSUMED * np.abs(value).max() or 1.0
             object.__setattr__(self, "assumed", True)
-        if not np.all(np.isfinite(sigma)) or np.any(np.asarray(sigma) <= 0):
-            raise SpecError(f"uncertainty of {self.quantity}", self.sigma, "positive")
+        checks.series(f"sigma, uncertainty of {self.quantity}", sigma, "positive")
+        if np.any(np.asarray(sigma) <= 0):
+            raise SpecError(f"sigma, uncertainty of {self.quantity}", self.sigma, "positive")
         object.__setattr__(self, "sigma", sigma)
 
     def _check_name(self) -> None:

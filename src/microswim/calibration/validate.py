@@ -40,6 +40,7 @@ STAGES = (
 LIMITS = (0.05, 0.10)
 
 
+@checks.by_name
 @dataclass(frozen=True, kw_only=True, eq=False)
 class Validation:
     """Errors of a surrogate over a map.

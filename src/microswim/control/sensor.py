@@ -31,6 +31,7 @@ class Reading:
     state: State
 
 
+@checks.by_name
 @dataclass
 class Sensor:
     """A camera: takes a frame each `interval`, adds noise, hands it over `latency` later.
@@ -71,13 +72,14 @@ class Sensor:
     position_noise: float = 0.0
     angle_noise: float = 0.0
     seed: int | None = None
-    _under_way: deque = field(default_factory=deque, repr=False)
-    _due: float = field(default=-np.inf, repr=False)
-    _last: Reading | None = field(default=None, repr=False)
+    _under_way: deque = field(default_factory=deque, init=False, repr=False)
+    _due: float = field(default=-np.inf, init=False, repr=False)
+    _last: Reading | None = field(default=None, init=False, repr=False)
 
     def __post_init__(self) -> None:
         for name in ("interval", "latency", "position_noise", "angle_noise"):
             checks.number(name, getattr(self, name), "zero or more", least=0.0)
+        checks.count("seed", self.seed, least=0)
         self._random = np.random.default_rng(self.seed)
 
     def read(self, time: float, state: State) -> Reading | None:

@@ -7,9 +7,11 @@ from typing import Any
 
 import numpy as np
 
+from microswim import checks
 from microswim.errors import SpecError
 
 
+@checks.by_name
 @dataclass(frozen=True, eq=False)
 class State:
     """Pose and phase of one swimmer or of many.
@@ -29,6 +31,15 @@ class State:
 
     values: np.ndarray
 
+    def __post_init__(self) -> None:
+        values = self.values
+        if not isinstance(values, np.ndarray) or values.shape[-1:] != (8,) or values.ndim > 2:
+            shown = getattr(values, "shape", values)
+            raise SpecError("values", shown, "an array (8,) or (n, 8)", "State.at makes one")
+        own = values.view()
+        own.flags.writeable = False
+        object.__setattr__(self, "values", own)
+
     @classmethod
     def at(
         cls, position: Any = (0, 0, 0), quaternion: Any = (1, 0, 0, 0), phase: Any = 0.0
@@ -43,14 +54,10 @@ class State:
         parts = {"position": (position, 3), "quaternion": (quaternion, 4), "phase": (phase, 0)}
         arrays = []
         for name, (value, width) in parts.items():
-            try:
-                a = np.asarray(value, dtype=float)
-            except (TypeError, ValueError):
-                raise SpecError(name, value, "made of numbers") from None
+            checks.series(name, value)
+            a = np.asarray(value, dtype=float)
             if a.ndim > 1 + (width > 0) or (width and a.shape[-1:] != (width,)):
                 raise SpecError(name, value, f"{width} numbers, or as many rows as swimmers")
-            if not np.isfinite(a).all():
-                raise SpecError(name, value, "finite")
             arrays.append(a if width else a[..., None])
         norm = np.linalg.norm(arrays[1], axis=-1, keepdims=True)
         if (abs(norm - 1.0) > 0.01).any():

@@ -30,6 +30,7 @@ _NO_LOAD = np.zeros(6)
 WIDEST = np.pi / 2.0
 
 
+@checks.by_name
 @dataclass(frozen=True, eq=False, repr=False)
 class Stepper:
     """Steps a swimmer, or thousands at once, from sample to sample.
@@ -80,7 +81,11 @@ class Stepper:
     most_steps: int = 100_000
 
     def __post_init__(self) -> None:
+        checks.instance("gait", self.gait, "Gait")
         self.gait.check_path()
+        if self.swimmer is not None:
+            checks.instance("swimmer", self.swimmer, "Swimmer")
+        checks.truth("locked", self.locked)
         checks.numbers("moment", self.moment, 3, "three finite numbers, in the body frame")
         checks.number("resolution", self.resolution, "4 or more steps per turn", least=4)
         allowed = "a whole number from 1 to 10000000"

@@ -14,6 +14,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from microswim import checks
 from microswim.errors import MicroswimError
 from microswim.gait import doors, portrait
 from microswim.gait.one_pose import refusal
@@ -32,6 +33,7 @@ DEGREES_OF_FREEDOM = ("us", "uq", "ur", "os", "oq", "or")
 ALL_FREE = (True,) * 6
 
 
+@checks.by_name
 @dataclass(frozen=True, eq=False, repr=False)
 class Gait:
     """Resistance and propulsion of a swimmer over one period of its tail.

@@ -11,6 +11,7 @@ from typing import Any
 
 import numpy as np
 
+from microswim import checks
 from microswim.numerics.compiled import compiled
 
 
@@ -57,6 +58,7 @@ def multiply(a: np.ndarray, b: np.ndarray) -> np.ndarray:
     return np.concatenate([scalar, aw * bv + bw * av + np.cross(av, bv)], axis=-1)
 
 
+@checks.by_name
 @dataclass(frozen=True, eq=False)
 class ScrewMotion:
     """The rigid motion of a swimmer over one period: a turn about an axis and an advance along it.

@@ -42,9 +42,9 @@ class Motion:
     line_element: Literal["arc", "apparent"] = "arc"
 
     def __post_init__(self) -> None:
-        if self.free != "all":
+        if not isinstance(self.free, str) or self.free != "all":
             allowed = '"all" or a list out of ' + ", ".join(DEGREES_OF_FREEDOM)
-            if isinstance(self.free, str) or not isinstance(self.free, (list, tuple)):
+            if not isinstance(self.free, (list, tuple)):
                 raise SpecError("motion.free", self.free, allowed)
             if not self.free or any(name not in DEGREES_OF_FREEDOM for name in self.free):
                 raise SpecError("motion.free", self.free, allowed)

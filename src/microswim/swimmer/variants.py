@@ -13,6 +13,7 @@ from typing import Any
 
 import numpy as np
 
+from microswim.checks import required
 from microswim.errors import SpecError, nearest
 from microswim.swimmer.drag.coefficients import LAWS
 from microswim.swimmer.geometry.bodies import SHAPES
@@ -74,13 +75,12 @@ def _of_kind(swimmer: Swimmer, path: str, kind: Any) -> Swimmer:
         return swimmer
     known = {f.name for f in fields(KINDS[path][kind])} - {"sections", "surface_motion"}
     kept = {f.name: getattr(owner, f.name) for f in fields(owner) if f.name in known}
-    try:
-        return replace(swimmer, **{part: KINDS[path][kind](**kept)})
-    except TypeError:
-        missing = sorted(known - kept.keys())
+    missing = [name for name in required(KINDS[path][kind]) if name not in kept]
+    if missing:
         raise SpecError(
             path, kind, f"a kind whose fields the spec holds ({', '.join(missing)} missing)"
-        ) from None
+        )
+    return replace(swimmer, **{part: KINDS[path][kind](**kept)})
 
 
 def check_names(swimmer: Swimmer, names: Any) -> None:

@@ -5,6 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
+from microswim import checks
 from microswim.calibration.calibration import Calibration
 from microswim.errors import renamed
 
@@ -12,6 +13,7 @@ if TYPE_CHECKING:
     from microswim.calibration.region.correction import Correction
 
 
+@checks.by_name
 @dataclass(frozen=True, kw_only=True, eq=False)
 class RegionCalibration(Calibration):
     """Outcome of a calibration over a region of designs.

@@ -37,6 +37,7 @@ BANNER = """\
    it calls nothing but libm, allocates nothing, keeps no static state. */"""
 
 
+@checks.by_name
 @dataclass(frozen=True)
 class CModel:
     """Header and source.

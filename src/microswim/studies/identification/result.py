@@ -8,10 +8,12 @@ from typing import Any
 import numpy as np
 from scipy.stats import t as student
 
+from microswim import checks
 from microswim.calibration.identifiability import Direction
 from microswim.swimmer.swimmer import Swimmer
 
 
+@checks.by_name
 @dataclass(frozen=True, kw_only=True, eq=False)
 class Identification:
     """Outcome of `identify_swimmer`.

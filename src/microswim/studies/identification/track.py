@@ -13,6 +13,7 @@ from typing import Any
 
 import numpy as np
 
+from microswim import checks
 from microswim.errors import SpecError
 from microswim.spec.text import LARGEST_TABLE, read_text
 
@@ -21,6 +22,7 @@ _ATTITUDE = ("w", "i", "j", "k")
 FEWEST = 12
 
 
+@checks.by_name
 @dataclass(frozen=True, kw_only=True, eq=False)
 class Track:
     """Track of the centre of a swimmer's body.
@@ -55,10 +57,12 @@ class Track:
     def __post_init__(self) -> None:
         for name in ("time", "position", "quaternion"):
             value = getattr(self, name)
-            if value is not None:
-                object.__setattr__(self, name, np.asarray(value, dtype=float))
-                if not np.isfinite(getattr(self, name)).all():
-                    raise SpecError(f"track.{name}", "a hole", "finite numbers", "drop that row")
+            if value is None and name == "quaternion":
+                continue
+            if isinstance(value, np.ndarray) and value.dtype.kind == "f" and np.isnan(value).any():
+                raise SpecError(f"track.{name}", "a hole", "finite numbers", "drop that row")
+            checks.series(f"track.{name}", value)
+            object.__setattr__(self, name, checks.kept(value))
         n = self.time.size
         if self.time.ndim != 1 or n < FEWEST or (np.diff(self.time) <= 0).any():
             raise SpecError("track.time", f"{n} times", f"at least {FEWEST} increasing times")
@@ -70,7 +74,7 @@ class Track:
             norm = np.linalg.norm(self.quaternion, axis=1, keepdims=True)
             if (np.abs(norm - 1.0) > 0.2).any():
                 raise SpecError("track.quaternion", "not unit", "unit quaternions wxyz")
-            object.__setattr__(self, "quaternion", self.quaternion / norm)
+            object.__setattr__(self, "quaternion", checks.kept(self.quaternion / norm))
 
     @classmethod
     def from_csv(cls, path: str | PathLike[str], *, si: bool = False) -> Track:

@@ -33,6 +33,7 @@ APART = 0.1  # least distance of two starts in the unit cube
 FEASIBLE = 1e-7  # relative margin that counts as holding
 
 
+@checks.by_name
 @dataclass(frozen=True, kw_only=True, eq=False)
 class Optimum:
     """The best design and what to know about it.

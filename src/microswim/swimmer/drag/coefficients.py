@@ -80,6 +80,7 @@ class Coefficients(ABC):
         return 3.0 * np.pi * viscosity * tail.radius if self.tip else 0.0 * tail.radius
 
 
+@checks.by_name
 @dataclass(frozen=True, kw_only=True)
 class Lighthill(Coefficients):
     """Lighthill's slender-body coefficients of an infinite helix [Tabak Eqs. 7-9].
@@ -119,6 +120,7 @@ class Lighthill(Coefficients):
         return 2.0 * np.pi * viscosity / tangential, 4.0 * np.pi * viscosity / normal
 
 
+@checks.by_name
 @dataclass(frozen=True, kw_only=True, eq=False)
 class Unchosen(Lighthill):
     """Lighthill's law where nobody chose a law: `auto` may then take a model that needs none."""
@@ -150,6 +152,7 @@ def _warn_lighthill(epsilon: Any, meaningless: Any) -> None:
         )
 
 
+@checks.by_name
 @dataclass(frozen=True, kw_only=True)
 class GrayHancock(Coefficients):
     """Gray & Hancock (1955): ``c_t = 2 pi mu/(ln(2 lambda/a) - 1/2)``, ``c_n`` with ``+1/2``.
@@ -173,6 +176,7 @@ class GrayHancock(Coefficients):
         return _logarithmic(viscosity, 2.0 * wavelength / tail.radius, 0.5, -0.5, "wavelength")
 
 
+@checks.by_name
 @dataclass(frozen=True, kw_only=True)
 class Cox(Coefficients):
     """Cox (1970), a straight slender rod of the filament's arc length l and radius a.
@@ -216,6 +220,7 @@ def _wave(tail: Tail, law: str) -> tuple[Any, Any]:
     return tail.alpha, wavelength
 
 
+@checks.by_name
 @dataclass(frozen=True, kw_only=True)
 class Constant(Coefficients):
     """A constant pair, in units of viscosity (force per length and velocity).

@@ -94,6 +94,7 @@ class Body(ABC):
         return np.diag(np.array(self.diagonal(viscosity)))
 
 
+@checks.by_name
 @dataclass(frozen=True, kw_only=True)
 class Sphere(Body):
     """Sphere of the given radius, Stokes resistance ``6 pi mu a`` and ``8 pi mu a^3``.
@@ -131,6 +132,7 @@ class Sphere(Body):
         return (force,) * 3 + (torque,) * 3
 
 
+@checks.by_name
 @dataclass(frozen=True, kw_only=True)
 class Spheroid(Body):
     """Spheroid of revolution about s, prolate or oblate.
@@ -202,6 +204,7 @@ class Spheroid(Body):
         return (along, across, across, roll, turn, turn)
 
 
+@checks.by_name
 @dataclass(frozen=True, kw_only=True)
 class Ellipsoid(Body):
     """Ellipsoid with three semi-axes along s, q, r.
@@ -238,6 +241,7 @@ class Ellipsoid(Body):
         return self.semi_axes
 
 
+@checks.by_name
 @dataclass(frozen=True, kw_only=True)
 class NoBody(Body):
     """No body: an isolated tail. The reference point is the near end of its axis.

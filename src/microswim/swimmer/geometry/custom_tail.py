@@ -7,7 +7,7 @@ at any s and phase.
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sized
 from dataclasses import dataclass
 from functools import cached_property
 from typing import Any, ClassVar
@@ -20,6 +20,7 @@ from microswim.errors import SpecError
 from microswim.swimmer.geometry.tail import Sections, SurfaceMotion, Tail
 
 
+@checks.by_name
 @dataclass(frozen=True, kw_only=True)
 class CustomTail(Tail):
     """Tail with any centreline, given by a vectorised function of s and phase.
@@ -77,13 +78,15 @@ class CustomTail(Tail):
         self._check_filament()
         if self.wavelength is not None:
             checks.positive("tail.wavelength", self.wavelength, "length")
+        checks.number("tail.sign", self.sign, "+1 or -1")
         if self.sign not in (-1, 1):
             raise SpecError("tail.sign", self.sign, "+1 or -1")
         if not callable(self.shape):
             raise SpecError("tail.shape", self.shape, "a function P(s, phase)")
-        breaks = tuple(self.breaks)
-        checks.numbers("tail.breaks", breaks, len(breaks), "fractions from 0 to 1", least=0, most=1)
-        object.__setattr__(self, "breaks", breaks)
+        count = len(self.breaks) if isinstance(self.breaks, Sized) else 0
+        allowed = "fractions from 0 to 1"
+        checks.numbers("tail.breaks", self.breaks, count, allowed, least=0, most=1)
+        object.__setattr__(self, "breaks", tuple(self.breaks))
         _ = self._series
 
     @property

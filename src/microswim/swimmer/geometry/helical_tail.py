@@ -14,6 +14,7 @@ from microswim.swimmer.geometry.tail import Sections, SurfaceMotion
 from microswim.swimmer.geometry.wave_tail import WaveTail
 
 
+@checks.by_name
 @dataclass(frozen=True, kw_only=True)
 class HelicalTail(WaveTail):
     """Rotating rigid helix of either hand.

@@ -7,12 +7,14 @@ from typing import Any, ClassVar
 
 import numpy as np
 
+from microswim import checks
 from microswim.errors import SpecError
 from microswim.numerics.fourier import MIRROR_Q
 from microswim.swimmer.geometry.tail import Sections, SurfaceMotion
 from microswim.swimmer.geometry.wave_tail import WaveTail
 
 
+@checks.by_name
 @dataclass(frozen=True, kw_only=True)
 class PlaneWaveTail(WaveTail):
     """Travelling plane wave in the plane s-q, moving away from the body.

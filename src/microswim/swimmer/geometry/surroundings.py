@@ -20,6 +20,7 @@ from microswim.numerics.array import Array
 ALONG = 1e-9  # a component of a unit vector below this is rounding
 
 
+@checks.by_name
 @dataclass(frozen=True)
 class Wall:
     """A plane no-slip wall beside the swimmer; ``model = "bem"`` knows it.
@@ -89,6 +90,7 @@ class Wall:
             )
 
 
+@checks.by_name
 @dataclass(frozen=True, kw_only=True)
 class Channel:
     """A vessel whose axis is parallel to the swimmer's, unless tilted; ``model = "fem"`` knows it.

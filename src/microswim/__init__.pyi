@@ -53,6 +53,7 @@ from .swimmer.geometry.bodies import Spheroid as Spheroid
 from .swimmer.geometry.custom_tail import CustomTail as CustomTail
 from .swimmer.geometry.surroundings import Channel as Channel
 from .swimmer.geometry.surroundings import Wall as Wall
+from .swimmer.geometry.tails import ElasticTail as ElasticTail
 from .swimmer.geometry.tails import HelicalTail as HelicalTail
 from .swimmer.geometry.tails import PlaneWaveTail as PlaneWaveTail
 from .swimmer.magnetism.applied_field import OscillatingField as OscillatingField

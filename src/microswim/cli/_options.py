@@ -17,7 +17,7 @@ from microswim.numerics.plain import plain
 if TYPE_CHECKING:
     from microswim.swimmer.swimmer import Swimmer
 
-MODELS = ("rft", "bem", "fem")
+MODELS = ("rft", "elastic", "bem", "fem")
 
 
 SAY_THEMSELVES = ("run", "show")  #: what is odd about a swimmer, among the remarks of its gait
@@ -81,15 +81,16 @@ model_option = click.option(
     type=click.Choice(MODELS),
     default="rft",
     show_default=True,
-    help="rft: the surrogate. bem, fem: the reference solvers.",
+    help="rft: the surrogate (elastic: of an elastic tail). bem, fem: the reference solvers.",
 )
 auto_option = click.option(
     "--model",
-    type=click.Choice(("auto", "rft", "atlas", "bem", "fem")),
+    type=click.Choice(("auto", "rft", "atlas", "elastic", "bem", "fem")),
     default="auto",
     show_default=True,
     help="auto: the atlas where it covers the swimmer and the spec chooses no law or coefficients, "
-    "else rft. atlas: rft with corrections that come along. bem, fem: the reference solvers.",
+    "else rft, or elastic for an elastic tail. atlas: rft with corrections that come along. "
+    "bem, fem: the reference solvers.",
 )
 accuracy_option = click.option(
     "--accuracy",

@@ -86,7 +86,7 @@ def timed_gait(
         options["estimate_error"] = True
     if accuracy is not None:
         options["accuracy"] = accuracy
-    if model in ("rft", "atlas") or (model == "auto" and accuracy is None):
+    if model in ("rft", "atlas", "elastic") or (model == "auto" and accuracy is None):
         start = time.perf_counter()
         return swimmer.gait(model), time.perf_counter() - start
     with bar(f"{model}, {level or 'standard'}") as progress:

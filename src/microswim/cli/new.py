@@ -24,7 +24,10 @@ if TYPE_CHECKING:
 )
 @click.argument("file", required=False, type=click.Path(path_type=Path))
 @click.option(
-    "--kind", type=click.Choice(["helix", "plane_wave"]), default="helix", show_default=True
+    "--kind",
+    type=click.Choice(["helix", "plane_wave", "elastic"]),
+    default="helix",
+    show_default=True,
 )
 @click.option(
     "--units",
@@ -51,6 +54,7 @@ def command(file: Path | None, kind: str, units: str) -> None:
 TYPICAL = {
     "frequency": {"um": '"100 Hz"', "mm": '"10 Hz"'},
     "viscosity": {"um": '"1 mPa s"', "mm": '"1 Pa s"'},
+    "bending stiffness": {"um": '"4e-25 N m^2"', "mm": '"4e-11 N m^2"'},
     "density": {"um": '"1000 kg/m^3"', "mm": '"1000 kg/m^3"'},
 }
 
@@ -68,7 +72,7 @@ def spec_text(kind: str, units: str) -> str:
 
     bare = "give units to all quantities or to none; none: a dimensionless swimmer"
     lines = [
-        f"# A swimmer for microswim: a sphere with a {kind.replace('_', ' ')} for a tail.",
+        f"# A swimmer for microswim: a sphere; its tail: {kind.replace('_', ' ')}.",
         f"# Quantities: {bare}.",
     ]
     chosen = {"body": "sphere", "tail": kind}

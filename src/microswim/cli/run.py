@@ -85,7 +85,7 @@ def command(
         run = io.dataset(given.swimmer, gait, periods=periods, spec=given.text, known=numbers)
         run.attrs["wall_seconds"] = seconds
         with _folder.filled(out, force) as folder:
-            _folder.write(folder, run, given.swimmer, given.name, tables)
+            _folder.write(folder, run, given.swimmer.settled, given.name, tables)
     if as_json:
         print_json(numbers)
     else:

@@ -137,7 +137,7 @@ def _march(given: Given, out: Path | None, options: dict[str, Any]) -> Any:
 
     try:
         with bar(f"swim {given.name}, {options['level']}") as progress:
-            return fem.swim(given.swimmer, progress=progress, **options)
+            return fem.swim(given.swimmer.settled, progress=progress, **options)
     except KeyboardInterrupt:
         if out is not None and (out / "checkpoint.npz").exists():
             click.echo("the same command with --resume goes on", err=True)

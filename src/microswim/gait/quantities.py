@@ -167,6 +167,14 @@ _LIST = (
         called="motor torque",
     ),
     Quantity(
+        "held_wrench",
+        "wrench",
+        "mean force and torque by the fluid on the swimmer held still while its tail beats, body "
+        "frame, about the body's centre",
+        lambda b: -b.rate * b.propulsion_series[0],
+        of_many=False,
+    ),
+    Quantity(
         "efficiency",
         "number",
         "drag power of the body over the power of the motor [Tabak Eq. 24]",
@@ -211,7 +219,8 @@ _LIST = (
 )
 QUANTITIES = {q.name: q for q in _LIST}
 OF_SHAPE = ("body_length", "body_lengths_per_time")  #: these need the swimmer's shape too
-NUMBERS = tuple(q.name for q in _LIST if q.dimension != "twist")
+VECTORS = ("twist", "wrench")  #: dimensions with one number for each degree of freedom
+NUMBERS = tuple(q.name for q in _LIST if q.dimension not in VECTORS)
 #: Names of earlier versions, with the name of today.
 OLD = {
     "speed": "swimming_speed",

@@ -19,6 +19,8 @@ UNITS = {
     "power": ("W", "power"),
     "torque": ("N m", "torque"),
     "force": ("N", "force"),
+    "wrench": ("N, N m", "force, torque"),
+    "bending stiffness": ("N m^2", "force length^2"),
     "speed per torque": ("1/(N s)", "length/(torque time)"),
     "speed per power": ("1/N", "length/(power time)"),
     "viscosity": ("Pa s", "viscosity"),

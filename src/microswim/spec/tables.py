@@ -21,6 +21,7 @@ from microswim.spec.magnetic_tables import (
 )
 from microswim.spec.types import (
     Angle,
+    Bending,
     Density,
     Frequency,
     Kinematic,
@@ -90,7 +91,7 @@ class NoBodyTable(_Table):
     shape: Annotated[Literal["none"], _SHAPE]
 
 
-_KIND = About("Kind", "helix | plane_wave | custom")
+_KIND = About("Kind", "helix | plane_wave | elastic | custom")
 _SECTIONS = Literal["perpendicular", "sheared"]
 _SURFACE = Literal["rigid", "translating", "bending"]
 
@@ -114,7 +115,7 @@ class _TailTable(_Table):
 
 class _WaveTable(_TailTable):
     amplitude: Annotated[
-        Length, About("Amplitude", "of the wave; the radius of a helix", start=0.1)
+        Length, About("Amplitude", "of the wave or of the heave; the radius of a helix", start=0.1)
     ]
     waves: Annotated[
         Number | None,
@@ -154,6 +155,24 @@ class CustomTable(_TailTable):
     shape: Annotated[str, About("Centreline", "module:function of a file given to --trust")]
     breaks: Annotated[list[Number], About("Breaks", "fractions of the length with kinks")] = []
     sign: Annotated[Number, About("Sense", "+1 or -1, of a rigid tail's turning")] = 1.0
+
+
+class ElasticTable(_TailTable):
+    """[tail] of kind "elastic"."""
+
+    kind: Annotated[Literal["elastic"], _KIND]
+    bending: Annotated[Bending, About("Bending stiffness", "of the filament, E I", start=400.0)]
+    base: Annotated[
+        Literal["clamped", "hinged"],
+        About("Base", "clamped | hinged: turns freely", start="clamped"),
+    ] = "clamped"
+    drive: Annotated[
+        Literal["heave", "pivot", "rotate", "none"],
+        About("Drive", "heave: the base moves across s | pivot: it turns about r | none",
+              start="heave"),
+    ] = "heave"  # fmt: skip
+    amplitude: Annotated[Length | None, About("Amplitude", "of the heave", start=0.1)] = None
+    angle: Annotated[Angle | None, About("Angle", "of the pivot", usual=(0.0, 60.0))] = None
 
 
 class CoefficientsTable(_Table):
@@ -205,7 +224,8 @@ class MotionTable(_Table):
     """[motion]"""
 
     free: Annotated[
-        str | list[str], About("Free", 'or a list such as ["us", "uq", "ur", "os"]', start="all")
+        str | list[str],
+        About("Free", 'none: held, or a list such as ["us", "uq", "ur", "os"]', start="all"),
     ] = "all"
     frequency_frame: Annotated[
         Literal["body", "lab"], About("Frequency in", "body: of the motor | lab: of the tail")
@@ -256,7 +276,7 @@ class SpecTable(_Table):
 
     fluid: FluidTable
     body: SphereTable | SpheroidTable | EllipsoidTable | NoBodyTable = Field(discriminator="shape")
-    tail: HelixTable | PlaneWaveTable | CustomTable = Field(discriminator="kind")
+    tail: HelixTable | PlaneWaveTable | ElasticTable | CustomTable = Field(discriminator="kind")
     coefficients: CoefficientsTable = CoefficientsTable()
     interaction: InteractionTable = InteractionTable()
     motion: MotionTable = MotionTable()

@@ -96,6 +96,7 @@ def units_of(swimmer: Swimmer) -> dict[str, tuple[str, float]]:
         "field": "mT",
         "moment": "A m^2",
         "volume": "m^3",
+        "bending stiffness": "N m^2",
     }
     return {kind: (unit, SIZES[DIMENSIONS[kind].si][unit]) for kind, unit in suits.items()}
 

@@ -13,7 +13,9 @@ from microswim.studio.answers import MAP_OUTPUTS
 from microswim.studio.judge_jobs import LEVELS
 from microswim.studio.spec_tables import LARGEST_SPEC
 
-CODE = "custom"  #: the kind of tail that a file gives by code; the studio runs none
+#: Kinds of tail that the page does not draw: given by code, which it never runs, or in motion
+#: only once a solve has found the beat.
+NOT_DRAWN = ("custom", "elastic")
 
 
 def words() -> dict[str, Any]:
@@ -36,7 +38,7 @@ def _field(field: Field) -> dict[str, Any]:
         "help": about.help,
         "entries": about.entries,
         "usual": about.usual,
-        "choices": [(word, field.said(word)) for word in field.choices if word != CODE],
+        "choices": [(word, field.said(word)) for word in field.choices if word not in NOT_DRAWN],
     }
 
 

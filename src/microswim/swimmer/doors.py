@@ -17,9 +17,11 @@ MODELS = {
     "auto": "microswim.calibration.atlas.choice:auto",
     "rft": "microswim.models.rft.gait:gait",
     "atlas": "microswim.calibration.atlas.choice:gait",
+    "elastic": "microswim.models.elastic.gait:gait",
     "bem": "microswim.models.bem.gait:gait",
     "fem": "microswim.models.fem:channel_gait",
 }
+SETTLED = "microswim.models.elastic.gait:settled_swimmer"
 READ = "microswim.spec.file:read"
 READ_VALUE = "microswim.spec.values:from_python"
 READ_PRESET = "microswim.spec.file:read_preset"

@@ -18,7 +18,8 @@ class Motion:
     Parameters
     ----------
     free
-        ``"all"``, or the free degrees of freedom out of us, uq, ur, os, oq, or.
+        ``"all"``, the free degrees of freedom out of us, uq, ur, os, oq, or, or ``"none"``: body
+        and joint are held, and the tail beats.
     frequency_frame
         ``"body"``: the tail's frequency is the motor's, relative to the body. ``"lab"``: in the
         lab frame, the body's counter-rotation not subtracted (helix only).
@@ -37,13 +38,13 @@ class Motion:
     (True, True, True, True, False, False)
     """
 
-    free: Literal["all"] | tuple[str, ...] = "all"
+    free: Literal["all", "none"] | tuple[str, ...] = "all"
     frequency_frame: Literal["body", "lab"] = "body"
     line_element: Literal["arc", "apparent"] = "arc"
 
     def __post_init__(self) -> None:
-        if not isinstance(self.free, str) or self.free != "all":
-            allowed = '"all" or a list out of ' + ", ".join(DEGREES_OF_FREEDOM)
+        if not isinstance(self.free, str) or self.free not in ("all", "none"):
+            allowed = '"all", "none" or a list out of ' + ", ".join(DEGREES_OF_FREEDOM)
             if not isinstance(self.free, (list, tuple)):
                 raise SpecError("motion.free", self.free, allowed)
             if not self.free or any(name not in DEGREES_OF_FREEDOM for name in self.free):
@@ -57,4 +58,6 @@ class Motion:
         """Whether us, uq, ur, os, oq, or are free."""
         if self.free == "all":
             return (True,) * 6
+        if self.free == "none":
+            return (False,) * 6
         return tuple(name in self.free for name in DEGREES_OF_FREEDOM)

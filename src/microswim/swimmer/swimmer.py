@@ -78,7 +78,7 @@ class Swimmer:
     body
         `Sphere`, `Spheroid`, `Ellipsoid` or `NoBody`.
     tail
-        `HelicalTail`, `PlaneWaveTail` or `CustomTail`.
+        `HelicalTail`, `PlaneWaveTail`, `ElasticTail` or `CustomTail`.
     fluid
         `Fluid`.
     coefficients
@@ -189,10 +189,28 @@ class Swimmer:
         """A swimmer that comes with the package, such as ``"tabak/helix"`` or ``"goto/C"``."""
         return doors.go(doors.READ_PRESET, name, overrides)
 
+    @property
+    def settled(self) -> Swimmer:
+        """The swimmer with the tail that its elastic one settles to; itself with any other tail.
+
+        Examples
+        --------
+        >>> import microswim as ms
+        >>> swimmer = ms.Swimmer.preset("tabak/helix")
+        >>> swimmer.settled is swimmer
+        True
+        """
+        return doors.go(doors.SETTLED, self) if self.tail.settles else self
+
     def gait(
-        self, model: Literal["rft", "auto", "atlas", "bem", "fem"] | str = "rft", **options: Any
+        self,
+        model: Literal["rft", "auto", "atlas", "elastic", "bem", "fem"] | str = "rft",
+        **options: Any,
     ) -> Gait:
         """Gait by a model: surrogate ``"rft"`` or ``"atlas"``, reference ``"bem"`` or ``"fem"``.
+
+        An elastic tail is one for the model ``"elastic"``, which finds the beat that it settles
+        to; the other models take that beat as the tail's motion.
 
         By the surrogate it takes about a millisecond, the first as the thousandth; after
         `microswim.warm_up` less than a tenth of that.
@@ -212,9 +230,13 @@ class Swimmer:
         MicroswimError
             If the model's extra is not installed.
         """
+        if self.tail.settles and model == "rft":  # its theory is that of the elastic tail too
+            model = "elastic"
+        doors.check_options(model, options)
+        if self.tail.settles and model not in ("auto", "elastic"):
+            return self.settled.gait(model, **options)
         if model == "rft" and self.region is not None and not options:
             return physical_sense.said_with(self, self.region.gait(self))
-        doors.check_options(model, options)
         return physical_sense.said_with(self, doors.go(doors.MODELS[model], self, **options))
 
     def __str__(self) -> str:

@@ -68,8 +68,9 @@ def is_open(swimmer: Swimmer) -> bool:
 def auto(swimmer: Swimmer, accuracy: float | None = None, **options: Any) -> Gait:
     """Gait by the cheapest model that serves a swimmer; it says which, and how far off it may be.
 
-    The atlas where it covers the swimmer and the user chose no law and no coefficients, else
-    resistive force theory; with an accuracy asked, boundary elements where neither holds it.
+    An elastic tail is one for the model ``"elastic"``. Else the atlas where it covers the swimmer
+    and the user chose no law and no coefficients, else resistive force theory; with an accuracy
+    asked, boundary elements where neither holds it.
 
     Parameters
     ----------
@@ -92,8 +93,11 @@ def auto(swimmer: Swimmer, accuracy: float | None = None, **options: Any) -> Gai
     """
     if accuracy is not None and not 0.0 < accuracy < 1.0:
         raise SpecError("accuracy", accuracy, "a share above 0 and below 1", 'such as "2%"')
-    why = _not_atlas(swimmer)
-    made = _with_error(swimmer, gait(swimmer) if not why else swimmer.gait("rft"), why)
+    if swimmer.tail.settles:
+        made = _with_error(swimmer, swimmer.gait("elastic"), "")
+    else:
+        why = _not_atlas(swimmer)
+        made = _with_error(swimmer, gait(swimmer) if not why else swimmer.gait("rft"), why)
     if accuracy is None or _holds(made, accuracy):
         return made
     levels = [name for name, error in LEVELS.items() if error <= accuracy] or ["fine"]

@@ -47,6 +47,8 @@ def expected_error(swimmer: Swimmer, gait: Gait) -> dict[str, Any]:
     by_model = {"atlas": _of_atlas, "rft": _of_surrogate, "bem": _of_elements}
     values, how = by_model.get(gait.model, _unknown)(swimmer, gait)
     held = [0.0 if not free else value for value, free in zip(values, gait.free)]
+    if not any(gait.free):
+        how = "held still: no velocity to be wrong"
     return {**dict(zip(DEGREES_OF_FREEDOM, held)), "how": how}
 
 

@@ -51,7 +51,12 @@ CHUNK = 8192
 PHASES = 16  #: over half a period of a plane wave; more where these do not resolve it
 MARGIN = 1.0  #: digits of the quadrature beyond the tolerance
 ONE_GAIT = 3e-3  #: seconds of a gait and its summary as Python
-SECONDS = {"helix": 3e-5, "plane_wave": 2e-4, "custom": 2e-2}  #: of a design as Python
+SECONDS = {
+    "helix": 3e-5,
+    "plane_wave": 2e-4,
+    "custom": 2e-2,
+    "elastic": 3e-2,
+}  #: of a design as Python
 
 
 def evaluate(swimmer: Swimmer, values: dict[str, Any], tolerance: float = 1e-8) -> dict[str, Any]:

@@ -17,6 +17,7 @@ Everything stays analytic, so that the complex-step derivative runs through the 
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from typing import Any
 
 import numpy as np
@@ -140,7 +141,7 @@ def unchecked(swimmer: Swimmer, nodes: int | None = None, phases: int | None = N
         R, F, G = _helix(arc, p, nodes, swimmer)
         series = rotate(R, tail.sign), rotate(F, tail.sign), np.array([G])
     else:
-        series = _deforming(swimmer, nodes, phases)
+        series = series_over_period(lambda n: _samples(swimmer, nodes, n), phases)
     made = Gait(
         add(series[0], body[None]),
         *series[1:],
@@ -174,12 +175,16 @@ def _about(swimmer: Swimmer) -> dict[str, Any]:
     return {"remarks": [*physical_sense.remarks_on_drag(swimmer), *boundaries]}
 
 
-def _deforming(swimmer: Swimmer, nodes: int | None, phases: int | None) -> tuple[np.ndarray, ...]:
-    """Series of ``B_t``, ``F_p``, G of a tail that deforms; doubled until they are resolved."""
+def series_over_period(
+    samples: Callable[[int], tuple[np.ndarray, ...]], phases: int | None
+) -> tuple[np.ndarray, ...]:
+    """Series of ``B_t``, ``F_p``, G of a tail that deforms; doubled until they are resolved.
+
+    ``samples(n)`` gives the three at 2 n phases; `phases` fixes n.
+    """
     n = phases or 12
     while True:
-        R, F, G = _samples(swimmer, nodes, n)
-        series = tuple(series_of(x) for x in (R, F, G))
+        series = tuple(series_of(x) for x in samples(n))
         settled = all(
             np.abs(x[-4:]).max() <= 1e-11 * max(np.abs(x).max(), 1e-300) for x in series[:2]
         )
@@ -198,28 +203,51 @@ def _samples(swimmer: Swimmer, nodes: int | None, n: int) -> tuple[np.ndarray, .
     if not swimmer.tail.in_batches:
         return _any_samples(swimmer, nodes, phase)
     p = parameters(swimmer)
-    R, F, G = wave_phases(arc, p, phase[:n], *rules(swimmer, nodes))
+    return with_mirror_image(*wave_phases(arc, p, phase[:n], *rules(swimmer, nodes)))
+
+
+def with_mirror_image(R: np.ndarray, F: np.ndarray, G: np.ndarray) -> tuple[np.ndarray, ...]:
+    """``B_t``, ``F_p``, G over a whole period of what mirrors itself in q after half of it."""
     mirrored = R * MIRROR_Q[:, None] * MIRROR_Q, F * MIRROR_Q, G
     return tuple(np.concatenate(pair) for pair in zip((R, F, G), mirrored))
 
 
 def _any_samples(swimmer: Swimmer, nodes: int | None, phases: np.ndarray) -> tuple[np.ndarray, ...]:
-    tail, offset = swimmer.tail, swimmer.body.semi_axes3[0]
-    local = swimmer.coefficients.local(tail, swimmer.fluid.viscosity)
-    c = tuple(f * x for f, x in zip(swimmer.interaction.tail, local))
+    tail = swimmer.tail
     edges, waves = tail.edges, tail.number_of_waves
     along_s = []
     for a, b in zip(edges, edges[1:]):
         x, w = panels(nodes or int(24 + 24 * waves * (b - a)))
         along_s.append((a + (b - a) * x, (b - a) * w))
     x, w = (np.concatenate(part) for part in zip(*along_s))
-    P, P_s, U = tail.centreline(tail.length * x[None, :], phases[:, None])
-    kind = np.result_type(P, offset, np.float64, *c)
+    at = tail.centreline(tail.length * x[None, :], phases[:, None])
+    tip = tail.centreline(np.full((1, 1), tail.length), phases[:, None])
+    return centreline_sums(swimmer, at, tail.length * w, tip)
+
+
+def centreline_sums(
+    swimmer: Swimmer, at: tuple[np.ndarray, ...], ds: np.ndarray, tip: tuple[np.ndarray, ...]
+) -> tuple[np.ndarray, ...]:
+    """``B_t``, ``F_p``, G at m phases of a tail that is given by its centreline.
+
+    Parameters
+    ----------
+    swimmer
+        Whose law and interaction coefficients hold.
+    at, tip
+        Position, slope and velocity per unit phase rate from the joint, at n nodes (m, n, 3), and
+        at the free end (m, 1, 3).
+    ds
+        Weights of the nodes along the tail, (n,).
+    """
+    tail, offset, (P, P_s, U) = swimmer.tail, swimmer.body.semi_axes3[0], at
+    local = swimmer.coefficients.local(tail, swimmer.fluid.viscosity)
+    c = tuple(f * x for f, x in zip(swimmer.interaction.tail, local))
+    kind = np.result_type(P, offset, ds, *c)
     c = tuple(np.asarray(v, dtype=kind)[()] for v in c)
-    ds = (tail.length * w).astype(kind)
+    ds = ds.astype(kind)
     end = swimmer.coefficients.end(tail, swimmer.fluid.viscosity)
     drag = tuple(np.asarray(v, dtype=kind)[()] for v in (end, end, 0.0))
-    tip = tail.centreline(np.full((1, 1), tail.length), phases[:, None])
     arc = swimmer.motion.line_element == "arc"
     along = _quadrature((P + offset * AXIS, P_s, U), ds, arc, c, tail.spin)
     point = np.ones(1, dtype=kind)

@@ -199,7 +199,7 @@ def _scalars(known: dict[str, Any]) -> xr.Dataset:
     return xr.Dataset(
         {
             name: (
-                "dof" if kind == "twist" else (),
+                "dof" if kind in quantities.VECTORS else (),
                 known[name],
                 {"units": unit(known["units"], kind), "long_name": meaning},
             )

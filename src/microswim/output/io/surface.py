@@ -65,7 +65,7 @@ def surface(swimmer: Swimmer, phase: float = 0.0, *, fineness: float = 1.0) -> S
     >>> bool(surface(ms.Swimmer.preset("tabak/helix")).points[:, 0].max() > 2.5)
     True
     """
-    has_body = not swimmer.body.is_absent
+    swimmer, has_body = swimmer.settled, not swimmer.body.is_absent
     grids = [(_tube(swimmer.tail, phase, fineness, not has_body) - swimmer.body.centre, TAIL)]
     if has_body:
         grids.insert(0, (_ellipsoid(swimmer.body, fineness), BODY))

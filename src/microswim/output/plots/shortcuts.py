@@ -20,4 +20,4 @@ def of_gait(gait: Gait) -> Figure:
 
 def of_swimmer(swimmer: Swimmer) -> Figure:
     """Return the figure of the swimmer to scale and its path by the surrogate."""
-    return trajectory(dataset(swimmer, swimmer.gait()), swimmer)
+    return trajectory(dataset(swimmer, swimmer.gait()), swimmer.settled)

@@ -101,6 +101,11 @@ def numbers_table(numbers: dict[str, Any], name: str) -> Table:
         row("mean_power", "mean over the period"),
         row("mean_torque", "mean over the period"),
         ("efficiency", f"{significant(100.0 * numbers['efficiency'], 3)} %", "Eq. (24)"),
+        (
+            "force along s, held",
+            q(numbers["held_wrench"][0], "force"),
+            "by the fluid on the swimmer held still, mean; negative: towards the body",
+        ),
     ]
     if off:
         rows.append(("expected error of u_s", percent(off["us"]), str(off["how"])))
@@ -186,7 +191,7 @@ def spec_table(swimmer: Swimmer) -> Table:
         ("Reynolds number", significant(d["reynolds_number"], 3), "from body length and frequency"),
         (
             "free motions",
-            " ".join(d["free"]),
+            " ".join(d["free"]) or "none",
             f"motor rate read in the {swimmer.motion.frequency_frame} frame",
         ),
     ]

@@ -44,7 +44,13 @@ from microswim.swimmer.variants import check_names
 if TYPE_CHECKING:
     import xarray as xr
 
-BLOCK = {"rft": 65536, "custom": 64, "bem": 64, "fem": 16}  # designs in a chunk of the store
+BLOCK = {
+    "rft": 65536,
+    "elastic": 64,
+    "custom": 64,
+    "bem": 64,
+    "fem": 16,
+}  # designs in a chunk of the store
 HOPELESS = 20  # designs left unsolved with none solved, and a sweep ends
 Progress = Callable[[int, int], None]
 Engine = Callable[[Iterable[Task]], Iterator[tuple[Task, Rows]]]
@@ -74,7 +80,7 @@ def sweep(
         mappings of dotted names to values, or a table with such columns. Values are numbers or,
         for choices such as ``tail.handedness`` and ``tail.kind``, words.
     model
-        ``"rft"`` (batched kernel), ``"bem"`` or ``"fem"``.
+        ``"rft"`` (batched kernel), ``"elastic"``, ``"bem"`` or ``"fem"``.
     out
         Zarr store to write as results come; killed at any moment it loses at most the solves in
         flight.
@@ -121,7 +127,7 @@ def sweep(
     {'tail.amplitude': 2, 'tail.waves': 3}
     """
     if model not in BLOCK:
-        raise SpecError("model", model, 'one of "rft", "bem", "fem"')
+        raise SpecError("model", model, 'one of "rft", "elastic", "bem", "fem"')
     count = counted(workers)
     if count == 0 and (scheduler is not None or cluster is not None):
         raise SpecError("workers", workers, "at least 1 on a cluster")

@@ -123,7 +123,15 @@ class Lighthill(Coefficients):
 @checks.by_name
 @dataclass(frozen=True, kw_only=True, eq=False)
 class Unchosen(Lighthill):
-    """Lighthill's law where nobody chose a law: `auto` may then take a model that needs none."""
+    """Lighthill's law where nobody chose a law, or Cox's for a tail that names no wavelength.
+
+    `auto` may then take a model that needs none.
+    """
+
+    def pair(self, tail: Tail, viscosity: Any) -> tuple[Any, Any]:
+        """``(c_t, c_n)`` by Lighthill's law, which needs a wave; without one by Cox's."""
+        law = Cox() if tail.wavelength_along_s is None else super()
+        return law.pair(tail, viscosity)
 
     @property
     def is_open(self) -> bool:

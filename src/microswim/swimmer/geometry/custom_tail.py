@@ -156,10 +156,16 @@ class CustomTail(Tail):
             dT = chebyshev.chebvander(y, max(len(C) - 2, 0))
             E, dE = _fourier(angle[here], C.shape[1])
             D = chebyshev.chebder(C, axis=0) * (2.0 / (hi - lo))
-            out[0, here] = np.einsum("pi,ijc,pj->pc", T, C, E, optimize=True)
-            out[1, here] = np.einsum("pi,ijc,pj->pc", dT, D, E, optimize=True)
-            out[2, here] = np.einsum("pi,ijc,pj->pc", T, C, dE, optimize=True)
+            P, P_s = (_along(*pair).reshape(-1, *C.shape[1:]) for pair in ((T, C), (dT, D)))
+            out[0, here] = np.einsum("pjc,pj->pc", P, E)
+            out[1, here] = np.einsum("pjc,pj->pc", P_s, E)
+            out[2, here] = np.einsum("pjc,pj->pc", P, dE)
         return tuple(o.reshape(*s.shape, 3) for o in out)  # type: ignore[return-value]
+
+
+def _along(basis: np.ndarray, series: np.ndarray) -> np.ndarray:
+    """Series along s at the points, its harmonics and components in one row."""
+    return basis @ series.reshape(len(series), -1)
 
 
 def _fourier(phase: np.ndarray, m: int) -> tuple[np.ndarray, np.ndarray]:

@@ -36,6 +36,8 @@ class Tail(ABC):
         Signs of ``[U; Omega]`` that carry phase to phase + pi, None if nothing does.
     yaw_axis
         Index of the body's rotation that the tail drives across s (4 about q, 5 about r).
+    settles
+        Whether its shape is not given but settles under drag; `Swimmer.settled` has it then.
     """
 
     kind: ClassVar[str]
@@ -44,6 +46,7 @@ class Tail(ABC):
     is_planar: ClassVar[bool] = False
     half_period_signs: ClassVar[np.ndarray | None] = None
     yaw_axis: ClassVar[int] = 5
+    settles: ClassVar[bool] = False
 
     radius: float
     frequency: float

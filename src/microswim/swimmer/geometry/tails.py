@@ -3,11 +3,23 @@
 from __future__ import annotations
 
 from microswim.swimmer.geometry.custom_tail import CustomTail
+from microswim.swimmer.geometry.elastic_tail import ElasticTail
 from microswim.swimmer.geometry.helical_tail import HelicalTail
 from microswim.swimmer.geometry.plane_wave_tail import PlaneWaveTail
 from microswim.swimmer.geometry.tail import Tail
 from microswim.swimmer.geometry.wave_tail import WaveTail, as_wave
 
-__all__ = ["TAILS", "CustomTail", "HelicalTail", "PlaneWaveTail", "Tail", "WaveTail", "as_wave"]
+__all__ = [
+    "TAILS",
+    "CustomTail",
+    "ElasticTail",
+    "HelicalTail",
+    "PlaneWaveTail",
+    "Tail",
+    "WaveTail",
+    "as_wave",
+]
 
-TAILS: dict[str, type[Tail]] = {t.kind: t for t in (HelicalTail, PlaneWaveTail, CustomTail)}
+TAILS: dict[str, type[Tail]] = {
+    t.kind: t for t in (HelicalTail, PlaneWaveTail, CustomTail, ElasticTail)
+}

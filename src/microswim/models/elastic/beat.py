@@ -1,0 +1,181 @@
+"""The beat that an elastic tail settles to: its shape and the body's velocities, periodic in phase.
+
+Straight at rest and driven by a cosine, the tail half a period on is its own mirror image,
+``q(phi + pi) = -q(phi)``: half a period at T equal phases holds the beat, and its derivative by the
+trigonometric polynomial through these and their images is exact up to harmonic T. Newton's method
+on all phases at once finds the beat however slowly a tail would settle to it.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+from functools import lru_cache
+
+import numpy as np
+
+from microswim.errors import MicroswimError
+from microswim.models.elastic.plane import Balance, Base, Loads, balance
+from microswim.models.elastic.problem import Problem
+from microswim.models.elastic.rod import Rod, rod
+
+#: Phases over half a period and curvatures of the rod, to begin with and at most.
+FIRST, MOST = (8, 12), (64, 96)
+#: Largest share that the last harmonics and curvatures may have.
+TOLERANCE = 1e-6
+
+
+@dataclass(frozen=True, eq=False)
+class Beat:
+    """A periodic motion of an elastic tail with its body.
+
+    Parameters
+    ----------
+    problem, rod
+        What was solved, and with which shapes.
+    shape
+        Coordinates of the rod at T phases over half a period, (T, n).
+    velocity
+        Free velocities of the body at these phases, (T, f).
+    steps
+        Steps of Newton's method.
+    """
+
+    problem: Problem
+    rod: Rod
+    shape: np.ndarray
+    velocity: np.ndarray
+    steps: int
+
+    @property
+    def phases(self) -> np.ndarray:
+        """Phases over half a period, (T,)."""
+        return np.pi * np.arange(len(self.shape)) / len(self.shape)
+
+    @property
+    def velocities(self) -> np.ndarray:
+        """All velocities ``w = (V, dq/dphi)``, (T, f + n)."""
+        rates = antiperiodic_derivative(len(self.shape)) @ self.shape
+        return np.concatenate([self.velocity, rates], axis=1)
+
+    @property
+    def balance(self) -> Balance:
+        """The balance of work at its phases."""
+        base = drive(self.problem, self.phases)
+        q = self.shape
+        return balance(self.rod, self.problem.drag, base, q, self.velocities, Loads(), 0.0 * q[0])
+
+    @property
+    def is_resolved(self) -> tuple[bool, bool]:
+        """Whether harmonics and curvatures have decayed."""
+        size = np.abs(self.shape).max(initial=0.0)
+        if size == 0.0:
+            return True, True
+        harmonics = np.abs(np.fft.fft(np.concatenate([self.shape, -self.shape]), axis=0))
+        last = harmonics[len(self.shape) // 2 * 2 - 1 : len(self.shape) + 1].max()
+        curved = np.abs(self.shape[:, -2:]).max()
+        return bool(last <= TOLERANCE * harmonics.max()), bool(curved <= TOLERANCE * size)
+
+
+def drive(problem: Problem, phase: np.ndarray) -> Base:
+    """Return where the drive holds the base."""
+    c, s, y, a = np.cos(phase), np.sin(phase), problem.heave, problem.pivot
+    return Base(place=y * c, angle=a * c, place_rate=-y * s, angle_rate=-a * s)
+
+
+@lru_cache(16)
+def antiperiodic_derivative(T: int) -> np.ndarray:
+    """Derivative at T phases over half a period of what changes sign after it, (T, T).
+
+    Of the Fourier derivative on 2 T phases, ``(-1)^j cot(j h / 2) / 2``, the images are folded in.
+    """
+    j = np.arange(1, 2 * T)
+    row = np.append(0.0, 0.5 * (-1.0) ** j / np.tan(j * np.pi / (2 * T)))
+    i = np.arange(T)
+    whole = row[(i[:, None] - np.arange(2 * T)) % (2 * T)]
+    return whole[:, :T] - whole[:, T:]
+
+
+def settled(problem: Problem) -> Beat:
+    """Return the beat, with as many phases and curvatures as it takes.
+
+    Raises
+    ------
+    MicroswimError
+        If none is found, or it takes too many.
+    """
+    if not np.real(problem.drag.normal) > 0.0 or not (problem.heave or problem.pivot):
+        return _still(problem)
+    T, n = FIRST
+    n = max(n, int(6 + 2 * problem.sperm_number))
+    while MOST[0] >= T and n <= MOST[1]:
+        beat = found(problem, T, n)
+        in_time, along = beat.is_resolved
+        if in_time and along:
+            return beat
+        T, n = (T if in_time else 2 * T), (n if along else n + max(6, n // 3))
+    raise MicroswimError(
+        f"the elastic tail bends too sharply to be resolved (sperm number "
+        f"{problem.sperm_number:.3g}): stiffen it, drive it less, or slower"
+    )
+
+
+def _still(problem: Problem) -> Beat:
+    shapes = rod(FIRST[1], problem.turning)
+    nought = np.zeros((FIRST[0], shapes.count + len(problem.drag.free)))
+    return Beat(problem, shapes, nought[:, : shapes.count], nought[:, shapes.count :], 0)
+
+
+def found(problem: Problem, T: int, n: int) -> Beat:
+    """Newton's method, at a smaller drive first where the whole is too far from rest."""
+    shapes, f = rod(n, problem.turning), len(problem.drag.free)
+    beat = Beat(problem, shapes, np.zeros((T, shapes.count)), np.zeros((T, f)), 0)
+    done, step = 0.0, 1.0
+    while done < 1.0:
+        share = min(1.0, done + step)
+        part = replace(problem, heave=share * problem.heave, pivot=share * problem.pivot)
+        grown = share / done if done else 0.0
+        start = replace(beat, problem=part, shape=grown * beat.shape)
+        found = _newton(start)
+        if found is None:
+            step /= 2.0
+            if step < 0.01:
+                raise MicroswimError(
+                    f"no periodic beat of the elastic tail was found beyond {done:.0%} of its "
+                    "drive: drive it less or stiffen it"
+                )
+            continue
+        done, beat = share, replace(found, steps=found.steps + beat.steps)
+    return beat
+
+
+def _newton(beat: Beat) -> Beat | None:
+    """Return the beat with no work left over, or None where Newton's method does not get there."""
+    last = np.inf
+    for step in range(1, 16):
+        dz = _correction(beat)
+        size = np.abs(dz).max()
+        f = beat.velocity.shape[1]
+        beat = replace(
+            beat, shape=beat.shape + dz[:, f:], velocity=beat.velocity + dz[:, :f], steps=step
+        )
+        if size <= 1e-10 * max(1.0, np.abs(beat.shape).max()):
+            if last <= 1e-10 or not np.iscomplexobj(dz):
+                return beat
+            size = 0.0  # an imaginary part lags behind by a step
+        if not size < 4.0 * max(last, 1e-10):
+            return None
+        last = size
+    return None
+
+
+def _correction(beat: Beat) -> np.ndarray:
+    """Newton's step of all phases at once, (T, f + n): velocities, then coordinates."""
+    at, T, f = beat.balance, len(beat.shape), beat.velocity.shape[1]
+    N = at.residual.shape[1]
+    A = np.zeros((T, N, T, N), dtype=at.residual.dtype)
+    i = np.arange(T)
+    A[i, :, i, :f] = at.resistance[:, :, :f]
+    D = antiperiodic_derivative(T)
+    A[:, :, :, f:] = at.resistance[:, :, None, f:] * D[:, None, :, None]
+    A[i, :, i, f:] += at.stiffness
+    return np.linalg.solve(A.reshape(T * N, T * N), -at.residual.ravel()).reshape(T, N)

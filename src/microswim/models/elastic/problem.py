@@ -1,0 +1,98 @@
+"""The numbers of an elastic swimmer, without units: lengths in L, forces in ``B / L^2``."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from microswim.errors import SpecError
+from microswim.gait.quantities import magnitude
+from microswim.models.elastic.plane import Drag
+from microswim.models.rft.gait import body_resistance
+from microswim.swimmer.geometry.elastic_tail import ElasticTail
+from microswim.swimmer.swimmer import Swimmer
+
+#: Degrees of freedom in the plane s-q, and those that would leave it.
+PLANE, ACROSS = [0, 1, 5], [2, 3, 4]
+
+
+@dataclass(frozen=True, eq=False)
+class Problem:
+    """What decides the beat of an elastic tail.
+
+    Parameters
+    ----------
+    drag
+        Resistances of rod and body.
+    heave, pivot
+        Sizes of the drive: length over L, and angle.
+    turning
+        Stiffness of the base's turning, 0 of a hinge, None of a clamp.
+    """
+
+    drag: Drag
+    heave: float
+    pivot: float
+    turning: float | None
+
+    @property
+    def sperm_number(self) -> float:
+        """``Sp = L (w c_n / B)^(1/4)``."""
+        return float(np.real(self.drag.normal) ** 0.25)
+
+
+def elastic_tail(swimmer: Swimmer) -> ElasticTail:
+    """Return the tail of a swimmer that has an elastic one.
+
+    Raises
+    ------
+    SpecError
+        If it has another.
+    """
+    tail: Any = swimmer.tail
+    if not tail.settles:
+        raise SpecError("tail.kind", tail.kind, '"elastic" for the model elastic')
+    return tail
+
+
+def problem(swimmer: Swimmer) -> Problem:
+    """Return the numbers of an elastic swimmer.
+
+    Raises
+    ------
+    SpecError
+        If its tail is not elastic, or it would leave the plane in which its tail beats.
+    """
+    tail = elastic_tail(swimmer)
+    _check(swimmer)
+    L, rate, mu = tail.length, magnitude(tail.rate), swimmer.fluid.viscosity
+    per_force = rate * L**4 / tail.bending
+    law = swimmer.coefficients
+    c_t, c_n = (x * c for x, c in zip(swimmer.interaction.tail, law.local(tail, mu)[:2]))
+    lengths = np.array([1.0, 1.0, L])
+    body = body_resistance(swimmer)[np.ix_(PLANE, PLANE)] / np.outer(lengths, lengths) / L
+    mask = np.array(swimmer.motion.mask)[PLANE]
+    drag = Drag(
+        tangential=per_force * c_t,
+        normal=per_force * c_n,
+        tip=per_force * law.end(tail, mu) / L,
+        body=per_force * body,
+        offset=swimmer.body.semi_axes3[0] / L,
+        free=tuple(np.flatnonzero(mask).tolist()),
+    )
+    turning = 0.0 if tail.base == "hinged" else None
+    return Problem(drag, (tail.amplitude or 0.0) / L, tail.angle or 0.0, turning)
+
+
+def _check(swimmer: Swimmer) -> None:
+    if swimmer.motion.line_element != "arc":
+        raise SpecError("motion.line_element", swimmer.motion.line_element,
+                        '"arc" for an elastic tail')  # fmt: skip
+    if swimmer.region is not None:
+        raise SpecError("region", "given", "none for an elastic tail", "remove the table")
+    if np.any(body_resistance(swimmer)[np.ix_(PLANE, ACROSS)]):
+        raise SpecError("interaction.coupling", swimmer.interaction.coupling,
+                        "one that keeps the swimmer in the plane s-q, in which its tail beats",
+                        "leave only the entries of s, q with r")  # fmt: skip

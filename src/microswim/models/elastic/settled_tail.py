@@ -1,0 +1,118 @@
+"""The tail that an elastic one settles to: a shape given at every phase, like any other."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any, ClassVar
+
+import numpy as np
+
+from microswim.models.elastic.beat import Beat, drive
+from microswim.models.elastic.rod import integrals
+from microswim.numerics.fourier import MIRROR_Q, derivative, evaluate, series_of, trimmed
+from microswim.numerics.quadrature import gauss
+from microswim.swimmer.geometry.custom_tail import CustomTail
+from microswim.swimmer.geometry.elastic_tail import ElasticTail
+
+
+@dataclass(frozen=True, eq=False)
+class Centreline:
+    """Centreline ``P(s, phase)`` by the series of its curvature in s and in phase.
+
+    Parameters
+    ----------
+    length
+        Of the filament.
+    angles
+        Series in the phase of the tangent angle's coordinates: at the joint, then of ``Phi_k``;
+        (1 + 2 H, 1 + n).
+    place
+        Series of the joint's place across s over the length, (1 + 2 H,).
+    """
+
+    length: float
+    angles: np.ndarray
+    place: np.ndarray
+
+    def __call__(self, s: Any, phase: Any) -> np.ndarray:
+        """Position at s and phase, broadcast(s, phase) + (3,)."""
+        s, phase = np.broadcast_arrays(np.asarray(s, float), np.asarray(phase, float))
+        at, i = np.unique(s, return_inverse=True)
+        when, j = np.unique(phase, return_inverse=True)
+        i, j = i.reshape(s.shape), j.reshape(s.shape)
+        q = evaluate(self.angles, when)
+        x, w = gauss(2 * q.shape[1] + 8)
+        # P(s) = int_0^s (cos theta, sin theta), by nodes of its own on each [0, s]
+        shapes = shapes_at((at[:, None] / self.length * x).ravel(), q.shape[1])
+        theta = (shapes @ q.T).reshape(len(at), len(x), len(when))
+        along, across = (
+            at[:, None] * np.einsum("k,akt->at", w, f(theta)) for f in (np.cos, np.sin)
+        )
+        across = across + self.length * evaluate(self.place, when)
+        return np.stack([along[i, j], across[i, j], 0.0 * s], axis=-1)
+
+
+def shapes_at(s: np.ndarray, count: int) -> np.ndarray:
+    """``1, Phi_0, Phi_1, ...`` at any s of [0, 1], (len(s), count)."""
+    degree = np.sqrt(2.0 * np.arange(count - 1) + 1.0)
+    return _with_one(integrals(s, count - 1) * degree)
+
+
+@dataclass(frozen=True, kw_only=True)
+class SettledTail(CustomTail):
+    """A tail with the beat of an elastic one: in the plane s-q, its own image after half a period.
+
+    Parameters are those of `CustomTail`.
+    """
+
+    is_planar: ClassVar[bool] = True
+    half_period_signs: ClassVar[np.ndarray | None] = MIRROR_Q
+
+
+def settled_tail(tail: ElasticTail, beat: Beat) -> SettledTail:
+    """Return the tail that beats as an elastic one has settled to."""
+    angles, place = beat_series(tail, beat)
+    return SettledTail(
+        shape=Centreline(tail.length, trimmed(angles, 1e-15), trimmed(place, 1e-15)),
+        length=tail.length,
+        radius=tail.radius,
+        frequency=tail.frequency,
+        wavelength=tail.wavelength,
+        sections=tail.sections,
+        surface_motion=tail.surface_motion,
+    )
+
+
+def beat_series(tail: ElasticTail, beat: Beat) -> tuple[np.ndarray, np.ndarray]:
+    """Series in the phase of the tangent angle (at the joint, then along) and of the place.
+
+    The angle's are (1 + 2 H, 1 + n), of 1 and of each ``Phi_k``; the place across s is over L.
+    """
+    base = drive(beat.problem, beat.phases)
+    clamped = beat.problem.turning is None
+    q = np.pad(beat.shape, ((0, 0), (1, 0))) if clamped else 1.0 * beat.shape
+    q[:, 0] += base.angle
+    if np.real(tail.rate) < 0.0:  # the same beat, run through backwards by its phase
+        q = np.concatenate([q[:1], -q[:0:-1]])
+    angles, place = (series_of(np.concatenate([x, -x])) for x in (q, base.place))
+    return angles, place
+
+
+def centreline(
+    beat: Beat, tail: ElasticTail, phase: np.ndarray
+) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """Position, slope and velocity per unit phase over L at the rod's nodes, each (T, m, 3)."""
+    angles, place = beat_series(tail, beat)
+    rod = beat.rod
+    shapes = rod.shapes if beat.problem.turning is not None else _with_one(rod.shapes)
+    theta, turning = (evaluate(x, phase) @ shapes.T for x in (angles, derivative(angles)))
+    y, y_rate = (evaluate(x, phase)[:, None] for x in (place, derivative(place)))
+    c, s, S = np.cos(theta), np.sin(theta), rod.along.T
+    X, Y = c @ S, y + s @ S
+    U, V = -(s * turning) @ S, y_rate + (c * turning) @ S
+    P, P_s, P_phase = (np.stack([a, b, 0.0 * a], axis=-1) for a, b in ((X, Y), (c, s), (U, V)))
+    return P, P_s, P_phase
+
+
+def _with_one(shapes: np.ndarray) -> np.ndarray:
+    return np.column_stack([np.ones(len(shapes)), shapes])

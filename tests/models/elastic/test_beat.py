@@ -1,0 +1,232 @@
+"""Beats of elastic tails against closed forms, a chain of points, and laws."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from scipy.integrate import solve_ivp
+
+import microswim as ms
+from microswim.models.elastic.beat import MOST, drive, settled
+from microswim.models.elastic.growth import growth
+from microswim.models.elastic.plane import Loads, balance
+from microswim.models.elastic.problem import problem
+from oracles.elastic_filament import chain_thrust, thrust
+
+RATE = 2.0 * np.pi
+
+
+def swimmer(sperm_number, size, *, ratio=0.5, drive="heave", base="clamped", **parts):
+    """A swimmer whose tail has c_n = 1 and length 1, held unless said otherwise."""
+    own = {"base": base, "drive": drive, "amplitude" if drive == "heave" else "angle": size}
+    tail = ms.ElasticTail(length=1.0, radius=0.01, bending=RATE / sperm_number**4, **own)
+    parts = {"body": ms.NoBody(), "motion": ms.Motion(free="none")} | parts
+    law = ms.Constant(normal=1.0, tangential=ratio, spin=False)
+    return ms.Swimmer(tail=tail, fluid=ms.Fluid(viscosity=1.0), coefficients=law, **parts)
+
+
+def held_thrust(found, size, ratio=0.5):
+    """Thrust towards the body in units of ``(c_n - c_t) w size^2``."""
+    force = ms.summary(found.gait("elastic"))["held_wrench"][0]
+    return -force / (RATE * (1.0 - ratio) * size**2)
+
+
+COLUMNS = [("clamped", "heave"), ("hinged", "heave"), ("clamped", "pivot")]
+
+
+@pytest.mark.parametrize(("base", "drive"), COLUMNS)
+@pytest.mark.parametrize("sperm_number", [1.0, 2.0, 3.0, 4.0, 5.0, 8.0])
+def test_thrust_of_small_amplitude_is_the_closed_form(base, drive, sperm_number):
+    size = 0.002
+    found = held_thrust(swimmer(sperm_number, size, drive=drive, base=base), size)
+    assert found == pytest.approx(thrust(sperm_number, base, drive), rel=3e-4)
+
+
+@pytest.mark.parametrize("ratio", [0.3, 0.5, 0.8])
+def test_small_amplitude_does_not_know_the_tangential_drag(ratio):
+    found = held_thrust(swimmer(4.0, 0.002, ratio=ratio), 0.002, ratio)
+    assert found == pytest.approx(thrust(4.0), rel=3e-4)
+
+
+def test_the_closed_form_is_left_with_the_square_of_the_amplitude():
+    truth = thrust(8.0, "hinged")
+    off = [held_thrust(swimmer(8.0, y, base="hinged"), y) - truth for y in (0.02, 0.01)]
+    assert off[0] / off[1] == pytest.approx(4.0, rel=0.02)
+    assert off[0] / truth == pytest.approx(-0.0116, rel=0.03)  # beyond half a per cent, truly
+
+
+@pytest.mark.slow
+def test_large_amplitude_is_that_of_a_chain_of_points():
+    rough, fine = (chain_thrust(2.0, 0.3, 0.5, points) for points in (12, 24))
+    truth = (fine + (fine - rough) / 3.0) / (0.5 * 0.3**2)
+    assert held_thrust(swimmer(2.0, 0.3), 0.3) == pytest.approx(truth, rel=1e-3)
+
+
+def test_without_stiffness_thrust_is_that_of_the_wave_that_dies_out():
+    assert held_thrust(swimmer(25.0, 0.001), 0.001) == pytest.approx(0.25, rel=2e-3)
+
+
+def test_a_stiff_tail_goes_nowhere_with_the_fourth_power():
+    slow, fast = (held_thrust(swimmer(sp, 0.05), 0.05) for sp in (0.25, 0.5))
+    assert fast / slow == pytest.approx(16.0, rel=0.01)
+
+
+def test_a_stiff_tail_moves_as_one():
+    stiff = swimmer(0.02, 0.3, drive="pivot", body=ms.Sphere(radius=0.3), motion=ms.Motion())
+    rigid = ms.CustomTail(
+        shape=lambda s, phase: stiff.tail.stiff(s, phase)[0], length=1.0, radius=0.01
+    )
+    phases = np.linspace(0.0, RATE, 9)
+    one, other = stiff.gait("elastic"), replace(stiff, tail=rigid).gait("rft")
+    np.testing.assert_allclose(one.velocity(phases), other.velocity(phases), atol=1e-5)
+    np.testing.assert_allclose(one.resistance(phases), other.resistance(phases), atol=1e-5)
+
+
+@pytest.mark.parametrize("free", ["none", "all"])
+@pytest.mark.parametrize(("base", "drive", "size"), [
+    ("clamped", "heave", 0.2), ("hinged", "heave", 0.2), ("clamped", "pivot", 0.6),
+])  # fmt: skip
+def test_the_drive_gives_what_the_fluid_takes(free, base, drive, size):
+    """Elastic energy comes back after a period, so the means are equal."""
+    body = ms.Sphere(radius=0.2)
+    one = swimmer(3.0, size, drive=drive, base=base, body=body, motion=ms.Motion(free=free))
+    gait = one.gait("elastic")
+    phase = RATE * np.arange(256) / 256
+    place = gait.velocity(phase)
+    on_tail = -np.einsum("tij,tj->ti", gait.resistance(phase), place)
+    on_tail -= gait.propulsion(phase) * gait.rate + gait.body_wrench(phase)
+    at_joint = on_tail[:, 5] - 0.2 * on_tail[:, 1]
+    base_y = size * np.cos(phase) if drive == "heave" else 0.0 * phase
+    at_base = at_joint + base_y * on_tail[:, 0]
+    rate = -size * np.sin(phase) * gait.rate
+    given = -(rate * (on_tail[:, 1] if drive == "heave" else at_base)).mean()
+    assert given == pytest.approx(gait.mean_power, rel=1e-6)
+
+
+def test_the_filament_does_not_stretch():
+    tail = swimmer(4.0, 0.4).settled.tail
+    s, phase = np.meshgrid(np.linspace(0.0, 1.0, 33), np.linspace(0.0, RATE, 17))
+    _, slope, _ = tail.centreline(s, phase)
+    np.testing.assert_allclose(np.linalg.norm(slope, axis=-1), 1.0, atol=1e-9)
+    assert tail.arc_length == pytest.approx(1.0, abs=1e-10)
+
+
+def test_half_a_period_on_the_tail_is_its_mirror_image():
+    tail = swimmer(3.0, 0.3).settled.tail
+    s = np.linspace(0.0, 1.0, 7)
+    now, later = (tail.centreline(s, phase)[0] for phase in (0.4, 0.4 + np.pi))
+    np.testing.assert_allclose(later, now * [1.0, -1.0, 1.0], atol=1e-12)
+
+
+@pytest.mark.parametrize("free", ["none", "all"])
+def test_marching_in_time_settles_to_the_beat(free):
+    made = problem(swimmer(2.0, 0.3, body=ms.Sphere(radius=0.2), motion=ms.Motion(free=free)))
+    beat = settled(made)
+    n, f = beat.rod.count, len(made.drag.free)
+
+    def rate(phase, q):
+        base = drive(made, np.array([phase]))
+        nought = np.zeros((1, f + n))
+        at = balance(beat.rod, made.drag, base, q[None], nought, Loads(), 0.0 * q)
+        return -np.linalg.solve(at.resistance[0], at.residual[0])[f:]
+
+    end = 6.0 * np.pi + np.pi
+    found = solve_ivp(rate, (0.0, end), np.zeros(n), "BDF", [end], rtol=1e-7, atol=1e-10)
+    np.testing.assert_allclose(found.y[:, -1], -beat.shape[0], atol=2e-5)
+
+
+def test_disturbances_die_as_the_slowest_mode_of_a_cantilever():
+    """``exp(-2 pi beta^4 / Sp^4)`` in a period, ``1 + cos(beta) cosh(beta) = 0``."""
+    beta = 1.8751040687119611
+    assert 1.0 + np.cos(beta) * np.cosh(beta) == pytest.approx(0.0, abs=1e-12)
+    for sperm_number in (2.0, 4.0):
+        found = growth(settled(problem(swimmer(sperm_number, 1e-4))))
+        truth = np.exp(-2.0 * np.pi * beta**4 / sperm_number**4)
+        assert found == pytest.approx(truth, rel=1e-4)
+
+
+def test_a_hinged_tail_hardly_turns_back():
+    about = swimmer(2.0, 0.01, base="hinged").gait("elastic").info
+    assert about["growth"] == pytest.approx(1.0, abs=1e-2)
+
+
+def test_backwards_the_drive_gives_the_same_beat():
+    one, other = (
+        swimmer(3.0, 0.2, body=ms.Sphere(radius=0.2), motion=ms.Motion()).with_(
+            {"tail.frequency": f}
+        ).gait("elastic")
+        for f in (1.0, -1.0)
+    )  # fmt: skip
+    np.testing.assert_allclose(one.mean_velocity, other.mean_velocity, atol=1e-12)
+    assert other.mean_power == pytest.approx(one.mean_power)
+    assert one.mean_power > 0.0
+
+
+def test_curvatures_converge_faster_than_any_power():
+    from microswim.models.elastic import beat
+
+    made = problem(swimmer(4.0, 0.2))
+    fine = beat.found(made, 16, 24)
+    off = []
+    for n in (4, 6, 8, 10):
+        rough = beat.found(made, 16, n)
+        off.append(np.abs(rough.shape[:, 0] - fine.shape[:, 0]).max())
+    order = np.log(np.divide(off[:-1], off[1:])) / np.log([6 / 4, 8 / 6, 10 / 8])
+    assert (order > 4.0).all()
+    assert order[-1] > order[0]
+
+
+def test_a_swimmer_without_drive_stands_still():
+    tail = ms.ElasticTail(length=1.0, radius=0.01, bending=1.0, drive="none")
+    one = swimmer(2.0, 0.1, body=ms.Sphere(radius=0.2), motion=ms.Motion())
+    gait = replace(one, tail=tail).gait("elastic")
+    np.testing.assert_allclose(gait.mean_velocity, 0.0, atol=1e-14)
+
+
+def test_a_limp_tail_is_refused_in_a_sentence():
+    with pytest.raises(ms.MicroswimError, match="too sharply to be resolved"):
+        swimmer(3.0 * MOST[1], 0.01).gait("elastic")
+
+
+def test_units_do_not_matter():
+    bare = swimmer(3.0, 0.2, body=ms.Sphere(radius=0.2), motion=ms.Motion()).gait("elastic")
+    um, mu, f = 1e-6, 1e-3, 50.0
+    tail = ms.ElasticTail(
+        length=um, radius=0.01 * um, bending=mu * f * um**4 * RATE / 81.0, frequency=f,
+        amplitude=0.2 * um,
+    )  # fmt: skip
+    law = ms.Constant(normal=mu, tangential=0.5 * mu, spin=False)
+    si = ms.Swimmer(
+        body=ms.Sphere(radius=0.2 * um), tail=tail, fluid=ms.Fluid(viscosity=mu), units="SI",
+        coefficients=law,
+    ).gait("elastic")  # fmt: skip
+    assert si.mean_velocity[0] == pytest.approx(um * f * bare.mean_velocity[0], rel=1e-9)
+    assert si.mean_power == pytest.approx(mu * f**2 * um**3 * bare.mean_power, rel=1e-9)
+
+
+def test_the_gait_is_that_of_the_settled_tail():
+    """Sums at the rod's own nodes, and those of any tail with that centreline."""
+    one = swimmer(3.0, 0.2, body=ms.Sphere(radius=0.2), motion=ms.Motion())
+    ours, other = one.gait("elastic"), one.settled.gait("rft")
+    phases = np.linspace(0.0, RATE, 9)
+    np.testing.assert_allclose(ours.velocity(phases), other.velocity(phases), atol=1e-9)
+    assert ours.mean_power == pytest.approx(other.mean_power, rel=1e-9)
+
+
+def test_the_body_moves_as_the_beat_says():
+    """The velocities that Newton's method found, and those of R and F_p."""
+    one = swimmer(3.0, 0.2, body=ms.Sphere(radius=0.2), motion=ms.Motion())
+    beat, gait = settled(problem(one)), one.gait("elastic")
+    found = gait.velocity(beat.phases)[:, [0, 1, 5]] / gait.rate
+    np.testing.assert_allclose(beat.velocity, found, atol=1e-9)
+
+
+@pytest.mark.parametrize(
+    "name", ["tail.bending", "tail.amplitude", "tail.frequency", "body.radius"]
+)
+def test_derivatives_are_exact(name):
+    one = swimmer(3.0, 0.2, body=ms.Sphere(radius=0.2), motion=ms.Motion())
+    slope = one.gradient("mean_power", name)[name]
+    value, h = one.numbers[name], 1e-4
+    ends = [one.with_({name: value * (1.0 + d)}).gait().mean_power for d in (-h, h)]
+    assert slope == pytest.approx((ends[1] - ends[0]) / (2.0 * h * value), rel=1e-5)

@@ -28,15 +28,15 @@ from .output import io as io
 from .output import plots as plots
 from .output import report as report
 from .path.trajectory import trajectory as trajectory
-from .studies.identification.problem import identify_swimmer as identify_swimmer
+from .studies.identification.fit import identify_swimmer as identify_swimmer
 from .studies.identification.result import Identification as Identification
 from .studies.identification.track import Track as Track
-from .studies.optimisation.design import Optimum as Optimum
 from .studies.optimisation.design import design as design
 from .studies.optimisation.pareto import pareto as pareto
 from .studies.optimisation.robust_design import robust_design as robust_design
 from .studies.optimisation.robustness import robustness as robustness
 from .studies.optimisation.robustness import sobol_indices as sobol_indices
+from .studies.optimisation.search import Optimum as Optimum
 from .studies.sweeps.sweep import sweep as sweep
 from .swimmer.drag.coefficients import Constant as Constant
 from .swimmer.drag.coefficients import Cox as Cox

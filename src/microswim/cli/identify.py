@@ -60,7 +60,7 @@ def command(
     --preset says what is known of the swimmer; what is not unknown stays as it is.
     """
     from microswim.cli._progress import bar
-    from microswim.studies.identification.problem import SHAPE, identify_swimmer
+    from microswim.studies.identification.fit import SHAPE, identify_swimmer
     from microswim.studies.identification.track import Track
 
     swimmer = given.swimmer

@@ -21,7 +21,7 @@ if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 
-    from microswim.studies.optimisation.design import Optimum
+    from microswim.studies.optimisation.search import Optimum
 
 STAR = {"color": ORANGE, "mec": "white", "ms": 12, "clip_on": False, "ls": "none", "zorder": 5}
 

@@ -1,4 +1,4 @@
-"""First guesses for `trackfit`: designs from a grid, then phase and pose in closed form.
+"""First guesses of a fit: designs from a grid, then phase and pose in closed form.
 
 A track shows three things without any fit: the frequency of its wobble, the size of the wobble
 and the speed along the smoothed path. A grid of designs is compared with those.
@@ -6,16 +6,14 @@ and the speed along the smoothed path. A grid of designs is compared with those.
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 
 from microswim.models.rft.batch import evaluate
+from microswim.studies.identification.problem import FREQUENCY, PathProblem
 
-if TYPE_CHECKING:
-    from microswim.studies.identification.problem import PathProblem
-
-AMPLITUDE, WAVES, FREQUENCY = "tail.amplitude", "tail.waves", "tail.frequency"
+AMPLITUDE, WAVES = "tail.amplitude", "tail.waves"
 PHASES = 16
 
 

@@ -15,10 +15,10 @@ from scipy.optimize import differential_evolution
 
 from microswim.errors import SpecError
 from microswim.numerics.compiled import settled
-from microswim.studies.optimisation.design import Optimum, outcome
 from microswim.studies.optimisation.merits import of_many
 from microswim.studies.optimisation.problem import Problem
 from microswim.studies.optimisation.robustness import sobol_points, spec_numbers, uncertainties
+from microswim.studies.optimisation.search import Optimum, outcome
 from microswim.swimmer.swimmer import Swimmer
 
 

@@ -16,9 +16,9 @@ import numpy as np
 
 from microswim.calibration.calibrate import calibrate
 from microswim.gait.gait import DEGREES_OF_FREEDOM
-from microswim.studies.optimisation.design import Optimum, search
 from microswim.studies.optimisation.merits import of_gait
 from microswim.studies.optimisation.problem import Problem
+from microswim.studies.optimisation.search import Optimum, search
 from microswim.swimmer.swimmer import Swimmer
 
 ROUNDS = 6

@@ -1,9 +1,9 @@
 # The public face: every public name, once. `microswim.X` imports its module on first use.
 
 from . import data as data
-from .calibration.calibrate import CoefficientCalibration as CoefficientCalibration
 from .calibration.calibrate import calibrate as calibrate
 from .calibration.calibration import Calibration as Calibration
+from .calibration.coefficients import CoefficientCalibration as CoefficientCalibration
 from .calibration.observations import Observation as Observation
 from .calibration.region.calibrate import calibrate_region as calibrate_region
 from .calibration.region.outcome import RegionCalibration as RegionCalibration

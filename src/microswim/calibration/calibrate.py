@@ -8,18 +8,15 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, replace
-from functools import cached_property
 from typing import Any, Literal
 
 import numpy as np
 from scipy.optimize import least_squares
-from scipy.stats import norm
 
-from microswim import checks
 from microswim.calibration import observations as observe
-from microswim.calibration.calibration import Calibration
-from microswim.calibration.identifiability import Direction, determined, physical_warnings
-from microswim.calibration.observations import ASSUMED, Observation
+from microswim.calibration.coefficients import CoefficientCalibration, sigmas_of, values_of
+from microswim.calibration.identifiability import determined, physical_warnings
+from microswim.calibration.observations import Observation
 from microswim.calibration.unknowns import Unknown, resolve
 from microswim.errors import SpecError
 from microswim.gait.gait import Gait
@@ -31,90 +28,6 @@ from microswim.numerics.gauss_newton import gauss_newton
 from microswim.swimmer.swimmer import Swimmer
 
 ONE_STEP = 0.02  #: seconds of all gaits for one observation and one unknown as Python
-
-
-@checks.by_name
-@dataclass(frozen=True, kw_only=True, eq=False)
-class CoefficientCalibration(Calibration):
-    """Outcome of a calibration at one design, or at several that share their coefficients.
-
-    Parameters
-    ----------
-    swimmer
-        The swimmer with the fitted numbers.
-    names, values, covariance
-        Unknowns, fitted values and their covariance; infinite along what the data do not tell.
-    observations
-        The data.
-    predicted
-        What the calibrated surrogate says for each entry of the data.
-    directions, warnings
-        Combinations of the unknowns, best determined first; what is odd, in physical words.
-    method
-        ``"least squares"`` or ``"ratios"``.
-
-    Examples
-    --------
-    >>> import microswim as ms
-    >>> cell = ms.Swimmer.preset("goto/C")
-    >>> ms.calibrate(cell, {"swimming_speed": 6.23e-6}, ["translation.s"]).rank
-    1
-    """
-
-    names: tuple[str, ...]
-    values: np.ndarray
-    covariance: np.ndarray
-    observations: tuple[Observation, ...]
-    predicted: np.ndarray
-    directions: tuple[Direction, ...]
-    method: str = "least squares"
-
-    @property
-    def coefficients(self) -> dict[str, float]:
-        """Fitted values by name."""
-        return dict(zip(self.names, map(float, self.values)))
-
-    @property
-    def uncertainty(self) -> np.ndarray:
-        """Standard uncertainty of each value; infinite where the data do not tell."""
-        return np.sqrt(np.diag(self.covariance))
-
-    @cached_property
-    def residuals(self) -> np.ndarray:
-        """(measured - predicted) / sigma, entry by entry."""
-        return (_values(self.observations) - self.predicted) / _sigmas(self.observations)
-
-    @property
-    def rank(self) -> int:
-        """Number of combinations that the data determine."""
-        return sum(d.determined for d in self.directions)
-
-    def interval(self, level: float = 0.95) -> np.ndarray:
-        """Confidence interval of each value, shape (n, 2), for normal errors of size sigma."""
-        half = norm.ppf(0.5 + level / 2.0) * self.uncertainty
-        return np.stack([self.values - half, self.values + half], axis=-1)
-
-    def as_dict(self) -> dict[str, Any]:
-        """What there is to print or to store as JSON (infinite uncertainties as None)."""
-        finite = [float(u) if np.isfinite(u) else None for u in self.uncertainty]
-        measured = _values(self.observations)
-        labels = [o.quantity for o in self.observations for _ in range(np.size(o.value))]
-        return {
-            "method": self.method,
-            "coefficients": self.coefficients,
-            "uncertainty": dict(zip(self.names, finite)),
-            "assumed_uncertainty": {o.quantity: ASSUMED for o in self.observations if o.assumed},
-            "rank": self.rank,
-            "singular_values": [d.singular_value for d in self.directions],
-            "directions": [d.as_dict() for d in self.directions],
-            "covariance": np.where(np.isfinite(self.covariance), self.covariance, 0.0).tolist(),
-            "data": [
-                {"quantity": q, "measured": float(m), "predicted": float(p)}
-                for q, m, p in zip(labels, measured, self.predicted)
-            ],
-            "chi_squared": float(np.sum(self.residuals**2)),
-            **super().as_dict(),
-        }
 
 
 def calibrate(
@@ -231,7 +144,7 @@ class _Problem:
         for u, x, a, b in zip(self.unknowns, first, low, high):
             if not a < x < b:
                 raise SpecError(f"start of {u.name}", float(x), f"between {a:g} and {b:g}")
-        y, sigma = _values(self.observations), _sigmas(self.observations)
+        y, sigma = values_of(self.observations), sigmas_of(self.observations)
         to, back, slope = self._coordinates()
         limits = (np.full(len(first), -40.0), np.full(len(first), 40.0))
         limits = limits if self.positive else (low, high)
@@ -289,7 +202,7 @@ class _Problem:
 
     def outcome(self, values: np.ndarray) -> CoefficientCalibration:
         """Everything there is to say about the solution."""
-        sigma = _sigmas(self.observations)
+        sigma = sigmas_of(self.observations)
         J = self.jacobian(values) / sigma[:, None]
         directions, covariance = determined(J, values, [u.name for u in self.unknowns])
         fitted = fitted_swimmer(self.swimmer, self.unknowns, values)
@@ -315,19 +228,6 @@ def fitted_swimmer(swimmer: Swimmer, unknowns: Iterable[Unknown], values: Any) -
     """Swimmer with the fitted numbers, checked."""
     lifted = lift(swimmer, unknowns, [float(v) for v in values])
     return lifted.with_({})
-
-
-def _values(observations: Iterable[Observation]) -> np.ndarray:
-    return np.concatenate([np.atleast_1d(np.asarray(o.value, float)) for o in observations])
-
-
-def _sigmas(observations: Iterable[Observation]) -> np.ndarray:
-    return np.concatenate(
-        [
-            np.broadcast_to(np.asarray(o.sigma, float), np.shape(o.value) or (1,))
-            for o in observations
-        ]
-    )
 
 
 def _ratios(swimmer: Swimmer, reference: Any) -> CoefficientCalibration:

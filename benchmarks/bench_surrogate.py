@@ -33,6 +33,7 @@ from microswim.models.rft import loops_compiled as manydesigns
 from microswim.models.rft import segment as kernels
 from microswim.numerics.quadrature import gauss
 from microswim.numerics.solve6 import solve
+from microswim.swimmer.fields import lifted
 
 HERE = Path(__file__).parent
 DESIGNS = 20_000
@@ -100,7 +101,7 @@ def designs(count):
         "tail.amplitude": rng.uniform(0.03, 0.2, count),
         "tail.waves": rng.uniform(0.8, 4.5, count),
     }
-    many = swimmer.lifted(values)
+    many = lifted(swimmer, values)
     p = np.ascontiguousarray(rft.parameters(many))
     body = np.ascontiguousarray(np.broadcast_to(rft.body_resistance(many), (count, 6, 6)))
     turns = 0.1 * values["tail.waves"]

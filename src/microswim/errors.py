@@ -6,7 +6,7 @@ Every message is one sentence: the field and its value, what is allowed, how to 
 from __future__ import annotations
 
 import warnings
-from collections.abc import Iterable
+from collections.abc import Iterable, Mapping
 from typing import Any
 
 MOST_OFFERED = 10  #: names that an error lists; a longer list helps nobody
@@ -103,8 +103,12 @@ def _shown(value: Any) -> str:
     return text if len(text) <= 60 else text[:57] + "..."
 
 
-def nearest(name: Any, known: Iterable[str], cutoff: float = 0.6) -> str:
+def nearest(
+    name: Any, known: Iterable[str], cutoff: float = 0.6, old: Mapping[str, str] | None = None
+) -> str:
     """Return what an error offers in place of an unknown name.
+
+    `old` are names of earlier versions with those of today, which are offered.
 
     Examples
     --------
@@ -114,7 +118,8 @@ def nearest(name: Any, known: Iterable[str], cutoff: float = 0.6) -> str:
     from difflib import get_close_matches
 
     name, known = str(name), list(dict.fromkeys(known))
-    close = get_close_matches(name, known, n=1, cutoff=cutoff)
+    before = get_close_matches(name, old or (), n=1, cutoff=cutoff)
+    close = [(old or {})[b] for b in before] or get_close_matches(name, known, n=1, cutoff=cutoff)
     if close:
         return f'did you mean "{close[0]}"?'
     table, dot, _ = name.partition(".")

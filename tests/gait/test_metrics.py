@@ -5,6 +5,7 @@ import pytest
 
 import microswim as ms
 from microswim.gait.observed import output
+from microswim.swimmer.fields import lifted
 
 OUTPUTS = ["mean_velocity", "swimming_speed", "efficiency", "mean_power", "path_radius"]
 
@@ -15,7 +16,7 @@ def central_difference(swimmer, name, path):
     h = 1e-3 * max(abs(x), 0.05)
 
     def at(n):
-        return output(swimmer.lifted({path: x + n * h}).gait(), name)
+        return output(lifted(swimmer, {path: x + n * h}).gait(), name)
 
     return (8 * (at(1) - at(-1)) - (at(2) - at(-2))) / (12 * h)
 

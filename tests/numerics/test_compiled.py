@@ -20,6 +20,7 @@ from microswim.numerics.code_cache import digest
 from microswim.numerics.compiled import settled
 from microswim.numerics.quadrature import gauss
 from microswim.swimmer.drag import lighthill
+from microswim.swimmer.fields import lifted
 
 HEAVY = {"numba", "scipy", "xarray", "pandas", "matplotlib", "pint", "rich"}
 WAVE = np.array([2.0, 0.1, 9.0, 0.2, -1.0, 2.1, 3.4, 0.02, 0.6, 1.0, 0.3])
@@ -104,7 +105,7 @@ def test_few_designs_side_by_side_are_those_of_the_compiled_loops(preset):
 @pytest.mark.parametrize("preset", ["tabak/helix", "tabak/plane_wave"])
 def test_the_screw_of_a_period_is_the_same_side_by_side_and_in_a_row(preset):
     """With an odd number of steps too; and its exact derivative."""
-    swimmer = ms.Swimmer.preset(preset).lifted({"tail.amplitude": 0.1 + 1e-30j})
+    swimmer = lifted(ms.Swimmer.preset(preset), {"tail.amplitude": 0.1 + 1e-30j})
     for gait in (ms.Swimmer.preset(preset).gait(), swimmer.gait()):
         for steps in (256, 77):
             beside = ms.screw(gait, steps)

@@ -26,3 +26,11 @@ def test_what_json_has_no_word_for_becomes_what_it_has():
 def test_plain_values_stay_as_they_are():
     given = {"a": [1, 2.5, "x", True, None]}
     assert plain(given) == given
+
+
+def test_our_own_files_keep_nan_and_toml_leaves_out_what_is_none():
+    given = {"a": None, "b": [np.nan, {"c": None, "d": np.inf}]}
+    made = plain(given, nan=True)
+    assert np.isnan(made["b"][0])
+    assert made["a"] is None
+    assert plain(given, none=False) == {"b": [None, {"d": None}]}

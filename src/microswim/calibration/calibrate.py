@@ -25,6 +25,7 @@ from microswim.numerics.compiled import pays, settled
 from microswim.numerics.complex_step import STEP, derivative_from
 from microswim.numerics.fourier import half_range, series_of
 from microswim.numerics.gauss_newton import gauss_newton
+from microswim.swimmer.fields import lifted
 from microswim.swimmer.swimmer import Swimmer
 
 ONE_STEP = 0.02  #: seconds of all gaits for one observation and one unknown as Python
@@ -121,8 +122,8 @@ class _Problem:
         out = []
         for o in self.observations:
             if id(o.swimmer) not in made:
-                lifted = lift(o.swimmer, self.unknowns, values)
-                made[id(o.swimmer)] = surrogate(lifted), lifted.body_length
+                one = lift(o.swimmer, self.unknowns, values)
+                made[id(o.swimmer)] = surrogate(one), one.body_length
             gait, length = made[id(o.swimmer)]
             value = observe.observed(gait, o.quantity, o.phase, body_length=length)
             out.append(np.atleast_1d(value))
@@ -221,13 +222,12 @@ class _Problem:
 def lift(swimmer: Swimmer, unknowns: Iterable[Unknown], values: Iterable[Any]) -> Swimmer:
     """Swimmer whose unknown numbers are replaced, unchecked."""
     changes = {p: f * v for u, v in zip(unknowns, values) for p, f in u.paths}
-    return swimmer.lifted(changes)
+    return lifted(swimmer, changes)
 
 
 def fitted_swimmer(swimmer: Swimmer, unknowns: Iterable[Unknown], values: Any) -> Swimmer:
     """Swimmer with the fitted numbers, checked."""
-    lifted = lift(swimmer, unknowns, [float(v) for v in values])
-    return lifted.with_({})
+    return lift(swimmer, unknowns, [float(v) for v in values]).with_({})
 
 
 def _ratios(swimmer: Swimmer, reference: Any) -> CoefficientCalibration:

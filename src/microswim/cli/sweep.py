@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-import re
-import shutil
 import time
 from collections import Counter
 from pathlib import Path
@@ -23,9 +21,6 @@ from microswim.cli._options import (
     swimmer_options,
 )
 from microswim.errors import MicroswimError, SpecError
-
-#: Of a Dask scheduler: a name or number and a port, with or without a protocol.
-ADDRESS = r"(\w+://)?([^\s/:]+|\[[\da-fA-F:]+\]):\d{1,5}"
 
 
 @click.command(
@@ -89,7 +84,6 @@ def command(given: Given, out: Path, as_json: bool, level: str | None, **asked: 
     from microswim.studies.sweeps.sweep import sweep
 
     over = _over(asked.pop("over"), asked.pop("designs"), given.swimmer.units)
-    _check_places(asked["scheduler"], asked["cluster"])
     options = dict(change(text) for text in asked.pop("options"))
     options |= leveled(asked["model"], level)
     begun = time.perf_counter()
@@ -109,16 +103,6 @@ def command(given: Given, out: Path, as_json: bool, level: str | None, **asked: 
         click.echo(f"  {count} x {reason}")
     click.echo(f'{out}: read it with xarray.open_zarr("{out}")')
     _fail_if_all_did(report)
-
-
-def _check_places(scheduler: str | None, cluster: str | None) -> None:
-    """Refuse a scheduler or a cluster that cannot be one, before any work."""
-    if scheduler and cluster:
-        raise SpecError("--scheduler and --cluster: one of the two")
-    if scheduler and not re.fullmatch(ADDRESS, scheduler):
-        raise SpecError("--scheduler", scheduler, "HOST:PORT, such as localhost:8786")
-    if cluster and shutil.which("sbatch") is None:
-        raise SpecError("--cluster", cluster, "used where Slurm is", "sbatch is not on the path")
 
 
 def _fail_if_all_did(report: dict[str, Any]) -> None:

@@ -17,6 +17,7 @@ import numpy as np
 from microswim.errors import SpecError, renamed
 from microswim.gait.gait import Gait
 from microswim.gait.screw import screw
+from microswim.numerics.plain import plain
 from microswim.numerics.rigid_motion import ScrewMotion
 
 
@@ -304,12 +305,7 @@ def summary(gait: Gait) -> dict[str, Any]:
 def numbers(gait: Gait, body_length: Any = None) -> dict[str, Any]:
     """Return every number of a gait, those in body lengths if the body's length is given."""
     basis, left = Basis(gait, body_length), OF_SHAPE if body_length is None else ()
-    return {q.name: as_plain(q.of(basis)) for q in _LIST if q.name not in left}
-
-
-def as_plain(value: Any) -> Any:
-    """Return a real number or array as Python's numbers and lists."""
-    return np.asarray(np.real(value)).tolist()
+    return {q.name: plain(np.real(q.of(basis)), nan=True) for q in _LIST if q.name not in left}
 
 
 def current(name: str) -> str:

@@ -4,33 +4,62 @@ from __future__ import annotations
 
 import contextlib
 import pickle
+import re
 import shutil
 from collections.abc import Callable, Iterable, Iterator
+from importlib.util import find_spec
 from typing import Any
 
 from microswim import __version__
-from microswim.errors import MicroswimError
+from microswim.errors import MicroswimError, SpecError
 from microswim.jobs.processes import check_portable
 from microswim.jobs.worker import Lost, in_words
 
+#: Of a Dask scheduler: a name or number and a port, with or without a protocol.
+ADDRESS = r"(\w+://)?([^\s/:]+|\[[\da-fA-F:]+\]):\d{1,5}"
 PATIENCE = "20s"  # for a scheduler to answer
+
+
+def check(scheduler: str | None, cluster: str | None) -> None:
+    """Refuse a scheduler or a cluster that cannot be one, before any work.
+
+    Raises
+    ------
+    SpecError
+        If both are asked for, an address is none, or this machine has no Slurm.
+    MicroswimError
+        If the extra is missing.
+    """
+    if scheduler is None and cluster is None:
+        return
+    if scheduler is not None and cluster is not None:
+        raise SpecError("scheduler and cluster: one of the two")
+    if scheduler is not None and not re.fullmatch(ADDRESS, scheduler):
+        raise SpecError("scheduler", scheduler, "HOST:PORT, such as localhost:8786")
+    if cluster not in (None, "slurm"):
+        raise SpecError("cluster", cluster, '"slurm"')
+    if cluster is not None and shutil.which("sbatch") is None:
+        raise SpecError("cluster", cluster, "used where Slurm is", "sbatch is not on the path")
+    wanted = {"distributed": "Dask"} | (
+        {} if cluster is None else {"dask_jobqueue": "dask-jobqueue"}
+    )
+    for module, name in wanted.items():
+        if find_spec(module) is None:
+            how = 'pip install "microswim[cluster]"'
+            raise MicroswimError(f"{name} is not installed; install it with: {how}")
 
 
 @contextlib.contextmanager
 def connected(scheduler: str | None, cluster: str | None, workers: int) -> Iterator[Any]:
-    """Give a Dask client at a scheduler's address or on a Slurm cluster.
+    """Give a Dask client at a scheduler's address or on a Slurm cluster; `check` comes before.
 
     Raises
     ------
     MicroswimError
-        If the extra is missing or nobody answers.
+        If nobody answers.
     """
-    try:
-        from distributed import Client
-    except ModuleNotFoundError:
-        raise MicroswimError(
-            'Dask is not installed; install it with: pip install "microswim[cluster]"'
-        ) from None
+    from distributed import Client
+
     with contextlib.ExitStack() as stack:
         address: Any = scheduler
         if cluster is not None:
@@ -44,15 +73,8 @@ def connected(scheduler: str | None, cluster: str | None, workers: int) -> Itera
 
 def _slurm(workers: int) -> Any:
     """Return a Slurm cluster: one job a worker; queue and limits from Dask's own configuration."""
-    if shutil.which("sbatch") is None:
-        raise MicroswimError("slurm: there is no sbatch on this machine to submit jobs with")
-    try:
-        from dask_jobqueue.slurm import SLURMCluster
-    except ModuleNotFoundError:
-        raise MicroswimError(
-            'dask-jobqueue is not installed; install it with: pip install "microswim[cluster]"'
-        ) from None
     from dask import config
+    from dask_jobqueue.slurm import SLURMCluster
 
     usual = {"cores": 1, "processes": 1, "memory": "4GB"}
     own = {k: v for k in usual if (v := config.get(f"jobqueue.slurm.{k}", None)) is not None}

@@ -21,6 +21,7 @@ from microswim import __version__
 from microswim.gait.gait import Gait
 from microswim.numerics import archive
 from microswim.numerics.files import write
+from microswim.numerics.plain import plain
 from microswim.swimmer.swimmer import Swimmer
 
 _SERIES = (
@@ -81,7 +82,11 @@ def keep(path: Path, result: Gait | str) -> None:
     else:
         arrays = {n: v for n in _SERIES if (v := getattr(result, n)) is not None}
         notes |= {"rate": float(result.rate), "free": list(map(bool, result.free))}
-        notes |= {"model": result.model, "units": result.units, "info": _plain(result.info)}
+        notes |= {
+            "model": result.model,
+            "units": result.units,
+            "info": plain(result.info, nan=True),
+        }
     write(path, archive.pack(notes, arrays))
 
 
@@ -98,14 +103,3 @@ def find(path: Path) -> Gait | str | None:
         return Gait(**arrays, **notes)
     except (OSError, KeyError, TypeError, ValueError):
         return None
-
-
-def _plain(value: Any) -> Any:
-    """Return the part of a model's notes that JSON can hold."""
-    if isinstance(value, dict):
-        return {str(k): _plain(v) for k, v in value.items()}
-    if isinstance(value, (list, tuple)):
-        return [_plain(v) for v in value]
-    if isinstance(value, (np.ndarray, np.generic)):
-        return value.tolist()
-    return value if isinstance(value, (str, int, float, bool, type(None))) else str(value)

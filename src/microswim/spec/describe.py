@@ -6,9 +6,8 @@ import json
 from dataclasses import fields
 from typing import Any
 
-import numpy as np
-
 from microswim.gait.units import unit
+from microswim.numerics.plain import plain
 from microswim.spec.tables import FIELDS, TAGS
 from microswim.swimmer.swimmer import Swimmer
 
@@ -47,10 +46,10 @@ def to_tables(swimmer: Swimmer) -> dict[str, Any]:
 
 
 def _written(unit: str, value: Any) -> Any:
-    if isinstance(value, (list, tuple, np.ndarray)):
+    value = plain(value, nan=True)
+    if isinstance(value, list):
         unit = "" if unit == "rad" else unit  # a direction as a vector
         return [_written(unit, v) for v in value]
-    value = value.item() if isinstance(value, np.generic) else value
     return f"{value!r} {unit}" if unit and isinstance(value, (int, float)) else value
 
 
@@ -75,10 +74,4 @@ def _name_of(function: Any) -> str:
 
 def spec_json(swimmer: Swimmer) -> str:
     """Return `describe` as canonical JSON, for provenance and comparison."""
-    return json.dumps(describe(swimmer), sort_keys=True, default=_jsonable)
-
-
-def _jsonable(value: Any) -> Any:
-    if isinstance(value, np.ndarray):
-        return value.tolist()
-    return value.item() if isinstance(value, np.generic) else str(value)
+    return json.dumps(plain(describe(swimmer), nan=True), sort_keys=True)

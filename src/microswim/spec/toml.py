@@ -5,6 +5,8 @@ from __future__ import annotations
 from collections.abc import Mapping
 from typing import Any
 
+from microswim.numerics.plain import plain
+
 
 def to_toml(tables: Mapping[str, Any], comment: str) -> str:
     """Return the text of a spec file, a line of comment first.
@@ -27,16 +29,7 @@ def to_toml(tables: Mapping[str, Any], comment: str) -> str:
     import tomli_w  # nobody waits for it who only reads
 
     words = " ".join("".join(c if c.isprintable() else " " for c in comment).split())
-    plain = {name: _plain(table) for name, table in tables.items()}
-    text = tomli_w.dumps(plain, indent=0)
+    text = tomli_w.dumps(plain(tables, nan=True, none=False), indent=0)
     for many, one in (("[\n", "["), (",\n]", "]"), (",\n", ", ")):  # a list stays on its line
         text = text.replace(many, one)
     return f"# {words}\n\n{text}"
-
-
-def _plain(value: Any) -> Any:
-    if isinstance(value, Mapping):
-        return {k: _plain(v) for k, v in value.items() if v is not None}
-    if hasattr(value, "tolist"):  # NumPy's numbers and arrays
-        value = value.tolist()
-    return [_plain(v) for v in value] if isinstance(value, (list, tuple)) else value

@@ -2,9 +2,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Mapping
 from dataclasses import fields
-from typing import Any
+from typing import TYPE_CHECKING, Any
+
+from microswim.errors import SpecError, nearest
+
+if TYPE_CHECKING:
+    from microswim.swimmer.swimmer import Swimmer
 
 #: Fields that say the same in two ways: one of the two is given, and setting one clears the other.
 ALTERNATIVES = {"tail.waves": "tail.wavelength", "tail.wavelength": "tail.waves"}
@@ -40,6 +45,36 @@ def replaced(owner: Any, name: str, value: Any) -> Any:
         object.__setattr__(copy, f.name, getattr(owner, f.name))
     object.__setattr__(copy, name, value)
     return copy
+
+
+def lifted(swimmer: Swimmer, values: Mapping[str, Any]) -> Swimmer:
+    """Return a copy with numbers replaced *unchecked*: complex numbers, or arrays of designs.
+
+    The formulas of the package accept both, so that one set of them serves a gait, its derivatives
+    by the complex step and a batch. Such a swimmer stays within the package.
+
+    Raises
+    ------
+    SpecError
+        If a name is no number of this swimmer.
+
+    Examples
+    --------
+    >>> import microswim as ms
+    >>> helix = ms.Swimmer.preset("tabak/helix")
+    >>> lifted(helix, {"tail.amplitude": 0.1 + 1e-30j}).tail.amplitude
+    (0.1+1e-30j)
+    """
+    for path, value in values.items():
+        if path not in swimmer.numbers:
+            raise SpecError(path, value, "a number of this swimmer", nearest(path, swimmer.numbers))
+        part, name = path.split(".", 1)
+        name, *index = name.replace("]", "").split("[")
+        owner = getattr(swimmer, part)
+        if index:
+            value = set_item(getattr(owner, name), [int(i) for i in index], value)
+        swimmer = replaced(swimmer, part, replaced(owner, name, value))
+    return swimmer
 
 
 def without_other_names(given: Iterable[str]) -> set[str]:

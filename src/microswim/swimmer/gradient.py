@@ -6,6 +6,7 @@ from typing import TYPE_CHECKING, Any
 
 from microswim.gait.observed import output
 from microswim.numerics.complex_step import STEP, derivative_from
+from microswim.swimmer.fields import lifted
 
 if TYPE_CHECKING:
     from microswim.swimmer.swimmer import Swimmer
@@ -17,6 +18,6 @@ def gradient(swimmer: Swimmer, name: str = "mean_velocity", wrt: Any = None) -> 
     out = {}
     for path in paths:
         values = {path: swimmer.numbers.get(path, 0.0) + 1j * STEP}
-        value = output(swimmer.lifted(values).gait(), name)
+        value = output(lifted(swimmer, values).gait(), name)
         out[path] = derivative_from(value)
     return out

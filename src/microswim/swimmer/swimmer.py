@@ -15,7 +15,7 @@ from microswim.gait import portrait
 from microswim.swimmer import doors, physical_sense
 from microswim.swimmer.drag.coefficients import Coefficients, Unchosen
 from microswim.swimmer.drag.interaction import Interaction
-from microswim.swimmer.fields import numbers_of, replaced, set_item, without_other_names
+from microswim.swimmer.fields import numbers_of, set_item, without_other_names
 from microswim.swimmer.fluid import Fluid
 from microswim.swimmer.geometry.bodies import Body
 from microswim.swimmer.geometry.surroundings import Channel, Wall
@@ -296,25 +296,6 @@ class Swimmer:
             for part in self.parts
             for path, value in numbers_of(getattr(self, part))
         }
-
-    def lifted(self, values: dict[str, Any]) -> Swimmer:
-        """Copy with dotted numbers replaced *unchecked*: complex numbers, or arrays of designs.
-
-        The formulas of the package accept both; see `gradient` and `sweep`.
-        """
-        swimmer = self
-        for path, value in values.items():
-            if path not in self.numbers:
-                raise SpecError(
-                    path, value, "a number of this swimmer", nearest(path, self.numbers)
-                )
-            part, name = path.split(".", 1)
-            name, *index = name.replace("]", "").split("[")
-            owner = getattr(swimmer, part)
-            if index:
-                value = set_item(getattr(owner, name), [int(i) for i in index], value)
-            swimmer = replaced(swimmer, part, replaced(owner, name, value))
-        return swimmer
 
     def gradient(self, output: str = "mean_velocity", wrt: Any = None) -> dict[str, Any]:
         """Exact derivatives of an output with respect to numbers of the spec.

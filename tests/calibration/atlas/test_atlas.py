@@ -16,6 +16,7 @@ from microswim.calibration.atlas.near import Misses, measured, quantile
 from microswim.calibration.region.fit import Solved
 from microswim.errors import SpecError
 from microswim.gait.gait import DEGREES_OF_FREEDOM
+from microswim.swimmer.fields import lifted
 
 TAIL = ms.HelicalTail(length=2.0, amplitude=0.1, waves=3, radius=0.05)
 ROBOT = ms.Swimmer(body=ms.Sphere(radius=0.5), tail=TAIL, fluid=ms.Fluid(viscosity=100.0))
@@ -79,7 +80,7 @@ def test_many_designs_side_by_side_are_those_one_by_one():
         "tail.amplitude": np.array([0.06, 0.1, 0.14]),
         "body.radius": np.array([0.4, 0.5, 0.6]),
     }
-    R, F, G, _ = shipped().matrices(ROBOT.lifted(values))
+    R, F, G, _ = shipped().matrices(lifted(ROBOT, values))
     for i in range(3):
         one = ROBOT.with_({name: float(v[i]) for name, v in values.items()})
         alone = shipped().matrices(one)
@@ -93,7 +94,7 @@ def test_derivatives_by_complex_step(name):
     value, h = ROBOT.numbers[name], 2e-4  # far above the rounding of the sums
 
     def speed(v):
-        return ROBOT.lifted({name: v}).gait("atlas").mean_velocity[0]
+        return lifted(ROBOT, {name: v}).gait("atlas").mean_velocity[0]
 
     exact = np.imag(speed(value + 1e-30j)) / 1e-30
     slope = (speed(value + h) - speed(value - h)) / (2 * h)

@@ -9,6 +9,7 @@ from hypothesis import strategies as st
 
 import microswim as ms
 from microswim.numerics.fourier import rotate
+from microswim.swimmer.fields import lifted
 
 
 def number(lo, hi):
@@ -88,7 +89,7 @@ def test_velocity_is_linear_in_the_rate_and_free_of_viscosity(swimmer, factor):
 @given(swimmers.filter(slender_enough), number(0.1, 10.0))
 def test_scaling_all_lengths_scales_the_speed(swimmer, size):
     lengths = [k for k in swimmer.numbers if k.startswith("body.") or k in LENGTHS]
-    big = swimmer.lifted({k: size * swimmer.numbers[k] for k in lengths})
+    big = lifted(swimmer, {k: size * swimmer.numbers[k] for k in lengths})
     V, W = swimmer.gait().velocity(PHASE), big.gait().velocity(PHASE)
     assert W[:, :3] == pytest.approx(size * V[:, :3], rel=1e-8, abs=1e-10)
     assert W[:, 3:] == pytest.approx(V[:, 3:], rel=1e-8, abs=1e-10)

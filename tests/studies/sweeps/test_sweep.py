@@ -140,6 +140,25 @@ def test_what_makes_no_sense_is_refused_before_anything_is_solved(over, says, tm
     assert list(tmp_path.iterdir()) == []
 
 
+@pytest.mark.parametrize(
+    ("where", "says"),
+    [
+        ({"scheduler": "garbage"}, "HOST:PORT"),
+        ({"cluster": "slurm"}, "sbatch"),
+        ({"cluster": "lsf"}, "slurm"),
+        ({"cluster": "slurm", "scheduler": "a:1"}, "one of the two"),
+        ({"scheduler": "a:1"}, r"microswim\[cluster\]"),
+    ],
+)
+def test_a_cluster_that_cannot_be_one_leaves_no_store(where, says, tmp_path, monkeypatch):
+    monkeypatch.setenv("PATH", str(tmp_path))
+    monkeypatch.setattr("microswim.jobs.cluster.find_spec", lambda name: None)
+    swimmer, path = ms.Swimmer.preset("tabak/helix"), tmp_path / "a.zarr"
+    with pytest.raises(ms.MicroswimError, match=says):
+        ms.sweep(swimmer, {"tail.waves": [1, 2]}, out=path, **where)
+    assert not path.exists()
+
+
 @pytest.mark.usefixtures("small_blocks")
 @pytest.mark.parametrize("calls", [1, 2, 4])
 def test_an_interrupted_sweep_goes_on_to_the_same_bits(calls, tmp_path, monkeypatch):

@@ -113,7 +113,7 @@ class Atlas:
     def matrices(self, swimmer: Swimmer) -> tuple[Any, ...]:
         """Return R (6, 6, ...), F_p (6, ...), G at phase 0 and the body's share (3, ...).
 
-        Arrays of designs (`Swimmer.lifted`) stand in the last axis.
+        Arrays of designs (`microswim.swimmer.fields.lifted`) stand in the last axis.
         """
         one = _bare(swimmer)
         y = self.corrections(*self.place(one))

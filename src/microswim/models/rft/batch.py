@@ -43,7 +43,7 @@ from microswim.models.rft.segment import (
 from microswim.numerics.compiled import pays, settled
 from microswim.numerics.quadrature import gauss, panels
 from microswim.numerics.solve6 import solve
-from microswim.swimmer.fields import in_terms_of
+from microswim.swimmer.fields import in_terms_of, lifted
 from microswim.swimmer.geometry.tails import as_wave
 from microswim.swimmer.swimmer import Swimmer
 
@@ -122,7 +122,7 @@ def expected_errors(swimmer: Swimmer, values: dict[str, Any]) -> np.ndarray:
     """
     assert swimmer.region is not None
     arrays = {k: np.asarray(v, dtype=float).reshape(-1) for k, v in values.items()}
-    many = in_terms_of(swimmer, arrays).lifted(arrays)
+    many = lifted(in_terms_of(swimmer, arrays), arrays)
     return swimmer.region.expected_of_many(many, max(a.size for a in arrays.values()))
 
 
@@ -134,7 +134,7 @@ def _chunk(
         return _one_by_one(swimmer, arrays, n)
     with np.errstate(all="ignore"), warnings.catch_warnings():
         warnings.simplefilter("ignore")
-        many = swimmer.lifted(arrays)
+        many = lifted(swimmer, arrays)
         own = parameters if swimmer.region is None else swimmer.region.parameters
         p = np.ascontiguousarray(np.broadcast_to(own(many), (n, PARAMETERS)))
         body = np.ascontiguousarray(np.broadcast_to(body_resistance(many), (n, 6, 6)))
@@ -209,7 +209,7 @@ def _calibrated(swimmer: Swimmer, arrays: dict, good: np.ndarray, rate: Any) -> 
 
     def solved(rows: np.ndarray, phases: int) -> Any:
         picked = {k: v[rows] if v.size > 1 else v for k, v in arrays.items()}
-        return region.solve(swimmer.lifted(picked), free, phases)
+        return region.solve(lifted(swimmer, picked), free, phases)
 
     if not swimmer.tail.is_rigid:
         return _plane_waves(solved, good, None, rate)

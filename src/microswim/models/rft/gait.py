@@ -98,7 +98,7 @@ def gait(swimmer: Swimmer, *, nodes: int | None = None, phases: int | None = Non
     Parameters
     ----------
     swimmer
-        Any swimmer; its numbers may be complex (`Swimmer.lifted`).
+        Any swimmer; its numbers may be complex (`microswim.swimmer.fields.lifted`).
     nodes
         Gauss-Legendre nodes along the tail behind the ramp; by default enough for rounding, or
         the closed integrals of a helix.

@@ -9,7 +9,9 @@ import numpy as np
 from microswim.gait.screw import screw
 from microswim.models.rft.batch import evaluate
 from microswim.numerics.compiled import choose_compiled, settled
+from microswim.numerics.complex_step import STEP
 from microswim.numerics.cores import MANY
+from microswim.swimmer.fields import lifted
 from microswim.swimmer.fluid import Fluid
 from microswim.swimmer.geometry.bodies import Sphere
 from microswim.swimmer.geometry.custom_tail import CustomTail
@@ -51,7 +53,7 @@ def warm_up() -> None:
     with settled(True):
         for tail in _tails():
             swimmer = Swimmer(body=Sphere(radius=0.5), tail=tail, fluid=Fluid(viscosity=1.0))
-            stepped = swimmer.lifted({"fluid.viscosity": 1.0 + 1e-30j})
+            stepped = lifted(swimmer, {"fluid.viscosity": 1.0 + 1j * STEP})
             for one in (swimmer, stepped):
                 screw(one.gait())
                 one.gait(nodes=8)

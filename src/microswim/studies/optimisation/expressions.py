@@ -11,7 +11,6 @@ import ast
 import operator
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
-from difflib import get_close_matches
 from typing import Any
 
 import numpy as np
@@ -227,9 +226,7 @@ def _is_quantity(node: Any) -> bool:
 
 def _nearest(name: str, known: Any) -> str:
     """Return what to offer instead: never a name of an earlier version."""
-    old = get_close_matches(name, OLD, n=1)
-    today = sorted(set(known) - set(OLD))
-    return f'did you mean "{OLD[old[0]]}"?' if old else nearest(name, today)
+    return nearest(name, sorted(set(known) - set(OLD)), old=OLD)
 
 
 def _value(node: Any, values: Mapping[str, Any]) -> Any:

@@ -13,7 +13,7 @@ import numpy as np
 
 from microswim.gait.gait import Gait
 from microswim.gait.quantities import NUMBERS, OLD, QUANTITIES, Basis
-from microswim.swimmer.fields import ALTERNATIVES, both_of_the_wave, in_terms_of
+from microswim.swimmer.fields import ALTERNATIVES, both_of_the_wave, in_terms_of, lifted
 from microswim.swimmer.geometry.tails import WaveTail
 from microswim.swimmer.swimmer import Swimmer
 
@@ -59,7 +59,7 @@ def of_many(
 
     arrays = {name: np.asarray(v, dtype=float) for name, v in numbers.items()}
     found = evaluate(swimmer, arrays, tolerance)
-    many = in_terms_of(swimmer, arrays).lifted(arrays)
+    many = lifted(in_terms_of(swimmer, arrays), arrays)
     rate = many.tail.rate
     if many.motion.frequency_frame == "lab":  # the motor's rate, as `Gait.in_lab_frame` has it
         rate = rate - many.tail.sign * found["mean_velocity"][:, 3]

@@ -21,7 +21,7 @@ from microswim.spec.values import all_from_python
 from microswim.studies.optimisation.expressions import Constraint, Expression, constraints, parse
 from microswim.studies.optimisation.limits import in_si
 from microswim.studies.optimisation.merits import known, of_gait, of_many
-from microswim.swimmer.fields import in_terms_of
+from microswim.swimmer.fields import in_terms_of, lifted
 from microswim.swimmer.geometry.tails import TAILS, WaveTail
 from microswim.swimmer.swimmer import Swimmer
 from microswim.swimmer.variants import KINDS, check_names, vary
@@ -156,22 +156,22 @@ class Problem:
         if not self.ranges:
             value = self.values(numbers)
             return value, np.zeros((len(value), 0))
-        at = self.swimmer.lifted(dict(numbers))
-        lifted = np.stack(
-            [self._stack(at.lifted({k: v + 1j * STEP})) for k, v in numbers.items()], axis=1
+        at = lifted(self.swimmer, numbers)
+        stepped = np.stack(
+            [self._stack(lifted(at, {k: v + 1j * STEP})) for k, v in numbers.items()], axis=1
         )
         widths = np.array([high - low for low, high in self.ranges.values()])
-        return np.real(lifted[:, 0]), derivative_from(lifted) * widths
+        return np.real(stepped[:, 0]), derivative_from(stepped) * widths
 
     def values(self, numbers: Mapping[str, Any]) -> np.ndarray:
         """First objective and margins for numbers of the spec."""
-        return self._stack(self.swimmer.lifted(dict(numbers)))
+        return self._stack(lifted(self.swimmer, numbers))
 
     def derivative(self, numbers: Mapping[str, Any], name: str) -> np.ndarray:
         """Exact derivative of `values` with respect to any number of the spec."""
-        at = self.swimmer.lifted(dict(numbers))
+        at = lifted(self.swimmer, numbers)
         value = numbers[name] if name in numbers else at.numbers[name]
-        return derivative_from(self._stack(at.lifted({name: value + 1j * STEP})))
+        return derivative_from(self._stack(lifted(at, {name: value + 1j * STEP})))
 
     def _stack(self, swimmer: Swimmer) -> np.ndarray:
         with warnings.catch_warnings(), np.errstate(all="ignore"):

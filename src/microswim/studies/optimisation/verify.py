@@ -16,6 +16,7 @@ import numpy as np
 
 from microswim.calibration.calibrate import calibrate
 from microswim.gait.gait import DEGREES_OF_FREEDOM
+from microswim.numerics.plain import plain
 from microswim.studies.optimisation.merits import of_gait
 from microswim.studies.optimisation.problem import Problem
 from microswim.studies.optimisation.search import Optimum, search
@@ -96,7 +97,7 @@ def _verdict(problem: Problem, best: Optimum, judged: Any, tolerance: float) -> 
     miss = abs(best.value - reference) / max(abs(reference), 1e-300)
     holds = all(float(c.margin(values)) >= -tolerance for c in problem.limits)
     return {
-        "values": {k: v.item() if isinstance(v, np.generic) else v for k, v in best.values.items()},
+        "values": plain(best.values),
         "surrogate": best.value,
         "reference": reference,
         "miss": miss,

@@ -17,6 +17,7 @@ from microswim.models.rft.batch import evaluate
 from microswim.output.plots.style import ORANGE, WIDE, letter, look, panels
 from microswim.studies.paper.context import AMPLITUDE, WAVES, Context, swimmer
 from microswim.swimmer.drag.coefficients import closed_form
+from microswim.swimmer.fields import lifted
 from microswim.swimmer.swimmer import Swimmer
 
 TITLE = "Fig. 6. Maps of velocity and efficiency"
@@ -40,7 +41,7 @@ def closed(coefficients: str, b: Any, n: Any, frame: str = "lab") -> tuple[Any, 
     With the tail's rate in the lab frame the force balance alone gives u_s; relative to the body,
     the torque balance ``T_t(u_s, omega + Omega) = 8 pi mu r_b^3 gamma Omega`` joins it.
     """
-    who = swimmer("helix", coefficients).lifted({AMPLITUDE: b, WAVES: n})
+    who = lifted(swimmer("helix", coefficients), {AMPLITUDE: b, WAVES: n})
     tail = who.tail
     c_t, c_n = who.coefficients.pair(tail, who.fluid.viscosity)
     D = [g * d for g, d in zip(who.interaction.translation, who.body.diagonal(who.fluid.viscosity))]

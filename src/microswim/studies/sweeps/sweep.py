@@ -21,7 +21,7 @@ from microswim import __version__
 from microswim.calibration.region.text import digest
 from microswim.errors import MachineError, SpecError
 from microswim.gait.gait import DEGREES_OF_FREEDOM
-from microswim.jobs.cluster import connected
+from microswim.jobs import cluster as clusters
 from microswim.jobs.lock import locked
 from microswim.jobs.processes import counted
 from microswim.spec.describe import spec_json
@@ -128,6 +128,7 @@ def sweep(
     """
     if model not in BLOCK:
         raise SpecError("model", model, 'one of "rft", "elastic", "bem", "fem"')
+    clusters.check(scheduler, cluster)
     count = counted(workers)
     if count == 0 and (scheduler is not None or cluster is not None):
         raise SpecError("workers", workers, "at least 1 on a cluster")
@@ -143,7 +144,7 @@ def sweep(
 
     def engine(tasks: Iterable[Task]) -> Iterator[tuple[Task, Rows]]:
         if scheduler is not None or cluster is not None:
-            with connected(scheduler, cluster, count) as client:
+            with clusters.connected(scheduler, cluster, count) as client:
                 yield from solved(job, tasks, count, client)
         else:
             yield from solved(job, tasks, 0 if here else count)

@@ -21,6 +21,8 @@ from .gait.gait import Gait as Gait
 from .gait.observed import observed as observed
 from .gait.quantities import summary as summary
 from .gait.screw import screw as screw
+from .models.elastic.stability import Threshold as Threshold
+from .models.elastic.stability import stability as stability
 from .models.rft.batch import evaluate as evaluate
 from .models.rft.warm_up import warm_up as warm_up
 from .numerics.rigid_motion import ScrewMotion as ScrewMotion

@@ -1,6 +1,7 @@
 """Beats of elastic tails against closed forms, a chain of points, and laws."""
 
 from dataclasses import replace
+from typing import Any
 
 import numpy as np
 import pytest
@@ -73,9 +74,8 @@ def test_a_stiff_tail_goes_nowhere_with_the_fourth_power():
 
 def test_a_stiff_tail_moves_as_one():
     stiff = swimmer(0.02, 0.3, drive="pivot", body=ms.Sphere(radius=0.3), motion=ms.Motion())
-    rigid = ms.CustomTail(
-        shape=lambda s, phase: stiff.tail.stiff(s, phase)[0], length=1.0, radius=0.01
-    )
+    tail: Any = stiff.tail
+    rigid = ms.CustomTail(shape=lambda s, phase: tail.stiff(s, phase)[0], length=1.0, radius=0.01)
     phases = np.linspace(0.0, RATE, 9)
     one, other = stiff.gait("elastic"), replace(stiff, tail=rigid).gait("rft")
     np.testing.assert_allclose(one.velocity(phases), other.velocity(phases), atol=1e-5)

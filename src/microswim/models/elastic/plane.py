@@ -47,9 +47,7 @@ class Drag:
     def weights(self, rod: Rod) -> tuple[np.ndarray, np.ndarray]:
         """Tangential and normal resistance of each node."""
         t, n = self.tangential * rod.weight, self.normal * rod.weight
-        end = np.zeros(len(rod.s))
-        end[-1] = 1.0
-        return t + self.tip * end, n + self.tip * end
+        return t + self.tip * rod.end, n + self.tip * rod.end
 
 
 @dataclass(frozen=True, eq=False)
@@ -70,6 +68,8 @@ class Loads:
     ----------
     weight
         Force per length along s and q, (2,).
+    end
+        Force at the free end along s and q, (2,).
     flow
         Velocity of the fluid along s and q, (2,).
     tip, along
@@ -77,6 +77,7 @@ class Loads:
     """
 
     weight: tuple[float, float] = (0.0, 0.0)
+    end: tuple[float, float] = (0.0, 0.0)
     flow: tuple[float, float] = (0.0, 0.0)
     tip: float = 0.0
     along: float = 0.0
@@ -129,11 +130,10 @@ def balance(
     vt, vn = c * vx + s * vy, c * vy - s * vx
 
     ct, cn = drag.weights(rod)
-    end = np.zeros(len(rod.s))
-    end[-1] = 1.0
+    end = rod.end
     ft, fn = ct * vt + loads.tip * end + loads.along * rod.weight, cn * vn
-    fx = c * ft - s * fn - loads.weight[0] * rod.weight
-    fy = s * ft + c * fn - loads.weight[1] * rod.weight
+    fx = c * ft - s * fn - loads.weight[0] * rod.weight - loads.end[0] * end
+    fy = s * ft + c * fn - loads.weight[1] * rod.weight - loads.end[1] * end
 
     residual = (_swap(Jx) @ fx[..., None] + _swap(Jy) @ fy[..., None])[..., 0]
     residual[:, f:] += rod.stiffness * (q - rest)

@@ -45,6 +45,11 @@ class Rod:
     stiffness: np.ndarray
 
     @property
+    def end(self) -> np.ndarray:
+        """1 at the free end, 0 at the other nodes, (m,)."""
+        return np.where(self.s == 1.0, 1.0, 0.0)
+
+    @property
     def count(self) -> int:
         """Number of coordinates n."""
         return len(self.stiffness)

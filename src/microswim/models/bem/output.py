@@ -2,37 +2,20 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-from microswim.models.bem.element import chebyshev_nodes, lagrange
-from microswim.models.bem.surface import Surface
+from microswim.models.bem.surface import Surface, positions, values_at
 from microswim.numerics.array import Array
 from microswim.numerics.files import write
 from microswim.swimmer import doors
 
-if TYPE_CHECKING:
-    from microswim.models.bem.solution import Solution
-
-
+Flow = Callable[[Array], Array]
 AXES = {"s": 0, "q": 1, "r": 2}
-
-
-def sampled(surface: Surface, values: Array, side: int) -> Array:
-    """Density-like values (e, p*p, 3) at side x side points of every patch, (e, side, side, 3)."""
-    nodes = np.polynomial.legendre.leggauss(surface.order)[0]
-    L = lagrange(nodes, np.linspace(-1, 1, side))[0]
-    p = surface.order
-    return np.einsum("mi,nj,eijc->emnc", L, L, values.reshape(-1, p, p, 3), optimize=True)
-
-
-def positions(surface: Surface, side: int) -> Array:
-    """Points of the surface at side x side places of every patch, (e, side, side, 3)."""
-    L = lagrange(chebyshev_nodes(), np.linspace(-1, 1, side))[0]
-    return np.einsum("mi,nj,eijc->emnc", L, L, surface.controls, optimize=True)
 
 
 def _quads(patches: int, side: int) -> NDArray[np.int64]:
@@ -42,26 +25,27 @@ def _quads(patches: int, side: int) -> NDArray[np.int64]:
     return (one[None] + side * side * np.arange(patches)[:, None, None]).reshape(-1, 4)
 
 
-def write_surface(solution: Solution, path: str | Path, side: int = 6) -> Path:
+def write_surface(
+    surface: Surface, traction: Array, velocity: Array, path: str | Path, side: int = 6
+) -> Path:
     """Write the surface with traction, velocity and tail (0 body, 1 tail) as a ``.vtp`` file."""
-    s = solution.surface
     data = {
-        "traction": sampled(s, solution.traction(), side).reshape(-1, 3),
-        "velocity": sampled(s, solution.surface_velocity(), side).reshape(-1, 3),
-        "tail": np.repeat(s.on_tail.astype(np.uint8), side * side),
+        "traction": values_at(surface, traction, side).reshape(-1, 3),
+        "velocity": values_at(surface, velocity, side).reshape(-1, 3),
+        "tail": np.repeat(surface.on_tail.astype(np.uint8), side * side),
     }
-    points, quads = positions(s, side).reshape(-1, 3), _quads(s.patches, side)
+    points, quads = positions(surface, side).reshape(-1, 3), _quads(surface.patches, side)
     text = doors.go(doors.POLY_DATA, points, polys=quads, point_data=data)
     return _written(Path(path).with_suffix(".vtp"), text)
 
 
 def write_field(
-    solution: Solution, path: str | Path, low: Array, high: Array, counts: tuple[int, int, int]
+    velocity: Flow, path: str | Path, low: Array, high: Array, counts: tuple[int, int, int]
 ) -> Path:
     """Write the velocity of the fluid on a box of points as a ``.vti`` file."""
     axes = [np.linspace(a, b, n) for a, b, n in zip(low, high, counts, strict=True)]
     grid = np.stack(np.meshgrid(*axes, indexing="ij"), axis=-1)
-    u = solution.velocity(grid).transpose(2, 1, 0, 3).reshape(-1, 3)
+    u = velocity(grid).transpose(2, 1, 0, 3).reshape(-1, 3)
     step = np.array([float(a[1] - a[0]) if a.size > 1 else 1.0 for a in axes])
     text = doors.go(doors.IMAGE_DATA, np.asarray(low, float), step, counts, {"velocity": u})
     return _written(Path(path).with_suffix(".vti"), text)
@@ -73,7 +57,9 @@ def _written(path: Path, text: str) -> Path:
 
 
 def picture(
-    solution: Solution,
+    surface: Surface,
+    velocity: Flow,
+    units: str,
     plane: str = "sq",
     extent: tuple[float, float, float, float] | None = None,
     resolution: int = 60,
@@ -83,6 +69,8 @@ def picture(
 
     Parameters
     ----------
+    surface, velocity, units
+        The swimmer's surface, the flow about it at points (n, 3), ``"SI"`` or ``"dimensionless"``.
     plane : str
         Two of "s", "q", "r": the axes drawn across and up.
     extent : tuple
@@ -97,20 +85,21 @@ def picture(
     matplotlib Figure
     """
     i, j = (AXES[c] for c in plane)
-    hull = solution.surface.controls.reshape(-1, 3)
     if extent is None:
-        low, high = hull.min(axis=0), hull.max(axis=0)
-        margin = 0.35 * (high - low).max()
-        extent = (low[i] - margin, high[i] + margin, low[j] - margin, high[j] + margin)
+        extent = _around(surface, i, j)
     x = np.linspace(extent[0], extent[1], resolution)
     rows = max(8, int(resolution * (extent[3] - extent[2]) / (extent[1] - extent[0])))
     y = np.linspace(extent[2], extent[3], rows)
     points = np.zeros((y.size, x.size, 3))
     points[..., i], points[..., j] = x[None, :], y[:, None]
-    u = solution.velocity(points.reshape(-1, 3)).reshape(points.shape)
-    out = 3 - i - j
-    outline = positions(solution.surface, 9)[..., [i, j]].reshape(-1, 2)
-    shadow = outline[_quads(solution.surface.patches, 9)]
-    sides = {plane[0]: x, plane[1]: y}
-    units = solution.swimmer.units
-    return doors.go(doors.CUT, sides, u[..., [i, j, out]], shadow, units, ax=ax)
+    u = velocity(points.reshape(-1, 3)).reshape(points.shape)[..., [i, j, 3 - i - j]]
+    shadow = positions(surface, 9)[..., [i, j]].reshape(-1, 2)[_quads(surface.patches, 9)]
+    return doors.go(doors.CUT, {plane[0]: x, plane[1]: y}, u, shadow, units, ax=ax)
+
+
+def _around(surface: Surface, i: int, j: int) -> tuple[float, float, float, float]:
+    """Sides of a picture that shows the whole swimmer with room about it."""
+    hull = surface.controls.reshape(-1, 3)
+    low, high = hull.min(axis=0), hull.max(axis=0)
+    margin = 0.35 * (high - low).max()
+    return low[i] - margin, high[i] + margin, low[j] - margin, high[j] + margin

@@ -26,7 +26,7 @@ from microswim.models import swimmer_surface as geometry
 from microswim.models.bem import output as flow
 from microswim.models.bem.levels import Level, get_level
 from microswim.models.bem.mesh import swimmer_surface
-from microswim.models.bem.surface import Surface
+from microswim.models.bem.surface import Surface, positions
 from microswim.models.bem.system import (
     Layer,
     require_memory,
@@ -235,17 +235,20 @@ class Solution:
 
     def to_vtk(self, path: str | Path, side: int = 6) -> Path:
         """Write the surface with traction and velocity for ParaView, ``path`` with ``.vtp``."""
-        return flow.write_surface(self, path, side)
+        return flow.write_surface(
+            self.surface, self.traction(), self.surface_velocity(), path, side
+        )
 
     def field_to_vtk(
         self, path: str | Path, low: Array, high: Array, counts: tuple[int, int, int]
     ) -> Path:
         """Write the fluid's velocity on a box of points for ParaView, ``path`` with ``.vti``."""
-        return flow.write_field(self, path, low, high, counts)
+        return flow.write_field(self.velocity, path, low, high, counts)
 
     def picture(self, plane: str = "sq", **options: Any) -> Any:
         """Matplotlib figure of the flow in a plane through the joint; see `flow.picture`."""
-        return flow.picture(self, plane, **options)
+        units = self.swimmer.units
+        return flow.picture(self.surface, self.velocity, units, plane, **options)
 
 
 def solve(
@@ -299,5 +302,5 @@ def _wall_beside(swimmer: Swimmer, surface: Surface, centre: Array) -> Array | N
         )
     if swimmer.wall is None:
         return None
-    swimmer.wall.check_clear(flow.positions(surface, 9).reshape(-1, 3), centre)
+    swimmer.wall.check_clear(positions(surface, 9).reshape(-1, 3), centre)
     return swimmer.wall.plane(centre)

@@ -13,7 +13,13 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import NDArray
 
-from microswim.models.bem.element import CellTables, cell_tables, chebyshev_nodes, patch_matrix
+from microswim.models.bem.element import (
+    CellTables,
+    cell_tables,
+    chebyshev_nodes,
+    lagrange,
+    patch_matrix,
+)
 from microswim.numerics.array import Array
 
 
@@ -121,6 +127,19 @@ class Surface:
             np.einsum("mnp,emnc->epc", weight, vector, optimize=True),
             np.einsum("mnp,emn,emnc->epc", weight, J, motion, optimize=True),
         )
+
+
+def positions(surface: Surface, side: int) -> Array:
+    """Points of a surface at side x side places of every patch, (e, side, side, 3)."""
+    L = lagrange(chebyshev_nodes(), np.linspace(-1, 1, side))[0]
+    return np.einsum("mi,nj,eijc->emnc", L, L, surface.controls, optimize=True)
+
+
+def values_at(surface: Surface, values: Array, side: int) -> Array:
+    """Density-like values (e, p*p, 3) at side x side points of every patch, (e, side, side, 3)."""
+    p = surface.order
+    L = lagrange(np.polynomial.legendre.leggauss(p)[0], np.linspace(-1, 1, side))[0]
+    return np.einsum("mi,nj,eijc->emnc", L, L, values.reshape(-1, p, p, 3), optimize=True)
 
 
 def sample_parameters(boxes: Array) -> tuple[Array, Array]:

@@ -12,13 +12,14 @@ from typing import TYPE_CHECKING, Any
 import click
 
 from microswim.errors import SpecError
+from microswim.gait import doors
 from microswim.numerics.plain import plain
 
 if TYPE_CHECKING:
     from microswim.swimmer.swimmer import Swimmer
 
-MODELS = ("rft", "elastic", "bem", "fem")
-
+#: Those that a user chooses for themselves.
+MODELS = tuple(model for model in doors.MODELS if model not in ("auto", "atlas"))
 
 SAY_THEMSELVES = ("run", "show")  #: what is odd about a swimmer, among the remarks of its gait
 
@@ -85,7 +86,7 @@ model_option = click.option(
 )
 auto_option = click.option(
     "--model",
-    type=click.Choice(("auto", "rft", "atlas", "elastic", "bem", "fem")),
+    type=click.Choice(tuple(doors.MODELS)),
     default="auto",
     show_default=True,
     help="auto: the atlas where it covers the swimmer and the spec chooses no law or coefficients, "

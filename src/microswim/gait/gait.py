@@ -91,7 +91,7 @@ class Gait:
         >>> figure.axes[0].get_xlabel()
         'phase of the tail (periods)'
         """
-        return doors.go(doors.PLOT, self)
+        return doors.go(doors.PLOT_GAIT, self)
 
     @classmethod
     def from_samples(

@@ -16,11 +16,11 @@ from typing import Any, Literal
 from pydantic import BaseModel, ValidationError
 
 from microswim.errors import SpecError, nearest
+from microswim.gait import doors
 from microswim.spec import presets, text
 from microswim.spec.tables import ALTERNATIVES, FIELDS, TABLES, TAGS, SpecTable
 from microswim.spec.trusted import Trusted
 from microswim.spec.units import DIMENSIONS, has_unit, to_si
-from microswim.swimmer import doors
 from microswim.swimmer.drag.coefficients import LAWS, Unchosen
 from microswim.swimmer.drag.interaction import Interaction
 from microswim.swimmer.fluid import Fluid

@@ -11,8 +11,8 @@ import numpy as np
 
 from microswim import checks
 from microswim.errors import SpecError, nearest
-from microswim.gait import portrait
-from microswim.swimmer import doors, physical_sense
+from microswim.gait import doors, portrait
+from microswim.swimmer import physical_sense
 from microswim.swimmer.drag.coefficients import Coefficients, Unchosen
 from microswim.swimmer.drag.interaction import Interaction
 from microswim.swimmer.fields import numbers_of, set_item, without_other_names
@@ -255,7 +255,7 @@ class Swimmer:
         >>> ms.Swimmer.preset("tabak/helix-constant").plot().axes[1].get_xlabel()
         'sideways'
         """
-        return doors.go(doors.PLOT, self)
+        return doors.go(doors.PLOT_SWIMMER, self)
 
     def with_(self, changes: dict[str, Any]) -> Swimmer:
         """Copy with dotted fields replaced and checked again: ``{"tail.amplitude": 0.12}``.

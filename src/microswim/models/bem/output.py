@@ -9,10 +9,10 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from microswim.gait import doors
 from microswim.models.bem.surface import Surface, positions, values_at
 from microswim.numerics.array import Array
 from microswim.numerics.files import write
-from microswim.swimmer import doors
 
 Flow = Callable[[Array], Array]
 AXES = {"s": 0, "q": 1, "r": 2}

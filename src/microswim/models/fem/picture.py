@@ -11,9 +11,9 @@ import ngsolve as ngs
 import numpy as np
 
 from microswim.errors import MicroswimError, SpecError
+from microswim.gait import doors
 from microswim.models.fem.stokes import SWIMMER, Stokes
 from microswim.numerics import files as whole
-from microswim.swimmer import doors
 
 
 def write(flow: Stokes, solution: np.ndarray, path: str | Path) -> Path:

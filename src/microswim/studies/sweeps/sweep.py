@@ -20,6 +20,7 @@ import numpy as np
 from microswim import __version__
 from microswim.calibration.region.text import digest
 from microswim.errors import MachineError, SpecError
+from microswim.gait import doors
 from microswim.gait.gait import DEGREES_OF_FREEDOM
 from microswim.jobs import cluster as clusters
 from microswim.jobs.lock import locked
@@ -126,8 +127,9 @@ def sweep(
     >>> dict(result.swimming_speed.sizes)
     {'tail.amplitude': 2, 'tail.waves': 3}
     """
-    if model not in BLOCK:
-        raise SpecError("model", model, 'one of "rft", "elastic", "bem", "fem"')
+    models = [m for m in doors.MODELS if m in BLOCK]
+    if model not in models:
+        raise SpecError("model", model, "one of " + ", ".join(f'"{m}"' for m in models))
     clusters.check(scheduler, cluster)
     count = counted(workers)
     if count == 0 and (scheduler is not None or cluster is not None):

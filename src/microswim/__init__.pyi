@@ -33,6 +33,10 @@ from .path.trajectory import trajectory as trajectory
 from .studies.identification.fit import identify_swimmer as identify_swimmer
 from .studies.identification.result import Identification as Identification
 from .studies.identification.track import Track as Track
+from .studies.identification.tracks import Tracks as Tracks
+from .studies.identification.tracks import read_tracks as read_tracks
+from .studies.identification.without_model import TrackNumbers as TrackNumbers
+from .studies.identification.without_model import describe_track as describe_track
 from .studies.optimisation.design import design as design
 from .studies.optimisation.pareto import pareto as pareto
 from .studies.optimisation.robust_design import robust_design as robust_design

@@ -70,7 +70,7 @@ def test_every_door_of_a_table_refuses_alike(tmp_path, monkeypatch, door, bad):
     monkeypatch.chdir(tmp_path)
     path = tmp_path / "table.csv"
     data = {
-        "latin": "größe,x\n1,2\n".encode("latin-1"),
+        "latin": b"gr\xf6\x81e,x\n1,2\n",  # neither UTF-8 nor a Windows code page
         "binary": b"time,x\n\0\0\0,1\n",
         "empty": b"",
         "huge field": b'time,x,y\n"' + b"1" * 200_000 + b'",2,3\n1,1,1\n',

@@ -34,8 +34,11 @@ class Given:
     swimmer: Swimmer
 
 
-def swimmer_options(command: Callable[..., Any]) -> Callable[..., Any]:
-    """Add SPEC, --preset, --set and --trust; the command gets them as ``given``, a `Given`."""
+def swimmer_options(command: Callable[..., Any], *, needed: bool = True) -> Callable[..., Any]:
+    """Add SPEC, --preset, --set and --trust; the command gets them as ``given``, a `Given`.
+
+    Where a swimmer is not `needed` and none is given, ``given`` is None.
+    """
 
     @click.argument("spec", required=False, type=click.Path(path_type=Path))
     @click.option("--preset", metavar="NAME", help="A swimmer that comes along: microswim presets.")
@@ -61,6 +64,8 @@ def swimmer_options(command: Callable[..., Any]) -> Callable[..., Any]:
         trust: Path | None,
         **rest: Any,
     ):
+        if not needed and spec is None and preset is None and not changes:
+            return command(given=None, **rest)
         given = read(spec, preset, changes, trust)
         if click.get_current_context().info_name not in SAY_THEMSELVES:
             _say(given.swimmer)

@@ -193,7 +193,7 @@ def _measured(text: str) -> Any:
 
 def _table(given: Given, path: Path) -> list[Any]:
     from microswim.calibration.observations import Observation
-    from microswim.spec.text import rows
+    from microswim.spec.delimited import rows
     from microswim.spec.values import from_text
 
     out = []
@@ -217,7 +217,7 @@ def _table(given: Given, path: Path) -> list[Any]:
 
 def _series(given: Given, path: Path) -> list[Any]:
     from microswim.calibration.observations import from_series
-    from microswim.spec.text import rows
+    from microswim.spec.delimited import rows
 
     found = rows(path)
     columns = {name: [_number(path, row[name]) for row in found] for name in found[0]}

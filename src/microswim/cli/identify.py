@@ -1,7 +1,10 @@
-"""``microswim identify``: wave shape and rate of a swimmer from its track."""
+"""``microswim identify``: what the tracks of filmed cells hold, and the swimmers that made them."""
 
 from __future__ import annotations
 
+import csv
+import re
+from functools import partial
 from pathlib import Path
 from typing import Any
 
@@ -17,91 +20,279 @@ from microswim.cli._options import (
     print_json,
     swimmer_options,
 )
+from microswim.errors import MicroswimError, SpecError
 from microswim.gait.units import unit
 from microswim.numerics.files import fresh
 
-PICTURE = "track.png"
 EXAMPLES = example(
+    "microswim identify spots.csv --fps 25 --pixel 0.11um --out cells",
     "microswim identify track.csv sperm.toml",
     "microswim identify track.csv --preset tabak/helix --unknown tail.amplitude",
-    "microswim identify track.csv sperm.toml --sigma 0.002 --json",
+    "microswim identify track.csv sperm.toml --sigma 50nm --json",
 )
+TABLE, DISPLACEMENT = "cells.csv", "displacement.csv"
 
 
 @click.command(epilog=EXAMPLES)
-@click.argument("track", type=click.Path(path_type=Path))
-@swimmer_options
+@click.argument("tracks", type=click.Path(path_type=Path))
+@partial(swimmer_options, needed=False)
+@click.option("--pixel", metavar="0.11um", help="Size of a pixel, where the file has pixels.")
+@click.option("--fps", metavar="25", help="Frames per second, where the file counts frames.")
+@click.option(
+    "--track", "--particle", "only", multiple=True, metavar="NAME",
+    help="The tracks that are wanted (repeatable); all by default.",
+)  # fmt: skip
 @click.option(
     "--unknown", "unknowns", multiple=True, metavar="NAME",
     help="What to find: a number of the spec, or translation.s and the like (repeatable). "
     "Default: tail.amplitude, tail.waves, tail.frequency.",
 )  # fmt: skip
-@click.option("--sigma", type=float, help="Noise of each coordinate; default: from the fit.")
+@click.option("--sigma", metavar="50nm", help="Noise of each coordinate; default: from the fit.")
 @click.option("--sigma-attitude", type=float, help="Noise of the attitude (rad); default 0.02.")
 @click.option("--starts", type=int, default=8, show_default=True, help="First guesses to follow.")
 @out_option
 @force_option
 @json_option
 def command(
-    track: Path,
-    given: Given,
-    unknowns: tuple[str, ...],
-    sigma: float | None,
-    sigma_attitude: float | None,
-    starts: int,
+    tracks: Path,
+    given: Given | None,
+    pixel: str | None,
+    fps: str | None,
+    only: tuple[str, ...],
     out: Path | None,
     force: bool,
     as_json: bool,
+    **fit: Any,
 ) -> None:
-    """Identify a swimmer from its TRACK: wave shape and rate, with uncertainty.
+    """Tell what the TRACKS of filmed cells hold; with a SPEC, find the swimmer that made each.
 
-    TRACK is a CSV with the columns time, x, y and, if known, z and the attitude qw, qx, qy, qz
-    (body to lab) of the body's centre. Two coordinates are the projection onto the image. SPEC or
-    --preset says what is known of the swimmer; what is not unknown stays as it is.
+    TRACKS is a table with x, y and, if known, z of the body's centre, with time or frame and, for
+    several cells, the track's name: the CSV of TrackMate (or its XML) or of trackpy, or any such
+    table; comma, semicolon or tab, decimal comma, units in the header, x (um). Two coordinates are
+    the projection onto the image. The attitude, if known, is qw, qx, qy, qz (body to lab).
+
+    Without a SPEC: speed, curvilinear and straight-line velocity, turning, wobble and mean squared
+    displacement of every cell, with 95 % intervals. With a SPEC or --preset, which says what is
+    known of the swimmer: wave shape and rate, with uncertainty.
     """
-    from microswim.cli._progress import bar
-    from microswim.studies.identification.fit import SHAPE, identify_swimmer
-    from microswim.studies.identification.track import Track
+    from microswim.studies.identification.tracks import read_tracks
 
-    swimmer = given.swimmer
+    units = "SI" if given is None else given.swimmer.units
+    read = read_tracks(tracks, units=units, pixel=pixel, fps=fps, track=list(only) or None)
+    names = _pictures(list(read))
     if out is not None:
-        _files.check_files("--out", out, [PICTURE], force)
-    read = Track.from_csv(track, si=swimmer.units == "SI")
-    with bar(f"identify {track.name}"):
-        found = identify_swimmer(
-            swimmer,
-            read,
-            unknowns or SHAPE,
-            sigma=sigma,
-            sigma_attitude=sigma_attitude,
-            starts=starts,
-        )
-    result = {"swimmer": given.name, "units": swimmer.units, **found.as_dict()}
-    if out is not None:
-        _draw(read, found.path, unit(swimmer.units, "length"), out / PICTURE)
-        result["picture"] = str(out / PICTURE)
+        _files.check_files("--out", out, [TABLE, DISPLACEMENT, *names.values()], force)
+    said = [*read.remarks, *_left_out(read)]
+    if given is None:
+        rows = _describe(read, tracks.name, out, names)
+        result: dict[str, Any] = {"units": units, "cells": rows, "notes": said}
+    else:
+        rows = _fit(given, read, tracks.name, out, names, fit)
+        first = {} if len(rows) != 1 else {k: v for k, v in rows[0].items() if k != "notes"}
+        result = {"swimmer": given.name, "units": units, **first, "cells": rows, "notes": said}
     if as_json:
         print_json(result)
-    else:
-        _print(found)
+        return
+    for sentence in said:
+        click.echo(f"note: {sentence}", err=True)
+    _print(rows, units, given is not None)
 
 
-def _print(found: Any) -> None:
+def _left_out(read: Any) -> list[str]:
+    """What of the file was not used, a sentence each."""
+    found = []
+    if read.ignored:
+        found.append(f"columns not used: {', '.join(read.ignored)}")
+    reasons: dict[str, list[str]] = {}
+    for name, why in read.left_out.items():
+        kind = "too short" if "positions" in why and "at least" in why else why
+        reasons.setdefault(kind, []).append(name)
+    for why, names in reasons.items():
+        few = ", ".join(names[:5]) + (", ..." if len(names) > 5 else "")
+        found.append(f"{len(names)} track(s) left out ({few}): {why}")
+    return found
+
+
+def _pictures(names: list[str]) -> dict[str, str]:
+    """File of each cell's picture: its name, made harmless, or its number."""
+    if len(names) == 1:
+        return {names[0]: "track.png"}
+    plain = {name: re.sub(r"[^\w-]", "_", name)[:40] for name in names}
+    unique = len(set(plain.values())) == len(plain)
+    return {n: f"track-{plain[n] if unique else i}.png" for i, n in enumerate(names)}
+
+
+def _describe(read: Any, what: str, out: Path | None, names: dict[str, str]) -> list[Any]:
+    """What each track holds without a model, its picture and the tables."""
+    from microswim.cli._progress import bar
+    from microswim.studies.identification.without_model import describe_track
+
+    rows, found = [], []
+    with bar(f"identify {what}") as progress:
+        for i, (name, track) in enumerate(read.items()):
+            found.append(describe_track(track, name))
+            rows.append(found[-1].as_dict())
+            if out is not None:
+                _draw_cell(track, found[-1], read.units, out / names[name])
+                rows[-1]["picture"] = str(out / names[name])
+            progress(i + 1, len(read))
+    if out is not None:
+        _write(out / TABLE, _flat(rows))
+        _write(out / DISPLACEMENT, _lags(rows))
+    return rows
+
+
+def _fit(
+    given: Given, read: Any, what: str, out: Path | None, names: dict[str, str], fit: dict[str, Any]
+) -> list[Any]:
+    """The swimmer of each track; of a cell that has none, why."""
+    from microswim.cli._progress import bar
+    from microswim.spec.values import from_text
+    from microswim.studies.identification.fit import SHAPE, identify_swimmer
+
+    swimmer = given.swimmer
+    options: dict[str, Any] = fit | {"unknowns": fit["unknowns"] or SHAPE}
+    if fit["sigma"] is not None:
+        options["sigma"] = from_text("tail.radius", fit["sigma"], swimmer.units, "--sigma")
+    rows = []
+    with bar(f"identify {what}") as progress:
+        for i, (name, track) in enumerate(read.items()):
+            rows.append({"track": name})
+            try:
+                found = identify_swimmer(swimmer, track, **options)
+            except MicroswimError as error:
+                if len(read) == 1 or isinstance(error, SpecError):
+                    raise
+                rows[-1]["warnings"] = [str(error)]
+            else:
+                rows[-1] |= found.as_dict()
+                if out is not None:
+                    _draw_fit(track, found.path, swimmer.units, out / names[name])
+                    rows[-1]["picture"] = str(out / names[name])
+            progress(i + 1, len(read))
+    if out is not None:
+        _write(out / TABLE, [_values(row) for row in rows])
+    return rows
+
+
+def _print(rows: list[Any], units: str, fitted: bool) -> None:
+    if not fitted:
+        return _print_cells(rows, units)
+    for row in rows:
+        if len(rows) > 1:
+            click.echo(f"track {row['track']}")
+        _print_fit(row)
+    return None
+
+
+def _print_fit(row: dict[str, Any]) -> None:
     """Values with their 95 % intervals, then what cannot be determined."""
-    for name, value, (low, high) in zip(found.names, found.values, found.interval()):
-        click.echo(f"{name:22s} {value:12.6g}   95 %: {low:.6g} to {high:.6g}")
-    click.echo(f"{'residual':22s} {found.residual:12.3g}   (root mean square, per coordinate)")
-    for other in found.alternatives:
-        values = ", ".join(f"{n} = {v:.4g}" for n, v in zip(found.names, other))
+    for name, value in row.get("values", {}).items():
+        low, high = row["interval_95"][name]
+        known = "not determined" if low is None else f"95 %: {low:.6g} to {high:.6g}"
+        click.echo(f"{name:22s} {value:12.6g}   {known}")
+    if "residual" in row:
+        residual = row["residual"]
+        click.echo(f"{'residual':22s} {residual:12.3g}   (root mean square, per coordinate)")
+    for other in row.get("alternatives", ()):
+        values = ", ".join(f"{n} = {v:.4g}" for n, v in other.items())
         click.echo(f"fits as well: {values}")
-    for sentence in found.warnings:
+    for sentence in row.get("warnings", ()):
         click.echo(f"note: {sentence}")
 
 
-def _draw(track: Any, path: Any, unit: str, file: Path) -> None:
+SHOWN = {
+    "speed": "speed", "curvilinear_velocity": "curvilinear", "straight_line_velocity": "straight",
+    "linearity": "linearity", "turning_rate": "turning", "wobble_frequency": "wobble",
+    "wobble_amplitude": "its amplitude",
+}  # fmt: skip
+
+
+def _print_cells(rows: list[Any], units: str) -> None:
+    """A row for each cell, then what the tracks cannot hold."""
+    from microswim.cli._print import print_table
+    from microswim.gait.readable import with_error
+    from microswim.output.report.html import Table
+    from microswim.studies.identification.without_model import NUMBERS
+
+    lines = []
+    for row in rows:
+        line = [row["track"]]
+        for name in SHOWN:
+            value, interval = row[name], row["interval_95"][name]
+            of = unit(units, NUMBERS[name])
+            if value is None:
+                line.append("-")
+                continue
+            half = (interval[1] - interval[0]) / 2.0
+            line.append(with_error(value, half / abs(value) if value else None, of))
+        lines.append(tuple(line))
+    fastest = min(row["frame_rate"] for row in rows) / 2.0
+    limit = with_error(fastest, None, unit(units, "frequency"))
+    note = f"± is the 95 % interval. A beat faster than {limit} does not show at this frame rate."
+    print_table(Table("Cells", ("track", *SHOWN.values()), lines, note))
+    notes: dict[str, list[str]] = {}
+    for row in rows:
+        for sentence in row["notes"]:
+            notes.setdefault(sentence, []).append(row["track"])
+    for sentence, of in notes.items():
+        few = ", ".join(of[:5]) + (", ..." if len(of) > 5 else "")
+        click.echo(f"track {few}: {sentence}" if len(rows) > 1 else f"note: {sentence}")
+
+
+def _flat(rows: list[Any]) -> list[dict[str, Any]]:
+    """A line of the table for each cell: every number with the ends of its interval."""
+    from microswim.studies.identification.without_model import NUMBERS
+
+    lines = []
+    for row in rows:
+        line = {k: row[k] for k in ("track", "positions", "duration", "frame_rate", "noise")}
+        for name in NUMBERS:
+            low, high = row["interval_95"][name] or ("", "")
+            line |= {name: row[name], f"{name}_low": low, f"{name}_high": high}
+        lines.append(line | {"notes": "; ".join(row["notes"])})
+    return lines
+
+
+def _values(row: dict[str, Any]) -> dict[str, Any]:
+    line = {"track": row["track"], "residual": row.get("residual", "")}
+    for name, value in row.get("values", {}).items():
+        low, high = row["interval_95"][name]
+        line |= {name: value, f"{name}_low": low, f"{name}_high": high}
+    return line | {"notes": "; ".join(row.get("warnings", ()))}
+
+
+def _lags(rows: list[Any]) -> list[dict[str, Any]]:
+    lines = []
+    for row in rows:
+        found = row["mean_squared_displacement"]
+        for lag, value, low, high in zip(*(found[k] for k in ("lag", "value", "low", "high"))):
+            lines.append({"track": row["track"], "lag": lag, "mean_squared_displacement": value,
+                          "low": low, "high": high})  # fmt: skip
+    return lines
+
+
+def _write(path: Path, lines: list[dict[str, Any]]) -> None:
+    header = list(dict.fromkeys(name for line in lines for name in line))
+    with fresh(path) as scratch, scratch.open("w", encoding="utf-8", newline="") as file:
+        writer = csv.DictWriter(file, header, restval="")
+        writer.writeheader()
+        writer.writerows(lines)
+
+
+def _draw_cell(track: Any, found: Any, units: str, file: Path) -> None:
+    from microswim.output.plots.cells import cell
+
+    _save(cell(track.position, found, unit(units, "length"), unit(units, "time")), file)
+
+
+def _draw_fit(track: Any, path: Any, units: str, file: Path) -> None:
     """Track and fitted path in the image plane."""
     from microswim.output.plots.run import track_and_fit
 
-    figure = track_and_fit(track.position, path, unit)
+    _save(track_and_fit(track.position, path, unit(units, "length")), file)
+
+
+def _save(figure: Any, file: Path) -> None:
     with fresh(file) as scratch:
-        figure.savefig(scratch, dpi=200)
+        figure.savefig(scratch, dpi=150)

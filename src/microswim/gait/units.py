@@ -25,6 +25,7 @@ UNITS = {
     "speed per power": ("1/N", "length/(power time)"),
     "viscosity": ("Pa s", "viscosity"),
     "kinematic viscosity": ("m^2/s", "length^2/time"),
+    "diffusion": ("m^2/s", "length^2/time"),
     "density": ("kg/m^3", "density"),
     "wavenumber": ("1/m", "1/length"),
     "drag of a point": ("Pa s m", "viscosity length"),

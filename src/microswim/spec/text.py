@@ -1,13 +1,12 @@
-"""Text that comes from elsewhere: the one reader of spec files, tables, series and designs.
+"""Text that comes from elsewhere: the one reader of spec files and of what tables are made of.
 
-UTF-8, with or without the mark that some programs put before it, and UTF-16 with its mark. What is
-no text, no file or too long to be what it should be is refused in a sentence.
+UTF-8, with or without the mark that some programs put before it, and UTF-16 with its mark; tables
+of other programs may be in the Windows code page 1252 as well. What is no text, no file or too long
+to be what it should be is refused in a sentence.
 """
 
 from __future__ import annotations
 
-import csv
-import io
 import tomllib
 from codecs import BOM_UTF8, BOM_UTF16_BE, BOM_UTF16_LE
 from os import PathLike
@@ -21,7 +20,9 @@ LARGEST_TABLE = 256 * 1024**2
 DEEPEST = 32  #: brackets within brackets: far beyond any spec
 
 
-def read_text(path: str | PathLike[str], largest: int = LARGEST_SPEC, mend: str = "") -> str:
+def read_text(
+    path: str | PathLike[str], largest: int = LARGEST_SPEC, mend: str = "", windows: bool = False
+) -> str:
     """Return the text of a file.
 
     Parameters
@@ -32,6 +33,8 @@ def read_text(path: str | PathLike[str], largest: int = LARGEST_SPEC, mend: str 
         Bytes that it may have.
     mend
         What to say where there is no such file.
+    windows
+        Whether what is no UTF-8 may be in the Windows code page 1252.
 
     Raises
     ------
@@ -52,10 +55,10 @@ def read_text(path: str | PathLike[str], largest: int = LARGEST_SPEC, mend: str 
         raise SpecError(f"{path}: cannot be read: {why}") from None
     if len(data) > largest:
         raise SpecError(f"{path}: longer than {largest // 1024} KiB, which is too long for this")
-    return decoded(data, str(path))
+    return decoded(data, str(path), windows)
 
 
-def decoded(data: bytes, name: str) -> str:
+def decoded(data: bytes, name: str, windows: bool = False) -> str:
     """Return the text that bytes hold.
 
     Raises
@@ -67,10 +70,22 @@ def decoded(data: bytes, name: str) -> str:
     try:
         text = data.removeprefix(BOM_UTF8).decode(coding)
     except UnicodeDecodeError:
+        if windows and coding == "utf-8":
+            return _of_windows(data, name)
         raise SpecError(
             f"{name}: cannot be read: not UTF-8 text; save it as UTF-8 in your editor"
         ) from None
     if "\0" in text:
+        raise SpecError(f"{name}: cannot be read: it holds binary data, not text")
+    return text
+
+
+def _of_windows(data: bytes, name: str) -> str:
+    try:
+        text = data.decode("cp1252")
+    except UnicodeDecodeError:
+        text = "\0"
+    if any(ord(c) < 32 and c not in "\t\n\r\f" for c in text):
         raise SpecError(f"{name}: cannot be read: it holds binary data, not text")
     return text
 
@@ -100,26 +115,3 @@ def _depth(tables: Any) -> int:
         level = [w for v in inner for w in (v.values() if isinstance(v, dict) else v)]
         depth += 1
     return depth
-
-
-def rows(path: str | PathLike[str]) -> list[dict[str, str]]:
-    """Return the rows of a CSV file with a header, as column to text.
-
-    Raises
-    ------
-    SpecError
-        If it cannot be read, has no row, a row that is not full, or a column twice.
-    """
-    lines = io.StringIO(read_text(path, LARGEST_TABLE), newline="")
-    try:
-        table = csv.DictReader(lines, skipinitialspace=True)
-        found = list(table)
-    except csv.Error as error:
-        raise SpecError(f"{path}: not a CSV: {error}") from None
-    header = [name.strip() for name in table.fieldnames or ()]
-    if not found or any(None in row or None in row.values() for row in found):
-        raise SpecError(f"{path}: must be a CSV with a header and full rows")
-    for name in header:
-        if not name or header.count(name) > 1:
-            raise SpecError(f"{path}: must be a CSV whose columns have each their own name")
-    return [{k.strip(): v for k, v in row.items()} for row in found]

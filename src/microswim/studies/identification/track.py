@@ -1,24 +1,19 @@
 """Tracks: times and positions of a swimmer's body centre, 2-D or 3-D, optionally its attitude.
 
-Reads the CSV of `identify`, and finds the frequency of the wobble in a track's spectrum, which
-needs no model of the swimmer.
+The frequency of the wobble comes from a track's spectrum, which needs no model of the swimmer.
 """
 
 from __future__ import annotations
 
-import csv
 from dataclasses import dataclass
-from os import PathLike
-from typing import Any
+from functools import cached_property
 
 import numpy as np
 
 from microswim import checks
 from microswim.errors import SpecError
-from microswim.spec.text import LARGEST_TABLE, read_text
+from microswim.studies.identification.spectrum import power
 
-_NAMES = {"t": "time", "qw": "w", "qx": "i", "qy": "j", "qz": "k"}
-_ATTITUDE = ("w", "i", "j", "k")
 FEWEST = 12
 
 
@@ -76,41 +71,6 @@ class Track:
                 raise SpecError("track.quaternion", "not unit", "unit quaternions wxyz")
             object.__setattr__(self, "quaternion", checks.kept(self.quaternion / norm))
 
-    @classmethod
-    def from_csv(cls, path: str | PathLike[str], *, si: bool = False) -> Track:
-        """Read ``time, x, y[, z][, qw, qx, qy, qz]``; a column may name its unit: ``x (um)``.
-
-        Parameters
-        ----------
-        path
-            CSV file with a header.
-        si
-            Whether the swimmer is in SI units: then units in the header are converted; without
-            units the numbers are taken as they are.
-
-        Raises
-        ------
-        SpecError
-            If a column is missing, a number cannot be read or a unit does not fit.
-        """
-        header, rows = _rows(path)
-        columns: dict[str, np.ndarray] = {}
-        for i, title in enumerate(header):
-            name, factor = _column(title, si, path)
-            columns[name] = factor * np.array([_number(row, i, path) for row in rows])
-        missing = [name for name in ("time", "x", "y") if name not in columns]
-        if missing:
-            raise SpecError(
-                f"{path}: no column {missing[0]}; a track has the columns time, x, y and if known "
-                "z, qw, qx, qy, qz"
-            )
-        axes = ["x", "y", "z"] if "z" in columns else ["x", "y"]
-        attitude = None
-        if all(name in columns for name in _ATTITUDE):
-            attitude = np.stack([columns[name] for name in _ATTITUDE], axis=-1)
-        position = np.stack([columns[name] for name in axes], axis=-1)
-        return cls(time=columns["time"], position=position, quaternion=attitude)
-
     @property
     def dimensions(self) -> int:
         """2 or 3."""
@@ -121,7 +81,7 @@ class Track:
         """Time from first to last sample."""
         return float(self.time[-1] - self.time[0])
 
-    @property
+    @cached_property
     def smooth(self) -> np.ndarray:
         """The path without its wobble: a polynomial of degree 4 through each coordinate."""
         x = 2.0 * (self.time - self.time[0]) / self.duration - 1.0
@@ -139,16 +99,7 @@ class Track:
 
         Least squares of a sine at each frequency (Lomb 1976), so uneven sampling is allowed.
         """
-        t, left = self.time - self.time.mean(), self.position - self.smooth
-        low, high = 2.0 / self.duration, 0.5 / float(np.median(np.diff(self.time)))
-        f = np.arange(low, high, 0.1 / self.duration)
-        power = np.zeros(f.size)
-        for i, frequency in enumerate(f):
-            c, s = np.cos(2 * np.pi * frequency * t), np.sin(2 * np.pi * frequency * t)
-            basis = np.stack([c, s, np.ones_like(t)], axis=-1)
-            fit = basis @ np.linalg.lstsq(basis, left, rcond=None)[0]
-            power[i] = np.sum((fit - fit.mean(axis=0)) ** 2)
-        return f, power / max(float(np.sum(left**2)), 1e-300)
+        return power(self.time, self.position - self.smooth)
 
     def wobble(self) -> tuple[float, float, float]:
         """Frequency, amplitude and share of the strongest line of the spectrum.
@@ -158,54 +109,16 @@ class Track:
         SpecError
             If the track is too short or too coarse for any wobble.
         """
-        f, power = self.spectrum()
+        f, share = self.spectrum()
         if f.size < 3:
             raise SpecError(
                 "track.time", f"{self.duration:g} long", "long and dense enough for a few beats"
             )
-        i = int(np.argmax(power))
+        i = int(np.argmax(share))
         peak = f[i]
         if 0 < i < f.size - 1:
-            bend = power[i - 1] - 2 * power[i] + power[i + 1]
-            peak += 0.5 * (power[i - 1] - power[i + 1]) / bend * (f[1] - f[0]) if bend else 0.0
+            bend = share[i - 1] - 2 * share[i] + share[i + 1]
+            peak += 0.5 * (share[i - 1] - share[i + 1]) / bend * (f[1] - f[0]) if bend else 0.0
         left = self.position - self.smooth
-        amplitude = np.sqrt(2.0 * power[i] * np.sum(left**2) / len(left))
-        return float(peak), float(amplitude), float(power[i])
-
-
-def _rows(path: str | PathLike[str]) -> tuple[list[str], list[list[str]]]:
-    lines = read_text(path, LARGEST_TABLE).splitlines()
-    try:
-        rows = [r for r in csv.reader(line for line in lines if not line.startswith("#")) if r]
-    except csv.Error as error:
-        raise SpecError(f"{path}: not a CSV: {error}") from None
-    if len(rows) < 2:
-        raise SpecError(f"{path}: no rows; a track has a header and at least {FEWEST} rows")
-    return rows[0], rows[1:]
-
-
-def _number(row: list[str], i: int, path: Any) -> float:
-    try:
-        return float(row[i])
-    except (ValueError, IndexError):
-        raise SpecError(f"{path}: a number is missing in the row {', '.join(row)[:60]}") from None
-
-
-def _column(title: str, si: bool, path: Any) -> tuple[str, float]:
-    """Name and factor to the swimmer's units of a column."""
-    name, _, unit = title.strip().lower().partition("(")
-    name = _NAMES.get(name.strip(), name.strip())
-    unit = title.strip().partition("(")[2].rstrip(") ").strip()
-    if not unit:
-        return name, 1.0
-    if not si:
-        raise SpecError(
-            f"{path}: the column {title.strip()} has a unit and the swimmer has none; "
-            "give both units or neither"
-        )
-    from microswim.spec.units import to_si
-
-    try:
-        return name, to_si(f"1 {unit}", "s" if name == "time" else "m")
-    except ValueError as error:
-        raise SpecError(f"{path}: column {title.strip()} {error}") from None
+        amplitude = np.sqrt(2.0 * share[i] * np.sum(left**2) / len(left))
+        return float(peak), float(amplitude), float(share[i])

@@ -1,0 +1,222 @@
+"""The path without its wobble, and the speed along it, as far as noise lets it be seen.
+
+Positions are averaged over whole periods of the wobble (over nothing where there is none), then
+smoothed by local parabolas [Savitzky and Golay 1964] whose window leave-one-out cross-validation
+chooses. The velocity's own noise follows from the residuals and is taken off.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from scipy.signal import savgol_coeffs, savgol_filter
+from scipy.stats import chi2
+from scipy.stats import t as student
+
+MOST = 20_000  #: averages of which a path is made
+WINDOWS = (5, 7, 11, 15, 23, 31, 47, 63, 95, 127, 191, 255, 511, 1023)
+
+
+@dataclass(frozen=True)
+class Estimate:
+    """A number and its 95 % interval, infinite where it is not known.
+
+    Parameters
+    ----------
+    value, low, high
+        In the units of the track.
+    """
+
+    value: float
+    low: float
+    high: float
+
+    @classmethod
+    def around(cls, value: float, half: float) -> Estimate:
+        """Return an interval that reaches equally far up and down."""
+        return cls(float(value), float(value - half), float(value + half))
+
+
+@dataclass(frozen=True, eq=False)
+class AveragePath:
+    """The path without its wobble.
+
+    Parameters
+    ----------
+    time, mean
+        Averages over periods of the wobble, shapes (m,), (m, d).
+    position, velocity
+        Of the smoothed averages, (m, d).
+    noise
+        Standard deviation of a coordinate of the velocity.
+    window
+        Averages in a local parabola: that far apart velocities are independent.
+    swims
+        Whether the velocities are above their noise (one chance in a thousand).
+    """
+
+    time: np.ndarray
+    mean: np.ndarray
+    position: np.ndarray
+    velocity: np.ndarray
+    noise: float
+    window: int
+    swims: bool
+
+    @property
+    def independent(self) -> np.ndarray:
+        """Velocities one window apart, at least two of them."""
+        m = len(self.velocity)
+        step = min(self.window, m - 1)
+        return self.velocity[(m - 1) % step // 2 :: step]
+
+    @property
+    def spacing(self) -> float:
+        """Time between two independent velocities."""
+        m = len(self.time)
+        return float(min(self.window, m - 1) * (self.time[1] - self.time[0]))
+
+    def seen_from(self, t: np.ndarray, x: np.ndarray) -> np.ndarray:
+        """Positions off the path, along and across it; in a plane."""
+        off = x - np.stack([np.interp(t, self.time, column) for column in self.position.T], axis=-1)
+        angle = np.unwrap(np.arctan2(self.velocity[:, 1], self.velocity[:, 0]))
+        turned = np.exp(-1j * np.interp(t, self.time, angle)) * (off[:, 0] + 1j * off[:, 1])
+        return np.stack([turned.real, turned.imag], axis=-1)
+
+    def narrower(self) -> AveragePath | None:
+        """The same path with a window that leaves five independent velocities, or None."""
+        fits = [w for w in WINDOWS if w <= min(self.window, len(self.mean) // 5)]
+        if not fits:
+            return None
+        return self if fits[-1] == self.window else smoothed(self.time, self.mean, fits[-1])
+
+    def speed(self) -> Estimate:
+        """Mean speed along the path, its noise taken off.
+
+        A window w cuts corners as ``w^2``: what half of it says extrapolates to none [Richardson],
+        and how far that goes is in the interval.
+        """
+        size = np.linalg.norm(self.velocity, axis=1)
+        value, noise = self._speed(), self.noise
+        halves = [w for w in WINDOWS if 2 * w <= self.window + 3]
+        if halves:
+            half = smoothed(self.time, self.mean, halves[-1])
+            value += (half._speed() - value) / (1.0 - (halves[-1] / self.window) ** 2)
+            noise = half.noise
+        few = 2.0 * noise / np.sqrt(max(size.size / self.window, 1.0))
+        cut = value - self._speed()
+        error = np.linalg.norm([mean_error(size, 2 * self.window), few, cut])
+        return Estimate.around(value, float(error))
+
+    def _speed(self) -> float:
+        """Noise taken off: ``E|v + e| = v + (d - 1) s^2 / (2 v)`` for small e."""
+        raw = float(np.linalg.norm(self.velocity, axis=1).mean())
+        return float(np.sqrt(max(raw**2 - (self.velocity.shape[1] - 1) * self.noise**2, 0.0)))
+
+
+def mean_error(values: np.ndarray, apart: int) -> float:
+    """Half the 95 % interval of a mean of correlated values, by batches [Law and Carson 1979].
+
+    Parameters
+    ----------
+    values
+        In the order of time, shape (n,).
+    apart
+        So far apart they are independent. Less than three batches of that length: two are made.
+    """
+    count = int(np.clip(values.size // max(apart, 1), 3, 30))
+    if values.size < 3:
+        return 0.0
+    means = np.array([part.mean() for part in np.array_split(values, count)])
+    return float(student.ppf(0.975, count - 1) * means.std(ddof=1) / np.sqrt(count))
+
+
+def average_path(t: np.ndarray, x: np.ndarray, period: float | None) -> AveragePath:
+    """Return the path without its wobble.
+
+    Parameters
+    ----------
+    t, x
+        Times, increasing, and positions, (n,) and (n, d).
+    period
+        Of the wobble, None if it has none.
+    """
+    time, mean = _averages(t, x, period)
+    window = _window(mean)
+    return _straight(time, mean) if window is None else smoothed(time, mean, window)
+
+
+def _straight(time: np.ndarray, mean: np.ndarray) -> AveragePath:
+    """A straight line through averages too few for a window."""
+    m, d = mean.shape
+    centred = time - time.mean()
+    v = centred @ mean / (centred @ centred)
+    line = mean.mean(axis=0) + centred[:, None] * v
+    s2 = float(((mean - line) ** 2).sum() / max(d * (m - 2), 1))
+    noise = float(np.sqrt(s2 / (centred @ centred)))
+    swims = bool(v @ v > noise**2 * chi2.ppf(0.999, d))
+    return AveragePath(time, mean, line, np.tile(v, (m, 1)), noise, m, swims)
+
+
+def smoothed(time: np.ndarray, mean: np.ndarray, window: int) -> AveragePath:
+    """Return the path smoothed by parabolas over a window.
+
+    Parameters
+    ----------
+    time, mean
+        Averages, evenly spaced.
+    window
+        An odd number of them, at least 5.
+    """
+    dt, m = float(time[1] - time[0]), len(mean)
+    smooth: Any = savgol_filter(mean, window, 2, axis=0, mode="interp")
+    v: Any = savgol_filter(mean, window, 2, deriv=1, delta=dt, axis=0, mode="interp")
+    inner = slice(window // 2, m - window // 2)
+    h = savgol_coeffs(window, 2)[window // 2]
+    s2 = float(np.mean((mean - smooth)[inner] ** 2) / (1.0 - h))
+    noise = float(np.sqrt(s2 * np.sum(savgol_coeffs(window, 2, deriv=1, delta=dt) ** 2)))
+    some = v[inner][::window]
+    total = float((some**2).sum())
+    swims = total > noise**2 * chi2.ppf(0.999, some.size) and total > 0
+    return AveragePath(time, mean, smooth, v, noise, window, bool(swims))
+
+
+def _averages(t: np.ndarray, x: np.ndarray, period: float | None) -> tuple[np.ndarray, np.ndarray]:
+    """Means of the path (straight between samples) over whole periods, evenly spaced."""
+    frame = float(np.median(np.diff(t)))
+    T = t[-1] - t[0]
+    step = max(period or frame, T / MOST)
+    if period is not None:
+        step = period * np.ceil(step / period - 1e-9)
+    count = max(int((T + (0.0 if period else frame)) / step + 1e-6), 2)
+    if period is None and step == frame:
+        grid = t[0] + frame * np.arange(count)
+        return grid, np.stack([np.interp(grid, t, column) for column in x.T], axis=-1)
+    step = min(step, T / count)
+    ends = t[0] + step * np.arange(count + 1)
+    area = np.concatenate(
+        [np.zeros((1, x.shape[1])), np.cumsum(np.diff(t)[:, None] * (x[1:] + x[:-1]) / 2.0, axis=0)]
+    )
+    i = np.clip(np.searchsorted(t, ends, side="right") - 1, 0, t.size - 2)
+    part = (ends - t[i])[:, None]
+    slope = (x[i + 1] - x[i]) / (t[i + 1] - t[i])[:, None]
+    whole = area[i] + part * x[i] + part**2 * slope / 2.0
+    return (ends[1:] + ends[:-1]) / 2.0, np.diff(whole, axis=0) / step
+
+
+def _window(x: np.ndarray) -> int | None:
+    """Window whose parabola foretells a point left out best: ``r / (1 - h)`` its error."""
+    fits = [w for w in WINDOWS if w <= 0.6 * len(x)]
+    if not fits:
+        return None
+    edge = fits[-1] // 2
+    inner = slice(edge, len(x) - edge)
+    errors = []
+    for w in fits:
+        h = savgol_coeffs(w, 2)[w // 2]
+        off = (x - savgol_filter(x, w, 2, axis=0, mode="interp"))[inner]
+        errors.append(float(np.mean(off**2)) / (1.0 - h) ** 2)
+    best = min(errors)
+    return max(w for w, e in zip(fits, errors) if e <= 1.02 * best)

@@ -1,0 +1,292 @@
+"""Tracks of many cells from the files of other programs: TrackMate, trackpy, plain tables.
+
+A camera gives pixels and frames. They become lengths and times only by what the file says (a unit
+in its header) or the user (`pixel`, `fps`); what neither says is asked for.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass
+from os import PathLike
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from microswim import checks
+from microswim.errors import SpecError, nearest
+from microswim.spec import measured
+from microswim.spec.measured import FRAME, PIXEL, Table
+from microswim.spec.text import LARGEST_TABLE, read_text
+from microswim.spec.units import DIMENSIONS, to_si
+from microswim.studies.identification.track import FEWEST, Track
+from microswim.studies.identification.track_xml import table_of_xml
+
+#: What a column may be called, in lower case.
+KNOWN = {
+    "time": ("time", "t", "position_t", "timestamp"),
+    "frame": ("frame", "frames", "frame number", "frame_number", "slice", "frameid"),
+    "x": ("x", "position_x", "pos_x", "x position", "x_position", "centroid_x"),
+    "y": ("y", "position_y", "pos_y", "y position", "y_position", "centroid_y"),
+    "z": ("z", "position_z", "pos_z", "z position", "z_position", "centroid_z"),
+    "w": ("w", "qw"), "i": ("i", "qx"), "j": ("j", "qy"), "k": ("k", "qz"),
+    "track": ("track_id", "track id", "track", "particle", "trajectory", "cell", "cell_id",
+              "track_number"),
+}  # fmt: skip
+ATTITUDE = ("w", "i", "j", "k")
+NO_LENGTH = "give --pixel, such as --pixel 0.11um, or a unit in the header, {title} (um)"
+NO_TIME = "give a unit in the header, {title} (s), or --fps if it counts frames"
+
+
+@dataclass(frozen=True, eq=False)
+class Tracks(Mapping[str, Track]):
+    r"""The tracks of a file, by the name that each has there.
+
+    Parameters
+    ----------
+    tracks
+        Name to track.
+    left_out
+        Name of each track that is none, to why.
+    ignored
+        Columns of the file that were not used.
+    remarks
+        What was noticed on the way, a sentence each.
+    units
+        ``"SI"`` or ``"dimensionless"``.
+
+    Examples
+    --------
+    >>> import tempfile, microswim as ms
+    >>> from pathlib import Path
+    >>> lines = "frame,x (um),y (um),particle\n" + "".join(
+    ...     f"{i},{0.5 * i},0,{p}\n" for i in range(20) for p in (3, 8))
+    >>> file = Path(tempfile.mkdtemp()) / "cells.csv"
+    >>> _ = file.write_text(lines)
+    >>> tracks = ms.read_tracks(file, fps=25)
+    >>> list(tracks), round(tracks["8"].speed * 1e6, 3)
+    (['3', '8'], 12.5)
+    """
+
+    tracks: dict[str, Track]
+    left_out: dict[str, str]
+    ignored: tuple[str, ...] = ()
+    remarks: tuple[str, ...] = ()
+    units: str = "SI"
+
+    def __getitem__(self, name: str) -> Track:
+        return self.tracks[name]
+
+    def __iter__(self) -> Iterator[str]:
+        return iter(self.tracks)
+
+    def __len__(self) -> int:
+        return len(self.tracks)
+
+
+def read_tracks(
+    path: str | PathLike[str],
+    *,
+    units: str = "SI",
+    pixel: Any = None,
+    fps: Any = None,
+    track: Any = None,
+) -> Tracks:
+    r"""Read the tracks of one or many cells from a file of another program.
+
+    Parameters
+    ----------
+    path
+        A table with the columns x, y and, if known, z, of positions; time or frame; the track's
+        name if there are several (CSV of TrackMate or trackpy, or any of that kind; comma,
+        semicolon or tab, decimal comma); or TrackMate's XML. Units in the header, ``x (um)``.
+    units
+        ``"SI"``, or ``"dimensionless"`` for bare numbers in the units of a swimmer without.
+    pixel
+        Size of a pixel, ``"0.11um"`` or metres, where the file has pixels or names no unit.
+    fps
+        Frames per second, where the file counts frames; it also overrules times.
+    track
+        Name or names of the tracks that are wanted; all by default.
+
+    Returns
+    -------
+    Tracks
+
+    Raises
+    ------
+    SpecError
+        If the file is none, or what it lacks is not given: the sentence asks for it.
+
+    Examples
+    --------
+    >>> import tempfile, microswim as ms
+    >>> from pathlib import Path
+    >>> lines = "time (s);x (px);y (px)\n" + "".join(f"{i},0;{i},5;2\n" for i in range(20))
+    >>> file = Path(tempfile.mkdtemp()) / "cell.csv"
+    >>> _ = file.write_text(lines)
+    >>> round(float(ms.read_tracks(file, pixel="0.11um")["0"].position[1, 0]) * 1e6, 3)
+    0.165
+    """
+    checks.choice("units", units, ("SI", "dimensionless"))
+    pixel_size = _given("--pixel", pixel, "length", units)
+    rate = _given("--fps", fps, "frequency", units)
+    table = _table(path)
+    position, remarks = _positions(table, units, pixel_size)
+    time, said = _times(table, units, rate)
+    attitude = None
+    if all(name in table.numbers for name in ATTITUDE):
+        attitude = np.stack([table.numbers[name] for name in ATTITUDE], axis=-1)
+    wanted = None if track is None else {str(t) for t in np.atleast_1d(track).tolist()}
+    found, left_out = _split(table, time, position, attitude, wanted)
+    if not found and left_out:
+        name, why = next(iter(left_out.items()))
+        raise SpecError(f"{table.path}: " + (f"track {name}: {why}" if table.labels else why))
+    return Tracks(found, left_out, table.left_out, remarks + said, units)
+
+
+def _given(option: str, value: Any, dimension: str, units: str) -> float | None:
+    """The number that an option means, quantities as texts."""
+    if value is None:
+        return None
+    if isinstance(value, str):
+        try:
+            value = float(value)
+        except ValueError:
+            if units != "SI":
+                raise SpecError(option, value, "a bare number", "the swimmer has none") from None
+            try:
+                value = to_si(value, DIMENSIONS[dimension].si)
+            except ValueError as error:
+                raise SpecError(f"{option} = {value!r}: {error}") from None
+        else:
+            if units == "SI" and dimension == "length":
+                raise SpecError(option, f"{value:g}", 'a length with its unit, as in "0.11um"')
+    checks.positive(option, value)
+    return float(value)
+
+
+def _table(path: str | PathLike[str]) -> Table:
+    if str(path).lower().endswith(".xml"):
+        return table_of_xml(str(path), read_text(path, LARGEST_TABLE))
+    if not Path(path).is_file():
+        read_text(path, LARGEST_TABLE)  # says what it is
+    return measured.read(path, KNOWN, ("x", "y"), "track")
+
+
+def _positions(table: Table, units: str, pixel: float | None) -> tuple[np.ndarray, tuple[str, ...]]:
+    """Positions in the swimmer's units, and what is said of them."""
+    axes = [name for name in ("x", "y", "z") if name in table.numbers]
+    columns = []
+    for name in axes:
+        unit, title = measured.plain(table.units[name]), table.titles[name]
+        if pixel is not None and unit not in (None, PIXEL):
+            raise SpecError(f"{table.path}: {title} is in {unit}, no pixels; leave --pixel out")
+        if unit == PIXEL and pixel is None:
+            raise SpecError(
+                f"{table.path}: {title} is in pixels; give --pixel, such as --pixel 0.11um"
+            )
+        scale = pixel or measured.factor(
+            table, name, "length", units, NO_LENGTH.format(title=title)
+        )
+        columns.append(scale * table.numbers[name])
+    flat = len(axes) == 3 and np.nanstd(columns[2]) == 0
+    remarks = ("z is the same everywhere: the tracks are taken as 2-D",) if flat else ()
+    return np.stack(columns[: 2 if flat else 3], axis=-1), remarks
+
+
+def _times(table: Table, units: str, rate: float | None) -> tuple[np.ndarray, tuple[str, ...]]:
+    """Times in the swimmer's units, and what is said of them."""
+    counts = table.numbers.get("frame")
+    time = table.numbers.get("time")
+    if time is None and counts is None:
+        raise SpecError(f"{table.path}: no column time; a track has time or frame, x, y")
+    unit = None if time is None else measured.plain(table.units["time"])
+    if time is not None and (unit == FRAME or (unit is None and rate and _whole(time))):
+        counts, time = (time if counts is None else counts), None
+    if rate is not None and counts is not None:
+        said = (
+            () if time is None else ("times are frames by --fps; those of the file are not used",)
+        )
+        return counts / rate, said
+    if rate is not None:
+        raise SpecError(
+            f"{table.path}: {table.titles['time']} counts no frames; leave --fps out and give "
+            "its unit in the header if it has none"
+        )
+    if time is None:
+        title = table.titles.get("frame", table.titles.get("time"))
+        raise SpecError(f"{table.path}: {title} counts frames; give --fps, such as --fps 25")
+    mend = NO_TIME.format(title=table.titles["time"])
+    return measured.factor(table, "time", "time", units, mend) * time, ()
+
+
+def _whole(values: np.ndarray) -> bool:
+    kept = values[np.isfinite(values)]
+    return bool((kept == np.round(kept)).all())
+
+
+def _split(
+    table: Table,
+    time: np.ndarray,
+    position: np.ndarray,
+    attitude: np.ndarray | None,
+    wanted: set[str] | None,
+) -> tuple[dict[str, Track], dict[str, str]]:
+    """One track for each name; rows with a hole are left out, and what is no track with why."""
+    whole = np.isfinite(time) & np.isfinite(position).all(axis=1)
+    if attitude is not None:
+        whole &= np.isfinite(attitude).all(axis=1)
+    labels = table.labels or ["0"] * time.size
+    names = {label: _name(label) for label in dict.fromkeys(labels)}
+    known = {name: code for code, name in enumerate(dict.fromkeys(names.values()))}
+    code_of = {label: known[name] for label, name in names.items()}
+    codes = np.array([code_of[label] for label in labels], dtype=np.int64)
+    known_names = [name for name in known if name]
+    missing = sorted((wanted or set()) - set(known_names))
+    if missing:
+        raise SpecError("--track", missing[0], "a track of the file", nearest(missing[0], known))
+    order = np.lexsort((time, codes))
+    order = order[whole[order]]
+    ends = np.searchsorted(codes[order], np.arange(len(known) + 1))
+    tracks: dict[str, Track] = {}
+    left_out: dict[str, str] = {}
+    for name in sorted(known_names, key=_by_number):
+        if wanted is not None and name not in wanted:
+            continue
+        here = order[ends[known[name]] : ends[known[name] + 1]]
+        why = _no_track(time[here])
+        if why:
+            left_out[name] = why
+            continue
+        q = None if attitude is None else attitude[here]
+        tracks[name] = Track(time=time[here], position=position[here], quaternion=q)
+    return tracks, left_out
+
+
+def _no_track(time: np.ndarray) -> str:
+    """Why rows are no track, or nothing."""
+    if time.size < FEWEST:
+        return f"{time.size} positions; a track has at least {FEWEST}"
+    again = np.flatnonzero(np.diff(time) <= 0)
+    if again.size:
+        return (
+            f"two positions at time {time[again[0]]:g}: it splits or merges, or is several tracks "
+            "without their names"
+        )
+    return ""
+
+
+def _name(label: str) -> str:
+    word = label.strip()
+    if word.lower() in ("none", "nan"):
+        return ""
+    return word[:-2] if word.endswith(".0") else word
+
+
+def _by_number(name: str) -> tuple[float, str]:
+    try:
+        return float(name), name
+    except ValueError:
+        return float("inf"), name

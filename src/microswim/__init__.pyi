@@ -29,6 +29,8 @@ from .numerics.rigid_motion import ScrewMotion as ScrewMotion
 from .output import io as io
 from .output import plots as plots
 from .output import report as report
+from .path.regimes import Regimes as Regimes
+from .path.regimes import regimes as regimes
 from .path.trajectory import trajectory as trajectory
 from .studies.identification.fit import identify_swimmer as identify_swimmer
 from .studies.identification.result import Identification as Identification

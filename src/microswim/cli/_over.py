@@ -43,7 +43,9 @@ def axes(texts: tuple[str, ...], units: str) -> dict[str, Any]:
     SpecError
         If a range does not say how many values, or a value is none of its field.
     """
-    return {name: _axis(name, text, units) for name, text in split(texts).items()}
+    return {
+        name: values_of(name, text, units, f"--over {name}") for name, text in split(texts).items()
+    }
 
 
 def bounds(texts: tuple[str, ...], units: str, option: str = "--over") -> dict[str, Any]:
@@ -70,8 +72,25 @@ def spreads(texts: tuple[str, ...], units: str) -> dict[str, Any]:
     return {k: t if t.endswith("%") else _bounds(k, t, units, option) for k, t in pieces}
 
 
-def _axis(name: str, text: str, units: str) -> Any:
-    said = f"--over {name}"
+def values_of(name: str, text: str, units: str, said: str) -> Any:
+    """Return the values of one field: FIRST:LAST:COUNT, FIRST:LAST:COUNT:log or a list.
+
+    Parameters
+    ----------
+    name
+        Dotted name of the field.
+    text
+        As it was written.
+    units
+        Of the swimmer.
+    said
+        What an error calls it.
+
+    Raises
+    ------
+    SpecError
+        If a range does not say how many values, or a value is none of its field.
+    """
     if ":" not in text:
         return [from_text(name, part, units, said) for part in text.split(",")]
     first, last, *rest = text.split(":")

@@ -31,6 +31,7 @@ COLLECTION = "microswim.output.io.vtk:collection"
 CUT = "microswim.output.plots.flow:cut"
 PLOT_GAIT = "microswim.output.plots.shortcuts:of_gait"
 PLOT_SWIMMER = "microswim.output.plots.shortcuts:of_swimmer"
+PLOT_REGIMES = "microswim.output.plots.regimes:regimes"
 PORTRAIT = "microswim.output.report.portrait:of_swimmer"
 UNPACK_REGION = "microswim.calibration.region.text:unpack"
 

@@ -11,8 +11,7 @@ the condition is a cone in b alone, ``b . S b = 0`` with S the symmetric part of
 curve on the sphere that holds all there is: tumbling, wobbling and what lies between. Else n runs
 over the circle ``n . M_WT^-1 m = 0``. A small turn delta of the robot out of a state goes as
 ``delta' = (B M_WT [m][b] - w [n]) delta``; the robot is held where all eigenvalues have negative
-real parts. The problem is that of Morozov, Mirzae, Kenneth & Leshansky 2017 (Dynamics of arbitrary
-shaped propellers driven by a rotating magnetic field), who solve it in Euler angles.
+real parts. The problem is that of [Morozov et al. 2017], who solve it in Euler angles.
 """
 
 from __future__ import annotations
@@ -20,10 +19,11 @@ from __future__ import annotations
 from collections.abc import Callable
 from dataclasses import dataclass
 from functools import cached_property
+from itertools import pairwise
 from typing import Any
 
 import numpy as np
-from scipy.optimize import brentq
+from scipy.optimize import brentq, minimize_scalar
 
 from microswim.numerics.array import Array
 
@@ -126,6 +126,9 @@ class SteadyTurning:
         """Eigenvalues of S and vectors as columns; the last has a sign of its own."""
         N = self.mobility[3:] @ cross(self.moment)
         values, vectors = np.linalg.eigh((N + N.T) / 2.0)
+        if np.abs(values).max() < 1e-12 * np.linalg.norm(N):
+            # the moment is an axis of symmetry: every plane through it is as good
+            return np.zeros(3), np.linalg.svd(self.moment[None])[2].T
         if values[1] < 0.0:  # S is free of trace
             return values, vectors
         return -values[::-1], vectors[:, ::-1]
@@ -174,18 +177,33 @@ class SteadyTurning:
         """Every run of held states, the one that begins at the lowest rate first."""
         found: list[Arc] = []
         for curve in self.curves:
-            u = np.linspace(0.0, 2.0 * np.pi, SAMPLES, endpoint=False) + 1e-3
-            held = self.at(curve(u)).held
-            if held.all():
-                found.append(Arc(curve, 0.0, 2.0 * np.pi))
-                continue
             step = 2.0 * np.pi / SAMPLES
+            u = step * np.arange(SAMPLES) + 1e-3
+            held = self.at(curve(u)).held
             for i in np.flatnonzero(held & ~np.roll(held, 1)):
                 length = int(np.argmin(np.roll(held, -i)))
                 start = self._edge(curve, u[i], u[i] - step)
                 last = u[i] + (length - 1) * step
-                found.append(Arc(curve, start, self._edge(curve, last, last + step)))
+                end = self._edge(curve, last, last + step)
+                found += self._monotonic(curve, start, end)
         return tuple(sorted(found, key=lambda arc: min(self.rates(arc))))
+
+    def _monotonic(self, curve: Curve, start: float, end: float) -> list[Arc]:
+        """Return the arcs of a run of held states, cut where the rate turns back.
+
+        It does at rate zero, the moment along the field, for a robot that spins freely about it.
+        """
+        u = np.linspace(start, end, max(3, int((end - start) / (2.0 * np.pi) * SAMPLES)))
+        slope = np.diff(self.at(curve(u)).rate)
+        ends = [start]
+        for i in np.flatnonzero(slope[:-1] * slope[1:] < 0) + 1:
+            sense = np.sign(slope[i])
+            at: Any = minimize_scalar(
+                lambda x, s=sense: s * float(self.at(curve(x)).rate),
+                bounds=(u[i - 1], u[i + 1]), method="bounded", options={"xatol": 1e-12},
+            )  # fmt: skip
+            ends.append(float(at.x))
+        return [Arc(curve, a, b) for a, b in pairwise([*ends, end])]
 
     def _edge(self, curve: Curve, held: float, lost: float) -> float:
         """Return where the held states of a curve end, by bisection."""
@@ -222,7 +240,10 @@ class SteadyTurning:
         For an axisymmetric robot the two planes of the cone meet there,
         ``m B cos(Phi) / kappa_perp``; else the cone comes closest to them.
         """
-        return np.nan if self.cone else float(self.at(self._principal[1][:, 1]).rate)
+        if self.cone:
+            return np.nan
+        values, vectors = self._principal
+        return float(self.at(vectors[:, 1]).rate) if values.any() else self.step_out
 
     def states(self, rate: float) -> list[Turned]:
         """Return the held states at a rate of the field.

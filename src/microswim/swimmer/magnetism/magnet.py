@@ -14,7 +14,7 @@ import numpy as np
 from microswim import checks
 from microswim.errors import SpecError
 
-MU_0 = 1.25663706127e-6  #: N/A^2, vacuum permeability [CODATA 2022]
+MU_0 = 1.25663706127e-6  #: N/A^2, vacuum permeability (CODATA 2022)
 SIZES = {"block": 3, "cylinder": 2, "sphere": 1}  #: lengths that say a shape
 
 

@@ -1,0 +1,317 @@
+"""Which regime a magnetic robot is in at each frequency of a field that turns.
+
+The robot is rigid: its motor, if it has one, stands still at phase 0. All steady states are those
+of `microswim.gait.steady_turning`; beyond step-out its path is followed in time.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+from itertools import pairwise
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from scipy.optimize import brentq
+
+from microswim import checks
+from microswim.errors import SpecError
+from microswim.gait import doors
+from microswim.gait.gait import Gait
+from microswim.gait.steady_turning import SteadyTurning, Turned
+from microswim.gait.wobbling import Axisymmetric, closest
+from microswim.numerics.array import Array
+from microswim.path.slipping import drift
+from microswim.swimmer.swimmer import Swimmer
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
+
+NAMES = ("tumbling", "wobbling", "synchronous", "stepped out")
+STRAIGHT = np.radians(5.0)  #: precession angle below which a robot is called synchronous
+#: Largest relative errors of step-out and of the velocity there, by model: 14 random robots against
+#: boundary elements (benchmarks/step_out.py).
+MEASURED = {"atlas": (0.006, 0.015), "rft": (0.06, 2.0)}
+STOKES = 0.5  #: Reynolds number from which a remark says that inertia is left out
+
+
+@dataclass(frozen=True, eq=False)
+class Regimes:
+    """What a magnetic robot does at each frequency of the field.
+
+    Parameters
+    ----------
+    frequency
+        Turns of the field per time, (n,).
+    regime
+        ``"tumbling"``, ``"wobbling"``, ``"synchronous"`` or ``"stepped out"``, for each.
+    precession_angle
+        Angle (rad) between the robot's long axis and the field's; NaN without a steady state.
+    velocity
+        Mean velocity along the field's axis, positive along it.
+    velocity_error
+        How well that is known: rounding in a steady state, beyond step-out the difference of two
+        halves of the path. The model's own error is not in it.
+    others
+        Other states that the robot can be held in at this frequency: precession angle and velocity
+        of each.
+    step_out, wobbling_onset
+        Turns of the field per time; the second NaN for a field that leans out of its plane.
+    velocity_at_step_out
+        Along the field's axis.
+    reversals
+        Frequencies at which the velocity changes its sign.
+    reynolds
+        Reynolds number of the turning, ``rho w a^2 / mu`` with a the largest distance of its
+        surface from the axis, (n,).
+    closed_form
+        Closed forms of the axisymmetric robot next to it; None where it is too far from one, or
+        the field leans out of its plane.
+    expected_error
+        Relative errors of ``step_out`` and ``velocity`` by the model of the gait, None where they
+        are not known, and ``how`` they are known.
+    units, model, remarks
+        ``"SI"`` or ``"dimensionless"``, what made the gait, and what there is to say.
+
+    Examples
+    --------
+    >>> import microswim as ms
+    >>> robot = ms.Swimmer.preset("tabak/helix-constant", {"motion.free": "all",
+    ...     "magnet": {"moment": [0, 1, 0]},
+    ...     "field": {"kind": "rotating", "strength": 60.0, "frequency": 0.1}})
+    >>> found = ms.regimes(robot, [0.01], model="rft")
+    >>> round(found.step_out, 4), found.reversals
+    (0.0262, ())
+    """
+
+    frequency: Array
+    regime: tuple[str, ...]
+    precession_angle: Array
+    velocity: Array
+    velocity_error: Array
+    others: tuple[tuple[tuple[float, float], ...], ...]
+    step_out: float
+    wobbling_onset: float
+    velocity_at_step_out: float
+    reversals: tuple[float, ...]
+    reynolds: Array
+    closed_form: Axisymmetric | None
+    expected_error: dict[str, Any]
+    units: str
+    model: str
+    remarks: tuple[str, ...] = field(default=())
+
+    def as_dict(self) -> dict[str, Any]:
+        """Return everything by name, closed forms in turns per time."""
+        found = {n: getattr(self, n) for n in self.__dataclass_fields__ if n != "closed_form"}
+        exact, turn = self.closed_form, 2.0 * np.pi
+        found["closed_form"] = exact and {
+            "wobbling_onset": exact.wobbling_onset / turn,
+            "step_out": exact.step_out / turn,
+            "precession_angle": exact.precession_angle(turn * self.frequency),
+            "asymmetry": exact.asymmetry,
+        }
+        return found
+
+    def plot(self) -> Figure:
+        """Draw velocity and precession angle over the frequency; call its ``savefig``.
+
+        Examples
+        --------
+        >>> import microswim as ms
+        >>> robot = ms.Swimmer.preset("tabak/helix", {"motion.free": "all",
+        ...     "magnet": {"moment": [0, 1, 0]},
+        ...     "field": {"kind": "rotating", "strength": 60.0, "frequency": 0.1}})
+        >>> ms.regimes(robot, [0.005, 0.01], model="rft").plot().axes[0].get_ylabel()
+        'velocity along the axis'
+        """
+        return doors.go(doors.PLOT_REGIMES, self)
+
+
+def regimes(
+    swimmer: Swimmer, frequency: Any, *, model: str = "auto", gait: Gait | None = None
+) -> Regimes:
+    """Return what a robot with a magnet does in a rotating field, frequency by frequency.
+
+    Parameters
+    ----------
+    swimmer
+        With a `Magnet` and a `RotatingField`, whose strength, axis, sense and cone count; all its
+        rotations free. Its motor stands still at phase 0.
+    frequency
+        Turns of the field per time, positive, (n,).
+    model
+        Of the gait: ``"auto"``, ``"rft"``, ``"atlas"``, ``"bem"`` or ``"fem"``.
+    gait
+        A gait of the swimmer that is at hand, in place of the model.
+
+    Returns
+    -------
+    Regimes
+        Where several states are held, that which is reached by raising the frequency slowly.
+
+    Raises
+    ------
+    SpecError
+        If the swimmer has no magnet, its field does not rotate, or a rotation is held.
+
+    Examples
+    --------
+    >>> import microswim as ms
+    >>> robot = ms.Swimmer.preset("tabak/helix-constant", {"motion.free": "all",
+    ...     "magnet": {"moment": [0.5, 0.9, 0]},
+    ...     "field": {"kind": "rotating", "strength": 60.0, "frequency": 0.1}})
+    >>> ms.regimes(robot, [0.0005, 0.004, 0.1], model="rft").regime
+    ('tumbling', 'wobbling', 'stepped out')
+    """
+    frequencies = _frequencies(frequency)
+    steady = steady_turning(swimmer, gait := gait or swimmer.gait(model))
+    sense = float(np.sign(swimmer.field.frequency))  # type: ignore[union-attr]
+    rates = 2.0 * np.pi * frequencies
+    held = [_distinct(steady.states(rate)) for rate in rates]
+    found = [_one(gait, steady, rate, states) for rate, states in zip(rates, held)]
+    angle, velocity, error = (np.array(column) for column in zip(*(f[1:] for f in found)))
+    at_most = steady.at_step_out
+    reynolds = _reynolds(swimmer, rates, angle)
+    return Regimes(
+        frequency=frequencies,
+        regime=tuple(f[0] for f in found),
+        precession_angle=angle,
+        velocity=sense * velocity,
+        velocity_error=error,
+        others=tuple(
+            tuple((float(s.precession_angle), sense * float(s.velocity)) for s in states[1:])
+            for states in held
+        ),
+        step_out=steady.step_out / (2.0 * np.pi),
+        wobbling_onset=steady.wobbling_onset / (2.0 * np.pi),
+        velocity_at_step_out=sense * float(at_most.velocity) if at_most else float("nan"),
+        reversals=_reversals(steady, rates, held),
+        reynolds=reynolds,
+        closed_form=_closed(steady),
+        expected_error=_expected(gait),
+        units=swimmer.units,
+        model=gait.model,
+        remarks=tuple(_remarks(gait, steady, frequencies, reynolds)),
+    )
+
+
+def steady_turning(swimmer: Swimmer, gait: Gait) -> SteadyTurning:
+    """Return the steady states of a robot in its rotating field.
+
+    Raises
+    ------
+    SpecError
+        If it has no magnet, its field does not rotate, or a rotation is held.
+    """
+    magnet, applied = swimmer.magnet, swimmer.field
+    if magnet is None:
+        raise SpecError('magnet: missing; give its moment, as moment = ["0 A m^2", "1e-6 A m^2", '
+                        '"0 A m^2"], or its remanence and size')  # fmt: skip
+    if applied is None or applied.kind != "rotating":
+        kind = "missing" if applied is None else applied.kind
+        raise SpecError("field.kind", kind, '"rotating"', "its frequency is then asked for here")
+    if not all(gait.free[3:]):
+        held = [name for name, free in zip(("os", "oq", "or"), gait.free[3:]) if not free]
+        raise SpecError("motion.free", " ".join(swimmer.motion.free),
+                        f"with the rotations that the field turns ({', '.join(held)} held)",
+                        '--set motion.free=all lets it tilt')  # fmt: skip
+    sense = float(np.sign(applied.frequency))  # type: ignore[attr-defined]
+    cone = sense * applied.cone  # type: ignore[attr-defined]
+    return SteadyTurning(mobility_of(gait), magnet.vector, applied.strength, cone)
+
+
+def mobility_of(gait: Gait) -> Array:
+    """Return the twist by torque (6, 3) of a robot without force, its motor still at phase 0."""
+    free = np.flatnonzero(gait.free)
+    M = np.zeros((6, 6))
+    M[np.ix_(free, free)] = np.linalg.inv(np.real(gait.resistance(0.0))[np.ix_(free, free)])
+    return M[:, 3:]
+
+
+def _frequencies(values: Any) -> Array:
+    try:
+        found = np.atleast_1d(np.asarray(values, dtype=float))
+    except (TypeError, ValueError):
+        raise SpecError("frequency", values, "positive numbers, turns per time") from None
+    if found.ndim != 1 or not found.size:
+        raise SpecError("frequency", values, "a list of frequencies")
+    for i, value in enumerate(found):
+        checks.positive(f"frequency[{i}]", value, "frequency, turns of the field per time")
+    return found
+
+
+def _distinct(states: list[Turned]) -> list[Turned]:
+    """States that swim differently; mirror images of an axisymmetric robot count once."""
+    kept: list[Turned] = []
+    for state in states:
+        size = max((abs(s.velocity) for s in states), default=0.0)
+        if all(
+            abs(state.precession_angle - k.precession_angle) > 1e-6
+            or abs(state.velocity - k.velocity) > 1e-6 * size
+            for k in kept
+        ):
+            kept.append(state)
+    return kept
+
+
+def _one(
+    gait: Gait, steady: SteadyTurning, rate: float, states: list[Turned]
+) -> tuple[str, float, float, float]:
+    """Regime, precession angle, velocity along the axis and its error, at one rate."""
+    if not states:
+        name = "stepped out" if rate > steady.step_out else "wobbling"
+        return (name, float("nan"), *drift(gait, steady, rate))
+    state = states[0]
+    angle, velocity = float(state.precession_angle), float(state.velocity)
+    tumbles = rate < steady.wobbling_onset
+    name = "tumbling" if tumbles else "synchronous" if angle < STRAIGHT else "wobbling"
+    return name, angle, velocity, 1e-12 * abs(velocity)
+
+
+def _reversals(steady: SteadyTurning, rates: Array, held: list[list[Turned]]) -> tuple[float, ...]:
+    """Frequencies between those asked for at which the velocity of the first state is zero."""
+
+    def velocity(rate: float) -> float:
+        return float(steady.states(rate)[0].velocity)
+
+    order, found = np.argsort(rates), []
+    for i, k in pairwise(order):
+        if held[i] and held[k] and held[i][0].velocity * held[k][0].velocity < 0:
+            at: Any = brentq(velocity, rates[i], rates[k], xtol=1e-12 * float(rates[k]))
+            found.append(float(at) / (2.0 * np.pi))
+    return tuple(found)
+
+
+def _closed(steady: SteadyTurning) -> Axisymmetric | None:
+    exact = closest(steady.mobility, steady.moment, steady.strength)
+    return exact if exact.holds and not steady.cone else None
+
+
+def _expected(gait: Gait) -> dict[str, Any]:
+    step_out, velocity = MEASURED.get(gait.model, (None, None))
+    how = "not measured for this model"
+    if step_out is not None:
+        how = "largest of 14 random helical robots against boundary elements"
+    return {"step_out": step_out, "velocity": velocity, "how": how}
+
+
+def _reynolds(swimmer: Swimmer, rates: Array, angle: Array) -> Array:
+    """Return ``rho w a^2 / mu``, a the half length and half width as the robot turns."""
+    rs, *sides = (float(np.real(x)) for x in swimmer.body.semi_axes3)
+    tail = float(getattr(swimmer.tail, "amplitude", 0.0)) + float(swimmer.tail.radius)
+    long = rs + float(np.real(swimmer.tail.apparent_length)) / 2.0
+    tilt = np.where(np.isnan(angle), np.pi / 2.0, angle)
+    reach = np.hypot(max(*sides, tail), long * np.sin(tilt))
+    return swimmer.fluid.density * rates * reach**2 / swimmer.fluid.viscosity
+
+
+def _remarks(gait: Gait, steady: SteadyTurning, frequencies: Array, reynolds: Array) -> Any:
+    yield from gait.info.get("remarks", ())
+    if not steady.step_out:
+        yield "the field never holds the robot: its moment does not turn it"
+    if reynolds.max() > STOKES:
+        first = frequencies[np.argmax(reynolds > STOKES)]
+        yield (
+            f"from {first:.3g} turns per time on the Reynolds number of the turning is above "
+            f"{STOKES:g} (largest {reynolds.max():.2g}): inertia, which is left out, is felt there"
+        )

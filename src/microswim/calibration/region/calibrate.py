@@ -13,6 +13,7 @@ from typing import Any, Literal
 
 import numpy as np
 
+from microswim import checks
 from microswim.calibration.region import kriging
 from microswim.calibration.region.correction import Correction, features, fixed_numbers, words
 from microswim.calibration.region.evaluate import SAMPLES
@@ -29,6 +30,7 @@ from microswim.calibration.region.fit import (
 from microswim.calibration.region.kriging import Kriging, Surfaces
 from microswim.calibration.region.outcome import RegionCalibration
 from microswim.errors import MachineError, MicroswimError, SpecError
+from microswim.gait import doors
 from microswim.gait.gait import Gait
 from microswim.jobs import references
 from microswim.jobs.processes import counted
@@ -44,6 +46,15 @@ FIRST = 0.7  #: share of the solves that fill the region
 Region = dict[str, tuple[float, float]]
 
 
+@checks.given(
+    swimmer=checks.swimmer,
+    region=checks.mapping,
+    reference=checks.one_of("bem", "fem", "rft"),
+    solves=checks.at_least(1),
+    folder=checks.place,
+    seed=checks.at_least(0),
+    progress=checks.function,
+)
 def calibrate_region(
     swimmer: Swimmer,
     region: Region,
@@ -102,6 +113,7 @@ def calibrate_region(
     >>> fitted.swimmer.gait().info["outside"]
     []
     """
+    doors.check_options(reference, options)
     region = all_from_python(region, swimmer.units)
     _check(swimmer, region, solves)
     counted(workers)

@@ -44,7 +44,7 @@ def gait(swimmer: Swimmer, *, phases: int | None = None) -> Gait:
     Parameters
     ----------
     swimmer
-        A swimmer with an `ElasticTail`; its numbers may be complex (`Swimmer.lifted`).
+        A swimmer with an `ElasticTail`; its numbers may be complex (see `swimmer.fields.lifted`).
     phases
         Phases over half a period at which drag is summed; enough by default.
 

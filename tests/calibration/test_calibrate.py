@@ -1,5 +1,7 @@
 """The inverse problem: planted truth comes back, intervals are honest, limits are told."""
 
+import json
+
 import numpy as np
 import pytest
 from click.testing import CliRunner
@@ -153,3 +155,33 @@ def test_an_uncertainty_that_nobody_gave_is_named():
     run = CliRunner().invoke(main, [*asked, *measured])
     assert run.exit_code == 0, run.output
     assert "an assumed 1 % of mean.os;" in run.output
+
+
+@pytest.mark.parametrize(
+    ("preset", "measured", "says"),
+    [
+        ("goto/C", "swimming_speed=6.2e-6", "must have a unit"),
+        ("goto/C", "mean.os=5", "rad/s"),
+        ("goto/C", "swimming_speed=6 um/s:0.1", "must have a unit"),
+        ("goto/C", "swimming_speed=6 um", "dimension"),
+        ("goto/C", "efficiency=1 um", "bare number"),
+        ("tabak/helix", "swimming_speed=6 um/s", "no units"),
+        ("goto/C", "swimming_speed=1 um/s:2 um/s:3 um/s", "NAME=VALUE"),
+    ],
+)
+def test_measurements_on_the_line_have_the_units_of_the_spec(preset, measured, says):
+    call = ["calibrate", "--preset", preset, "--measured", measured]
+    run = CliRunner().invoke(main, call)
+    assert run.exit_code == 2
+    assert says in run.stderr.splitlines()[-1]
+
+
+def test_a_measurement_in_micrometres_is_one_in_metres():
+    call = ["calibrate", "--preset", "goto/C", "--unknown", "translation.s", "--json"]
+    runs = [
+        CliRunner().invoke(main, [*call, "--measured", f"swimming_speed={text}"])
+        for text in ("6.2 um/s:0.1 um/s", "6.2e-6 m/s:100 nm/s")
+    ]
+    one, other = (json.loads(run.stdout) for run in runs)
+    assert one["coefficients"] == pytest.approx(other["coefficients"], rel=1e-12)
+    assert one["uncertainty"] == pytest.approx(other["uncertainty"], rel=1e-9)

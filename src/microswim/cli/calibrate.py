@@ -41,7 +41,8 @@ from microswim.spec.toml import to_toml
     "--measured",
     multiple=True,
     metavar="NAME=VALUE[:SIGMA]",
-    help="Measured quantities: swimming_speed, body_rate_hz, mean.us, ... with uncertainty.",
+    help="Measured quantities with uncertainty, in units where the spec has units: "
+    '"swimming_speed=30 um/s:1 um/s", body_rate_hz, mean.us, ...',
 )
 @click.option(
     "--table",
@@ -137,7 +138,8 @@ def _region(given: Given, output: Path | None, options: dict, asked: dict) -> tu
             progress=progress,
             **options,
         )
-    tables = {k: v for k, v in given.tables.items() if k != "region"}
+    replaced = ("region", "coefficients", "interaction")  # a region takes the place of all three
+    tables = {k: v for k, v in given.tables.items() if k not in replaced}
     report = fitted.as_dict() | {"solves_kept_in": str(folder)}
     return report, tables | {"region": {"data": pack(fitted.region)}}
 
@@ -173,22 +175,24 @@ def _data(given: Given, options: dict, asked: dict) -> Any:
     if sources == ["reference"]:
         return given.swimmer.gait(asked["reference"], **options)
     if sources == ["measured"]:
-        return {name: value for text in asked["measured"] for name, value in _measured(text)}
+        return dict(pair for text in asked["measured"] for pair in _measured(given, text))
     return (_table if sources == ["table"] else _series)(given, asked[sources[0]])
 
 
-def _measured(text: str) -> Any:
+def _measured(given: Given, text: str) -> Any:
+    """Names and values, or pairs of value and uncertainty, of ``NAME=VALUE[:SIGMA],...``."""
+    from microswim.gait.observed import unit_of
+    from microswim.spec.values import in_unit
+
+    example = 'such as "swimming_speed=30 um/s:1 um/s"'
     for piece in text.split(","):
-        name, equals, value = piece.partition("=")
-        try:
-            numbers = [float(v) for v in value.split(":")]
-        except ValueError:
-            numbers = []
-        if not equals or not 1 <= len(numbers) <= 2:
-            raise SpecError(
-                "--measured", text, "NAME=VALUE or NAME=VALUE:SIGMA", "swimming_speed=30e-6:1e-6"
-            )
-        yield name.strip(), numbers[0] if len(numbers) == 1 else tuple(numbers)
+        name, equals, value = (part.strip() for part in piece.partition("="))
+        ends = value.split(":")
+        if not equals or not 1 <= len(ends) <= 2 or not all(end.strip() for end in ends):
+            raise SpecError("--measured", text, "NAME=VALUE or NAME=VALUE:SIGMA", example)
+        unit, units = unit_of(name, "SI"), given.swimmer.units
+        numbers = [in_unit(f"--measured {name}", end, unit, units) for end in ends]
+        yield name, numbers[0] if len(numbers) == 1 else tuple(numbers)
 
 
 def _table(given: Given, path: Path) -> list[Any]:

@@ -15,10 +15,10 @@ from __future__ import annotations
 
 from typing import Any
 
-from microswim import checks
 from microswim.errors import SpecError
 from microswim.gait.gait import DEGREES_OF_FREEDOM, Gait
 from microswim.gait.quantities import QUANTITIES, Basis, current
+from microswim.gait.units import unit
 
 ENTRIES = {  #: kinds of entries, with how many degrees of freedom each names
     **dict.fromkeys(("mean", "amplitude", "velocity", "propulsion", "tail_propulsion"), 1),
@@ -42,9 +42,22 @@ def parse(quantity: str) -> tuple[str, tuple[int, ...]]:
     return kind, tuple(DEGREES_OF_FREEDOM.index(name) for name in names)
 
 
-@checks.given(
-    gait=checks.gait, quantity=checks.text, phase=checks.series, body_length=checks.numeric
-)
+def unit_of(quantity: str, units: str) -> str:
+    """Return the unit of a quantity by name; of an entry of R or F_p an empty text.
+
+    Examples
+    --------
+    >>> unit_of("mean.os", "SI"), unit_of("swimming_speed", "SI")
+    ('rad/s', 'm/s')
+    """
+    kind, index = parse(quantity)
+    if kind in QUANTITIES:
+        return unit(units, QUANTITIES[kind].dimension)
+    if kind in ("mean", "amplitude", "velocity"):
+        return unit(units, "speed" if index[0] < 3 else "rate")
+    return ""
+
+
 def observed(gait: Gait, quantity: str, phase: Any = None, *, body_length: Any = None) -> Any:
     """Return the value of a quantity, from a gait of any model.
 

@@ -14,7 +14,6 @@ from typing import Any
 
 import numpy as np
 
-from microswim import checks
 from microswim.errors import SpecError, renamed
 from microswim.gait.gait import Gait
 from microswim.gait.screw import screw
@@ -284,7 +283,6 @@ class Basis:
         return self._length
 
 
-@checks.given(gait=checks.gait)
 def summary(gait: Gait) -> dict[str, Any]:
     """Return every number that a gait alone tells, as plain numbers.
 

@@ -60,6 +60,47 @@ def from_text(name: str, text: str, units: str, said: str = "") -> Any:
     return from_python(name, text, units, said)
 
 
+def in_unit(said: str, text: str, unit: str, units: str) -> float:
+    """Return the number that the text of an option means for what is measured in a unit.
+
+    Parameters
+    ----------
+    said
+        What an error calls it.
+    text
+        As it was written.
+    unit
+        SI unit; empty or ``"1"`` for what has none.
+    units
+        Of the swimmer: ``"SI"`` or ``"dimensionless"``.
+
+    Raises
+    ------
+    SpecError
+        If a unit is missing, does not fit, or is one too many.
+
+    Examples
+    --------
+    >>> in_unit("--sigma", "20 nm", "m", "SI"), in_unit("--sigma", "0.01", "m", "dimensionless")
+    (2e-08, 0.01)
+    """
+    text = text.strip()
+    if re.fullmatch(NUMBER, text):
+        value = _finite(said, float(text))
+        if units == "SI" and value and unit not in ("", "1"):
+            raise SpecError(
+                f'{said} = {text}: must have a unit, as in "{text} {unit}"; the spec has units'
+            )
+        return value
+    if unit in ("", "1") or units != "SI":
+        why = "the spec has no units" if units != "SI" and has_unit(text) else None
+        raise SpecError(said, text, "a bare number", why)
+    try:
+        return to_si(text, unit)
+    except ValueError as error:
+        raise SpecError(f"{said} = {text!r}: {error}") from None
+
+
 def from_python(name: str, value: Any, units: str, said: str = "") -> Any:
     """Return the value of a field as a swimmer has it; a text with a unit becomes its number.
 

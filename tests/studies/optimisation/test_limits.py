@@ -26,6 +26,9 @@ KNOWN = {"swimming_speed", "mean_torque", "tail.length"}
         ("efficiency >= 0.01", 0.01),
         ("swimming_speed*mean_torque <= 3 fW um", 3e-21),
         ("mean_torque <= 0", 0.0),
+        ("tail.length*tail.radius**-1 <= 3", 3.0),
+        ("sqrt(tail.length*tail.radius) <= 3 um", 3e-6),
+        ("mean_power/body_rate <= 3 nN um", 3e-15),
     ],
 )
 def test_a_quantity_becomes_its_number(text, number):
@@ -55,6 +58,13 @@ def refused(preset, limit, over="tail.amplitude=0.05 um:0.2 um"):
         ("mean_torque<=2 px", "px"),
         ("0.1<=body_rate", "must have a unit"),
         ("tail.length<=5", "must have a unit"),
+        ("swimming_speed/mean_torque<=2 nN", "same dimension"),
+        ("swimming_speed/mean_torque<=2", "must have a unit"),
+        ("swimming_speed + mean_torque<=2 nN", "unlike things"),
+        ("min(tail.length, tail.frequency)>=1 um", "unlike things"),
+        ("tail.length<=mean_torque", "same dimension"),
+        ("tail.length**2<=3 um", "same dimension"),
+        ("sqrt(tail.length*tail.radius)<=3 um^2", "same dimension"),
         ("2<=1", "about a quantity"),
         ("swimming_speed<=9**9**9", "finite"),
         ("swimming_speed<=2**100000", "finite"),

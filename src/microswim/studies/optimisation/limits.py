@@ -15,6 +15,7 @@ from microswim.gait.quantities import NUMBERS, OLD, QUANTITIES
 from microswim.gait.units import unit
 from microswim.spec.tables import FIELDS
 from microswim.spec.units import NUMBER, has_unit, parse, to_si
+from microswim.studies.optimisation.dimensions import Dimension, Mixed, of_expression, of_unit
 from microswim.swimmer.swimmer import Swimmer
 
 #: SI units of the merits that have one, by their names of today and of before.
@@ -57,11 +58,54 @@ def in_si(text: str, swimmer: Swimmer, bare: bool = True) -> str:
 
 def _piece(sides: list[str], swimmer: Swimmer, bare: bool) -> list[str]:
     sides = [side.strip() for side in sides]
+    if swimmer.units == "SI":
+        _check_dimensions(sides, bare)
     unit = next((u for u in map(_unit_of, sides[::2]) if u), None)
     return [
         side if i % 2 else _side(side, unit, swimmer, bare, " ".join(sides))
         for i, side in enumerate(sides)
     ]
+
+
+def _check_dimensions(sides: list[str], bare: bool) -> None:
+    """Refuse a comparison of unlike things; a bare number passes where `bare` says so."""
+    whole = " ".join(sides)
+    try:
+        found = [_dimension(side) for side in sides[::2]]
+    except Mixed as error:
+        raise SpecError(f'"{whole}": {error}') from None
+    known = [d for d, side in zip(found, sides[::2]) if d is not None and not _is_bare(side)]
+    if any(d != known[0] for d in known):
+        raise SpecError(f'"{whole}": its sides must have the same dimension')
+    if known and known[0] and not bare:
+        for side in filter(_is_bare, sides[::2]):
+            if (
+                re.search("[1-9]", side)
+                and _unit_of(sides[0]) is None
+                and _unit_of(sides[-1]) is None
+            ):
+                raise SpecError(f'"{whole}": {side} must have a unit; what it limits has one')
+
+
+def _is_bare(side: str) -> bool:
+    """Whether a side is made of bare numbers alone."""
+    return re.search("[A-Za-z_]", re.sub(NUMBER, "", side)) is None
+
+
+def _dimension(side: str) -> Dimension | None:
+    """Dimension of a side, None where it is not known or is said better elsewhere."""
+    if not _is_quantity(side):
+        return of_expression(side, _unit_of)
+    try:
+        return of_unit(re.sub(NUMBER, "", side, count=1).strip())
+    except ValueError:
+        return None
+
+
+def _is_quantity(side: str) -> bool:
+    """Whether a side is a number with its unit, ``2 nN m``."""
+    sum_or_product = side.endswith(")") or re.match(rf"{NUMBER}\s*[*/+-]", side)
+    return has_unit(side) and not sum_or_product
 
 
 def _unit_of(side: str) -> str | None:
@@ -73,7 +117,7 @@ def _unit_of(side: str) -> str | None:
 
 
 def _side(side: str, unit: str | None, swimmer: Swimmer, bare: bool, whole: str) -> str:
-    if not has_unit(side) or side.endswith(")") or re.match(rf"{NUMBER}\s*[*/+-]", side):
+    if not _is_quantity(side):
         number = re.fullmatch(NUMBER, side)
         if (
             number

@@ -87,12 +87,13 @@ def physical_warnings(swimmer: Swimmer, directions: Sequence[Direction]) -> tupl
     x = swimmer.interaction
     for kind, gammas in (("translation", x.translation), ("rotation", x.rotation)):
         for axis, gamma in zip("sqr", gammas):
-            if gamma <= 0:
+            if gamma < 0:
+                refused = "; no model takes it: keep it positive" if kind == "translation" else ""
                 verb = "moving along" if kind == "translation" else "turning about"
                 out.append(
                     f"{kind}.{axis} = {gamma:.3g} is a negative resistance: a body {verb} {axis} "
                     "would gain energy from the fluid; the coefficient makes up for something that "
-                    f"the model lacks (a coupling, or the tail's own resistance)"
+                    "the model lacks (a coupling, or the tail's own resistance)" + refused
                 )
     out += _not_definite(swimmer)
     blind = [d for d in directions if not d.determined]

@@ -158,7 +158,7 @@ def _written(
     from microswim.control.export.fmu import export_fmu
 
     about: dict[str, Any] = {}
-    with scratch(out / "export") as here:
+    with scratch(out / "export", said=out) as here:
         if files[0].endswith(".fmu"):
             about = export_fmu(stepper, here / files[0], name=code.name, fmi=fmi, spec=spec)
         else:

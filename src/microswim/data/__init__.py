@@ -12,7 +12,6 @@ import tomllib
 from importlib.resources import files
 from typing import TYPE_CHECKING
 
-from microswim import checks
 from microswim.errors import SpecError
 
 if TYPE_CHECKING:
@@ -24,7 +23,6 @@ _HERE = files(__name__)
 _MISSING = ("-", "")
 
 
-@checks.given()
 def names() -> list[str]:
     """Names of all sets, in alphabetical order.
 
@@ -37,7 +35,6 @@ def names() -> list[str]:
     return sorted(f.name[:-4] for f in _HERE.iterdir() if f.name.endswith(".csv"))
 
 
-@checks.given(name=checks.text)
 def load(name: str) -> xarray.Dataset:
     """Load a set of published data.
 

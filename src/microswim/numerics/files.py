@@ -52,25 +52,26 @@ def write(path: str | os.PathLike[str], content: str | bytes) -> None:
 
 
 @contextmanager
-def scratch(folder: Path) -> Iterator[Path]:
+def scratch(folder: Path, said: Path | None = None) -> Iterator[Path]:
     """Give an empty folder beside `folder`, removed when the block ends.
 
-    One that a killed process left is removed by the next.
+    One that a killed process left is removed by the next. Errors call it `said`, where what is
+    made in it goes elsewhere.
 
     Raises
     ------
     MachineError
-        If anything in the block cannot be written; the sentence names `folder`.
+        If anything in the block cannot be written; the sentence names `said`.
     """
-    made = _beside(Path(os.path.realpath(folder)), ".new")
+    made, said = _beside(Path(os.path.realpath(folder)), ".new"), said or folder
     try:
         shutil.rmtree(made, ignore_errors=True)
         made.mkdir(parents=True)
         yield made
     except OSError as error:
-        raise MachineError(f"{folder}: not written: {error.strerror or error}") from error
+        raise MachineError(f"{said}: not written: {error.strerror or error}") from error
     except MachineError as error:
-        raise MachineError(str(error).replace(str(made), str(folder))) from error
+        raise MachineError(str(error).replace(str(made), str(said))) from error
     finally:
         shutil.rmtree(made, ignore_errors=True)
 

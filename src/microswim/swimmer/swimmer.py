@@ -141,6 +141,12 @@ class Swimmer:
             raise SpecError("wall, channel: one of them bounds the fluid; remove the other")
         if self.region is not None and not callable(getattr(self.region, "gait", None)):
             raise SpecError("region", self.region, "a region calibration", "see calibrate_region")
+        if self.region is not None and not self.is_open:
+            raise SpecError(
+                "region: corrections over a region take the place of the law of local resistance "
+                "and of interaction coefficients; leave out [coefficients] and [interaction], or "
+                "[region]"
+            )
         checks.choice("units", self.units, ("dimensionless", "SI"))
         if self.units != "SI" and self.magnet is not None and self.magnet.moment is None:
             raise SpecError("magnet.remanence: for a swimmer in SI; without units give the moment")
@@ -161,13 +167,18 @@ class Swimmer:
         return PARTS + tuple(n for n in others if getattr(self, n) is not None)
 
     @property
+    def is_open(self) -> bool:
+        """Whether nobody chose a law of local resistance or coefficients for the surrogate."""
+        law = self.coefficients
+        return isinstance(law, Unchosen) and law.is_open and self.interaction == Interaction()
+
+    @property
     def body_length(self) -> Any:
         """Length of the body along s; without a body that of the tail."""
         axis = self.body.semi_axes3[0]
         return 2.0 * axis if np.any(axis) else self.tail.apparent_length
 
     @classmethod
-    @checks.given(path=checks.place, overrides=checks.mapping, trust=checks.place)
     def from_toml(
         cls,
         path: str | PathLike[str],
@@ -186,7 +197,6 @@ class Swimmer:
         return doors.go(doors.READ, path, overrides, trust)
 
     @classmethod
-    @checks.given(name=checks.text, overrides=checks.mapping)
     def preset(cls, name: str, overrides: dict[str, Any] | None = None) -> Swimmer:
         """A swimmer that comes with the package, such as ``"tabak/helix"`` or ``"goto/C"``."""
         return doors.go(doors.READ_PRESET, name, overrides)
@@ -204,7 +214,6 @@ class Swimmer:
         """
         return doors.go(doors.SETTLED, self) if self.tail.settles else self
 
-    @checks.given()
     def gait(
         self,
         model: Literal["rft", "auto", "atlas", "elastic", "bem", "fem"] | str = "rft",
@@ -260,7 +269,6 @@ class Swimmer:
         """
         return doors.go(doors.PLOT_SWIMMER, self)
 
-    @checks.given(changes=checks.mapping)
     def with_(self, changes: dict[str, Any]) -> Swimmer:
         """Copy with dotted fields replaced and checked again: ``{"tail.amplitude": 0.12}``.
 
@@ -301,7 +309,6 @@ class Swimmer:
             for path, value in numbers_of(getattr(self, part))
         }
 
-    @checks.given(output=checks.text, wrt=checks.words)
     def gradient(self, output: str = "mean_velocity", wrt: Any = None) -> dict[str, Any]:
         """Exact derivatives of an output with respect to numbers of the spec.
 

@@ -101,11 +101,7 @@ export class TopBar {
   private toggle(): void {
     const { store } = this;
     if (store.designs.length > 1) store.designs = [store.design];
-    else {
-      const other = store.make(store.design.name, structuredClone(store.design.answer));
-      store.design.ranges.forEach((range, path) => other.ranges.set(path, { ...range }));
-      store.designs.push(other);
-    }
+    else store.designs.push(store.make(`${store.design.name}`, structuredClone(store.design.answer)));
     store.active = store.designs.length - 1;
     store.tell("designs", "structure", "tables", "answer", "problem", "rest");
   }

@@ -13,7 +13,7 @@ from microswim.calibration.region import positive_definite as blocks
 from microswim.calibration.region.correction import RegionWarning
 from microswim.calibration.region.text import pack, unpack
 from microswim.jobs import references
-from microswim.models.rft.gait import gait as surrogate
+from microswim.models.rft.gait import gait as plain
 
 HELIX = replace(
     ms.Swimmer.preset("tabak/helix"),
@@ -39,6 +39,12 @@ def designs(swimmer, count=12, seed=3):
     return [
         swimmer.with_({k: float(rng.uniform(*v)) for k, v in REGION.items()}) for _ in range(count)
     ]
+
+
+def surrogate(swimmer):
+    """The reference: the plain surrogate under the law and coefficients that were solved."""
+    own = {"coefficients": HELIX.coefficients, "interaction": HELIX.interaction}
+    return plain(replace(swimmer, region=None, **own))
 
 
 def velocities(gait):
@@ -173,15 +179,15 @@ def test_without_a_body_the_base_is_plain_resistive_force_theory_and_a_tip():
     small = HELIX.with_({"body.radius": 1e-9, "tail.ramp": 0})
     R, F, G = (x[0] for x in shaded.base_of(small, np.array([0.4])))
     law = replace(small, coefficients=ms.GrayHancock(), interaction=ms.Interaction())
-    plain = surrogate(law, nodes=60)
+    bare = plain(law, nodes=60)
     half = 0.5 * ms.Sphere(radius=small.tail.radius).diagonal(100.0)[0]
     tip, _, velocity = small.tail.centreline(np.array(small.tail.apparent_length), np.array(0.4))
     arm = np.cross(np.eye(3), tip)  # e_j x X in row j
     carried = np.hstack([np.eye(3), arm.T])
     wrench = half * carried.T @ velocity
-    assert pytest.approx(plain.propulsion(0.4) + wrench, rel=1e-6, abs=1e-6) == F
-    assert pytest.approx(plain.activity(0.4) + half * velocity @ velocity, rel=1e-6) == G
-    whole = plain.resistance(0.4) + half * carried.T @ carried
+    assert pytest.approx(bare.propulsion(0.4) + wrench, rel=1e-6, abs=1e-6) == F
+    assert pytest.approx(bare.activity(0.4) + half * velocity @ velocity, rel=1e-6) == G
+    whole = bare.resistance(0.4) + half * carried.T @ carried
     assert pytest.approx(whole, rel=1e-4, abs=1e-4) == R
 
 
@@ -299,3 +305,22 @@ def test_worker_processes_give_the_same(tmp_path):
 def test_regions_that_make_no_sense(region, solves, words):
     with pytest.raises(ms.SpecError, match=words):
         ms.calibrate_region(HELIX, region, "rft", solves=solves, workers=0)
+
+
+IGNORED = [
+    {"interaction.translation": (2.0, 1.0, 1.0)},
+    {"coefficients.spin": False},
+    {"coefficients.tip": True},
+]
+
+
+@pytest.mark.parametrize("changes", IGNORED)
+def test_what_a_region_does_not_heed_is_refused(changes, helix):
+    with pytest.raises(ms.SpecError, match="take the place"):
+        helix.with_(changes)
+    with pytest.raises(ms.SpecError, match="take the place"):
+        replace(helix, coefficients=ms.GrayHancock())
+    with pytest.raises(ms.SpecError, match="do not heed"):
+        ms.evaluate(helix, {"interaction.rotation[0]": [1.0, 2.0]})
+    with pytest.raises(ms.SpecError, match="heeds no interaction"):
+        ms.calibrate(helix, {"swimming_speed": 0.1}, ["translation.s"])

@@ -219,12 +219,11 @@ def test_a_store_is_resumed_with_its_own_calibration_only(tmp_path):
     region, over = {"tail.amplitude": (0.08, 0.12)}, {"tail.amplitude": [0.09, 0.11]}
     taught = HELIX.with_({"interaction.translation": (2.0, 1.3, 1.3)})
     one, other = (
-        replace(HELIX, region=ms.calibrate_region(s, region, "rft", solves=8, workers=0).region)
-        for s in (HELIX, taught)
+        ms.calibrate_region(s, region, "rft", solves=8, workers=0).swimmer for s in (HELIX, taught)
     )
     path = tmp_path / "a.zarr"
     before = ms.sweep(one, over, out=path).load()
-    for swimmer in (other, HELIX):
+    for swimmer in (other, replace(one, region=None)):
         with pytest.raises(ms.SpecError, match="its calibration"):
             ms.sweep(swimmer, over, out=path, resume=True)
     assert same(ms.sweep(one, over, out=path, resume=True), before)

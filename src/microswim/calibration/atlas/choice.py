@@ -7,15 +7,11 @@ from typing import Any
 
 import numpy as np
 
-from microswim import checks
 from microswim.calibration.atlas import coordinates
 from microswim.calibration.atlas.atlas import shipped
 from microswim.calibration.atlas.expected import LEVELS, expected_error
 from microswim.errors import SpecError
-from microswim.gait import doors
 from microswim.gait.gait import Gait
-from microswim.swimmer.drag.coefficients import Unchosen
-from microswim.swimmer.drag.interaction import Interaction
 from microswim.swimmer.swimmer import Swimmer
 
 #: Mean velocities that an asked accuracy is about.
@@ -60,13 +56,6 @@ def gait(swimmer: Swimmer) -> Gait:
     return made
 
 
-def is_open(swimmer: Swimmer) -> bool:
-    """Whether nobody chose a law of local resistance or coefficients for the surrogate."""
-    law = swimmer.coefficients
-    untouched = isinstance(law, Unchosen) and law.is_open
-    return untouched and swimmer.interaction == Interaction() and swimmer.region is None
-
-
 def auto(swimmer: Swimmer, accuracy: float | None = None, **options: Any) -> Gait:
     """Gait by the cheapest model that serves a swimmer; it says which, and how far off it may be.
 
@@ -93,10 +82,8 @@ def auto(swimmer: Swimmer, accuracy: float | None = None, **options: Any) -> Gai
     SpecError
         If the accuracy is not a share, or no model serves.
     """
-    doors.check_options("bem", options)
-    if accuracy is not None:
-        allowed = "a share above 0 and below 1, such as 0.02"
-        checks.number("accuracy", accuracy, allowed, above=0.0, most=float(np.nextafter(1.0, 0.0)))
+    if accuracy is not None and not 0.0 < accuracy < 1.0:
+        raise SpecError("accuracy", accuracy, "a share above 0 and below 1", 'such as "2%"')
     if swimmer.tail.settles:
         made = _with_error(swimmer, swimmer.gait("elastic"), "")
     else:
@@ -120,7 +107,7 @@ def _not_atlas(swimmer: Swimmer) -> str:
     """Return in words why the atlas does not serve a swimmer; empty where it does."""
     if swimmer.region is not None:
         return "calibrated over a region"
-    if not is_open(swimmer):
+    if not swimmer.is_open:
         return "rft, as the spec chooses its law or its coefficients"
     if shipped() is None:
         return "rft, as no atlas comes with this build"

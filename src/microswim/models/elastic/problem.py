@@ -66,11 +66,7 @@ def problem(swimmer: Swimmer) -> Problem:
         If its tail is not elastic, or it would leave the plane in which its tail beats.
     """
     tail = elastic_tail(swimmer)
-    check_options(swimmer)
-    if np.any(body_resistance(swimmer)[np.ix_(PLANE, ACROSS)]):
-        raise SpecError("interaction.coupling", swimmer.interaction.coupling,
-                        "one that keeps the swimmer in the plane s-q, in which its tail beats",
-                        "leave only the entries of s, q with r")  # fmt: skip
+    _check(swimmer)
     L, rate, mu = tail.length, magnitude(tail.rate), swimmer.fluid.viscosity
     per_force = rate * L**4 / tail.bending
     law = swimmer.coefficients
@@ -90,16 +86,13 @@ def problem(swimmer: Swimmer) -> Problem:
     return Problem(drag, (tail.amplitude or 0.0) / L, tail.angle or 0.0, turning)
 
 
-def check_options(swimmer: Swimmer) -> None:
-    """Refuse readings and corrections that an elastic tail does not have.
-
-    Raises
-    ------
-    SpecError
-        If the swimmer has one.
-    """
+def _check(swimmer: Swimmer) -> None:
     if swimmer.motion.line_element != "arc":
         raise SpecError("motion.line_element", swimmer.motion.line_element,
                         '"arc" for an elastic tail')  # fmt: skip
     if swimmer.region is not None:
         raise SpecError("region", "given", "none for an elastic tail", "remove the table")
+    if np.any(body_resistance(swimmer)[np.ix_(PLANE, ACROSS)]):
+        raise SpecError("interaction.coupling", swimmer.interaction.coupling,
+                        "one that keeps the swimmer in the plane s-q, in which its tail beats",
+                        "leave only the entries of s, q with r")  # fmt: skip

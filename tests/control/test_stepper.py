@@ -8,6 +8,7 @@ import pytest
 import microswim as ms
 from microswim.control import strain
 from microswim.control.motion import INPUTS
+from microswim.gait.held import HeldWarning
 from microswim.numerics.rigid_motion import multiply, rotation_matrix
 
 SHEAR = [[0.0, 0.3, 0.0], [0.0, 0.0, -0.2], [0.1, 0.0, 0.0]]
@@ -169,7 +170,8 @@ def test_step_out_is_that_of_adler(over):
     """About a fixed axis: in step up to w_c = m B / R, then behind by sqrt(w^2 - w_c^2)."""
     held = swimmer().with_({"motion.free": ("us", "os")})
     moment, field = 2.0, 30.0
-    one = ms.Stepper(held.gait(), moment=(0.0, moment, 0.0), locked=True)
+    with pytest.warns(HeldWarning, match="holds oq, or"):
+        one = ms.Stepper(held.gait(), moment=(0.0, moment, 0.0), locked=True)
     R = held.gait().resistance(0.0)[np.ix_([0, 3], [0, 3])]
     critical = moment * field * np.linalg.inv(R)[1, 1]
     w = over * critical

@@ -8,6 +8,7 @@ from click.testing import CliRunner
 
 import microswim as ms
 from microswim.cli import main
+from microswim.gait.held import HeldWarning
 from microswim.gait.steady_turning import SteadyTurning
 from microswim.path.regimes import mobility_of
 from microswim.path.slipping import drift
@@ -252,3 +253,37 @@ def test_fast_turning_is_said_to_be_beyond_stokes(spec):
     assert any("Reynolds" in remark for remark in told.remarks)
     slow = ms.regimes(ms.Swimmer.from_toml(spec), [0.1])
     assert not any("Reynolds" in remark for remark in slow.remarks)
+
+
+def test_the_spec_s_magnet_and_field_drive_path_and_stepper():
+    """Both take them from the swimmer, and agree with numbers given by hand."""
+    swimmer = robot()
+    gait, times = swimmer.gait(), np.linspace(0.0, 30.0, 31)
+    by_hand = ms.trajectory(
+        gait, times, rate=0.0, moment=TILTED, field=lambda t: swimmer.field.at(t)
+    )
+    told = ms.trajectory(gait, times, rate=0.0, moment=swimmer.magnet, field=swimmer.field)
+    assert told.position.values.tolist() == by_hand.position.values.tolist()
+    stepper, state = ms.Stepper.of(swimmer, locked=True), ms.State.at()
+    for t in times[:-1]:
+        turning = swimmer.field.angular_velocity
+        state = stepper.step(state, dt=1.0, field=swimmer.field.at(t), field_rate=turning)
+    assert state.position == pytest.approx(told.position.values[-1], rel=1e-6, abs=1e-9)
+    other = ms.Stepper(gait, swimmer, moment=(0.0, 0.0, 3.0), locked=True)
+    assert other.moment == (0.0, 0.0, 3.0)
+
+
+def test_the_export_takes_the_spec_s_magnet(spec, tmp_path):
+    args = ["export", spec, "--format", "c", "--name", "robot", "--out", str(tmp_path)]
+    assert CliRunner().invoke(main, args).exit_code == 0
+    m = ms.Swimmer.from_toml(spec).magnet.vector
+    assert f"{float(m[0])!r}"[:8] in (tmp_path / "robot.c").read_text()
+
+
+def test_held_rotations_are_said():
+    held = robot(**{"motion.free": ["us", "uq", "ur", "os"]})
+    with pytest.warns(HeldWarning, match='motion.free holds oq, or.*motion.free = "all"'):
+        ms.Stepper.of(held, locked=True)
+    with pytest.warns(HeldWarning):
+        ms.trajectory(held.gait(), [0.0, 1.0], rate=0.0, moment=held.magnet, field=held.field)
+    ms.Stepper(held.gait())  # no magnet: nothing to say

@@ -5,6 +5,7 @@ import pytest
 from scipy.linalg import expm
 
 import microswim as ms
+from microswim.gait.held import HeldWarning
 from microswim.numerics.rigid_motion import multiply, rotation_matrix
 
 
@@ -154,7 +155,8 @@ def test_rotating_field_drives_in_step_below_step_out_and_slips_above(factor):
     slip = w - np.sqrt(max(w**2 - step_out**2, 0.0))
     beat = 2 * np.pi / np.sqrt(w**2 - step_out**2) if factor > 1 else 20.0 / step_out
     times = np.linspace(0.0, 12 * beat, 4001)
-    path = ms.trajectory(gait, times, rate=0.0, moment=(0, m, 0), field=field)
+    with pytest.warns(HeldWarning, match="holds oq, or"):
+        path = ms.trajectory(gait, times, rate=0.0, moment=(0, m, 0), field=field)
     q = path.quaternion.values
     angle = np.unwrap(2 * np.arctan2(q[:, 1], q[:, 0]))
     first, last = np.searchsorted(times, [4 * beat, 12 * beat - 1e-9])

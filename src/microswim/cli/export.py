@@ -54,10 +54,8 @@ if TYPE_CHECKING:
 @click.option(
     "--moment",
     metavar="LIST",
-    default="[0, 0, 0]",
-    show_default=True,
-    help="Magnetic moment in the body frame s, q, r: with a unit, or in A m^2; a spec without "
-    "units takes numbers.",
+    help="In place of the spec's [magnet]: moment in the body frame s, q, r, with a unit, or in "
+    "A m^2; a spec without units takes numbers.",
 )
 @click.option("--locked", is_flag=True, help="The motor is locked: a rigid magnetised robot.")
 @click.option(
@@ -104,7 +102,7 @@ def command(
     kind: str,
     fmi: str,
     name: str | None,
-    moment: str,
+    moment: str | None,
     locked: bool,
     resolution: float,
     steps: int | None,
@@ -134,7 +132,8 @@ def command(
     elif out.suffix in (".c", ".h", ".fmu"):
         raise SpecError("--out", str(out), "a folder", "header and source are written into it")
     _files.check_files("--out", out, files, force)
-    options = {"moment": _moment(moment, given.swimmer.units), "locked": locked}
+    own = None if moment is None else _moment(moment, given.swimmer.units)
+    options: dict[str, Any] = {"moment": own, "locked": locked}
     options |= {"resolution": resolution, "steps": steps, "most_steps": most_steps}
     solver = leveled(model, level)
     with bar(f"{model}, {given.name}"):

@@ -19,6 +19,8 @@ from microswim.control.response import Response, response
 from microswim.control.state import State
 from microswim.errors import MicroswimError, SpecError
 from microswim.gait.gait import Gait
+from microswim.gait.held import warn_if_held
+from microswim.swimmer.magnetism.magnet import vector_of
 from microswim.swimmer.swimmer import Swimmer
 
 _SHAPES: dict[str, tuple[int, ...]] = {
@@ -45,7 +47,8 @@ class Stepper:
         The swimmer itself, if it shall feel the strain of a background flow; without it only the
         flow's velocity and rotation at the body's centre count.
     moment
-        Magnetic moment fixed in the body, body frame.
+        Magnetic moment fixed in the body, body frame: three numbers or a `Magnet`; by default that
+        of `swimmer`.
     locked
         Motor locked at the phase of the state's start, which is then 0: a rigid robot.
     resolution
@@ -74,7 +77,7 @@ class Stepper:
 
     gait: Gait
     swimmer: Swimmer | None = None
-    moment: Any = (0.0, 0.0, 0.0)
+    moment: Any = None
     locked: bool = False
     resolution: float = 64.0
     steps: int | None = None
@@ -86,7 +89,10 @@ class Stepper:
         if self.swimmer is not None:
             checks.instance("swimmer", self.swimmer, "Swimmer")
         checks.truth("locked", self.locked)
+        own = self.swimmer.magnet if self.swimmer is not None else None
+        object.__setattr__(self, "moment", vector_of(own if self.moment is None else self.moment))
         checks.numbers("moment", self.moment, 3, "three finite numbers, in the body frame")
+        warn_if_held(self.gait, self.moment)
         checks.number("resolution", self.resolution, "4 or more steps per turn", least=4)
         allowed = "a whole number from 1 to 10000000"
         for name in ("steps", "most_steps"):

@@ -14,9 +14,12 @@ import numpy as np
 from microswim import checks
 from microswim.errors import SpecError
 from microswim.gait.gait import Gait
+from microswim.gait.held import warn_if_held
 from microswim.gait.stepping import integrate, pack
 from microswim.gait.units import unit
 from microswim.numerics.rigid_motion import ScrewMotion, multiply, rotation_matrix
+from microswim.swimmer.magnetism.applied_field import AppliedField
+from microswim.swimmer.magnetism.magnet import vector_of
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -58,7 +61,7 @@ def trajectory(
         External force on the body's centre and torque, lab frame.
     moment, field
         Magnetic moment fixed in the body (body frame, constant) and field B in the lab frame:
-        torque ``m x B``.
+        torque ``m x B``. Also a `Magnet`, and a `RotatingField` or another field of a spec.
     flow
         Uniform background velocity, lab frame.
     position, quaternion, phase
@@ -90,9 +93,14 @@ def trajectory(
     if t.ndim != 1 or not np.isfinite(t).all() or (np.diff(t) <= 0).any():
         raise SpecError("times", times, "finite and increasing")
     start = _start(position, quaternion, phase)
+    moment = None if moment is None else vector_of(moment)
+    if isinstance(field, AppliedField):
+        field = field.at
     loads = {"force": force, "torque": torque, "field": field, "flow": flow, "moment": moment}
     if callable(moment):
         raise SpecError("moment", "a function", "a constant vector (3,) fixed in the body")
+    if moment is not None and field is not None:
+        warn_if_held(gait, moment)
     steady = not callable(rate) and not callable(flow) and max_step is None
     if steady and all(loads[k] is None for k in ("force", "torque", "field")):
         x, q, angle = _steady(gait if rate is None else gait.at_rate(rate), t, start)

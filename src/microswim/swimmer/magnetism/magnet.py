@@ -159,3 +159,10 @@ class Magnet:
             return s / size, q / size, r / size
         angle: Any = self.direction
         return np.cos(angle), np.sin(angle), 0.0 * np.sin(angle)
+
+
+def vector_of(magnet: Any) -> Any:
+    """Return the moment (s, q, r) of a `Magnet`, zero of None; what is no magnet comes back."""
+    if magnet is None:
+        return (0.0, 0.0, 0.0)
+    return tuple(map(float, magnet.vector)) if isinstance(magnet, Magnet) else magnet

@@ -182,3 +182,16 @@ for name in microswim.__all__:
 def test_every_preset_is_a_swimmer(name):
     with as_file(files("microswim.spec.presets") / f"{name}.toml") as path:
         assert isinstance(ms.Swimmer.from_toml(path), ms.Swimmer)
+
+
+def test_colours_of_figures_stand_in_the_one_palette():
+    """Of the page's and the reports' style sheets, and of PyVista's scenes, they are others."""
+    others = {"output/plots/style.py", "studies/paper/report.py", "models/fem/picture.py"}
+    colour = re.compile(r"""["']#[0-9a-fA-F]{6}["']""")
+    package = ROOT / "src" / "microswim"
+    found = {
+        str(path.relative_to(package))
+        for path in tracked("src/*.py")
+        if colour.search(path.read_text(encoding="utf-8"))
+    }
+    assert found <= others

@@ -127,18 +127,38 @@ def function(field: str, value: Any) -> None:
         raise SpecError(field, value, "a function")
 
 
-def series(field: str, value: Any, allowed: str = "made of finite numbers") -> None:
-    """Refuse what is not a finite real number, or an array or list of such."""
+def reals(field: str, value: Any, allowed: str = "made of numbers") -> Any:
+    """Return a real number, or an array or list of such, as an array; NaN passes."""
     import numpy as np
 
     try:
         if isinstance(value, (str, bytes, bytearray, Set, Mapping)) or np.iscomplexobj(value):
             raise TypeError
-        good = np.asarray(value).dtype.kind != "b" and np.isfinite(np.asarray(value, float)).all()
+        if value is None or np.asarray(value).dtype.kind not in "iufO":
+            raise TypeError
+        return np.asarray(value, dtype=float)
     except (TypeError, ValueError, OverflowError):
-        good = False
-    if not good:
+        raise SpecError(field, value, allowed) from None
+
+
+def series(field: str, value: Any, allowed: str = "made of finite numbers") -> None:
+    """Refuse what is not a finite real number, or an array or list of such."""
+    import numpy as np
+
+    if not np.isfinite(reals(field, value, allowed)).all():
         raise SpecError(field, value, allowed)
+
+
+def numeric(field: str, value: Any) -> None:
+    """Refuse what is not a number, real or complex, or an array of such."""
+    if getattr(getattr(value, "dtype", None), "kind", "") != "c" and not isinstance(value, complex):
+        reals(field, value)
+
+
+def load(field: str, value: Any) -> None:
+    """Refuse what is neither finite numbers nor a function of time."""
+    if not callable(value):
+        series(field, value, "made of finite numbers, or a function of times")
 
 
 def kept(values: Any, kind: Any = float) -> Any:
@@ -161,6 +181,48 @@ def required(cls: type) -> list[str]:
     """Return the fields of a dataclass that must be given."""
     own = [f for f in fields(cls) if f.init]
     return [f.name for f in own if f.default is MISSING and f.default_factory is MISSING]
+
+
+def whole(field: str, value: Any, least: int = 1) -> None:
+    """Refuse what is not a whole number of at least `least`."""
+    if value is None:
+        raise SpecError(field, value, f"a whole number of at least {least}")
+    count(field, value, least)
+
+
+def swimmer(field: str, value: Any) -> None:
+    """Refuse what is not a `Swimmer`."""
+    instance(field, value, "Swimmer")
+
+
+def gait(field: str, value: Any) -> None:
+    """Refuse what is not a `Gait`."""
+    instance(field, value, "Gait")
+
+
+def dataset(field: str, value: Any) -> None:
+    """Refuse what is not an ``xarray.Dataset``."""
+    instance(field, value, "Dataset")
+
+
+def at_least(least: int) -> Callable[[str, Any], None]:
+    """Return the check of a whole number of at least `least`."""
+    return functools.partial(whole, least=least)
+
+
+def one_of(*options: str) -> Callable[[str, Any], None]:
+    """Return the check of a choice."""
+    return functools.partial(choice, options=options)
+
+
+def above_zero(what: str) -> Callable[[str, Any], None]:
+    """Return the check of a positive number."""
+    return functools.partial(positive, what=what)
+
+
+def share(field: str, value: Any) -> None:
+    """Refuse what is not a number from 0 to 1."""
+    number(field, value, "a share from 0 to 1", least=0.0, most=1.0)
 
 
 def by_name(cls: Class) -> Class:
@@ -226,17 +288,23 @@ def given(**checked: Callable[[str, Any], None]) -> Callable[[Called], Called]:
 
     def decorate(function: Called) -> Called:
         takes = inspect.signature(function)
-        name = function.__qualname__
+        each = takes.parameters.values()
+        defaults = {p.name: p.default for p in each}
+        by_place = [p.name for p in each if p.kind is p.POSITIONAL_OR_KEYWORD]
+        needed = {p.name for p in each if p.default is p.empty and p.kind is not p.VAR_KEYWORD}
+        free = any(p.kind is p.VAR_KEYWORD for p in each)
 
         @functools.wraps(function)
         def called(*args: Any, **named: Any) -> Any:
-            try:
-                bound = takes.bind(*args, **named)
-            except TypeError:
-                raise _wrong_arguments(name, takes, args, named) from None
-            for argument, value in bound.arguments.items():
-                if argument in checked and value is not takes.parameters[argument].default:
-                    checked[argument](argument, value)
+            values = dict(zip(by_place, args)) | named
+            once = len(values) == len(args) + len(named)
+            if not (
+                once and needed <= values.keys() and (free or values.keys() <= defaults.keys())
+            ):
+                raise _wrong_arguments(function.__qualname__, takes, args, named)
+            for name, check in checked.items():
+                if name in values and values[name] is not defaults[name]:
+                    check(name, values[name])
             return function(*args, **named)
 
         return called  # type: ignore[return-value]

@@ -72,7 +72,8 @@ def test_a_new_spec_runs(tmp_path):
 
 
 @pytest.mark.parametrize(("change", "sentence"), [
-    ("tail.drive=rotate", "bends in space"),
+    ("tail.drive=rotate", "tail.amplitude = 0.02: must be left out"),
+    ("tail.drive=push", '"heave", "pivot", "rotate", "none"'),
     ("tail.drive=pivot", "tail.amplitude = 0.02: must be left out"),
     ("tail.angle=0.1", "must be left out with drive"),
     ("tail.bending=0", "must be a positive stiffness"),
@@ -85,6 +86,18 @@ def test_what_cannot_be_is_refused_in_a_sentence(spec, change, sentence):
     assert found.exit_code in (1, 2)
     assert sentence in found.output
     assert "Traceback" not in found.output
+
+
+def test_a_base_that_turns(spec, tmp_path):
+    """Tilted by half a radian: thrust towards the body and a torque against the motor."""
+    text = spec.read_text().replace('"hinged"', '"clamped"').replace('"heave"', '"rotate"')
+    spec.write_text(text.replace("amplitude = 0.02", 'angle = "30 deg"'))
+    found = json.loads(run("run", spec, "--json").stdout)
+    assert found["held_wrench"][0] < 0.0
+    assert -found["held_wrench"][3] == pytest.approx(found["mean_torque"])
+    assert found["info"]["settles"]
+    hinged = run("run", spec, "--set", "tail.base=hinged")
+    assert "a hinge hands on no turning" in hinged.output
 
 
 @pytest.mark.parametrize("preset", ["tabak/helix", "tabak/plane_wave"])

@@ -384,6 +384,45 @@ def test_a_mistake_is_a_notice_and_the_page_lives_on(page):
     assert page.evaluate("() => studio.store.design.problem") is None
 
 
+def test_a_value_may_bring_its_unit_and_a_refused_design_is_greyed(page):
+    page.select_option("#presets", "goto/C")
+    page.wait_for_function("() => studio.store.design.name === 'goto/C'")
+    settled(page)
+    box = 'input[aria-label="Length, value"]'
+    page.fill(box, "0.006 mm")
+    page.keyboard.press("Enter")
+    page.wait_for_function("() => studio.store.design.tables.tail.length === '6.0 um'")
+    assert settled(page)["tail"]["length"] == "6.0 um"
+    page.fill(box, "6 furlongs")
+    page.keyboard.press("Enter")
+    page.wait_for_selector(".notice.error:has-text('known unit')")
+    assert shown_tables(page)["tail"]["length"] == "6.0 um"
+    before = page.evaluate("() => document.querySelector('[data-field=\"tail.length\"]').offsetTop")
+    page.fill('input[aria-label="Filament radius, value"]', "9")
+    page.keyboard.press("Enter")
+    page.wait_for_selector("#problem:visible")
+    assert page.evaluate("() => document.body.classList.contains('refused')")
+    after = page.evaluate("() => document.querySelector('[data-field=\"tail.length\"]').offsetTop")
+    assert after == before  # nothing moves under the hand
+    page.click("#undo")
+    page.wait_for_selector("body:not(.refused)")
+    settled(page)
+
+
+def test_a_second_design_keeps_the_ranges_of_the_first(page):
+    ranges = "() => [...studio.store.design.ranges].sort()"
+    page.fill('input[aria-label="Length, value"]', "9")
+    page.keyboard.press("Enter")
+    settled(page)
+    first = page.evaluate(ranges)
+    page.click("#compare")
+    assert page.evaluate(ranges) == first
+    page.click("#compare")
+    page.select_option("#presets", "tabak/helix")
+    page.wait_for_function("() => studio.store.design.name === 'tabak/helix'")
+    settled(page)
+
+
 def test_a_rotating_field_and_its_step_out(page):
     page.click("#tab-drive")
     page.click("#drive-field")

@@ -13,6 +13,7 @@ from typing import Any, Literal
 import numpy as np
 from scipy.optimize import least_squares
 
+from microswim import checks
 from microswim.calibration import observations as observe
 from microswim.calibration.coefficients import CoefficientCalibration, sigmas_of, values_of
 from microswim.calibration.identifiability import determined, physical_warnings
@@ -31,6 +32,15 @@ from microswim.swimmer.swimmer import Swimmer
 ONE_STEP = 0.02  #: seconds of all gaits for one observation and one unknown as Python
 
 
+@checks.given(
+    swimmer=checks.swimmer,
+    unknowns=checks.words,
+    quantities=checks.words,
+    bounds=checks.mapping,
+    start=checks.mapping,
+    positive=checks.truth,
+    method=checks.one_of("least squares", "ratios"),
+)
 def calibrate(
     swimmer: Swimmer,
     data: Gait | dict[str, Any] | Sequence[Observation],
@@ -93,8 +103,6 @@ def calibrate(
         )
     if method == "ratios":
         return _ratios(swimmer, data)
-    if method != "least squares":
-        raise SpecError("method", method, '"least squares" or "ratios"')
     observations = _observations(swimmer, data, quantities)
     chosen = resolve(swimmer, unknowns)
     problem = _Problem(swimmer, observations, chosen, positive)
@@ -106,9 +114,14 @@ def _observations(swimmer: Swimmer, data: Any, quantities: Iterable[str]) -> tup
     if isinstance(data, Gait):
         return tuple(observe.from_reference(swimmer, data, quantities))
     if isinstance(data, dict):
+        checks.mapping("data", data, "quantities to values, {...}")
         data = observe.from_dict(swimmer, data)
+    if not isinstance(data, (list, tuple)):
+        raise SpecError("data", data, "a gait, measured quantities {...} or a list of Observation")
     if not data:
         raise SpecError("data: nothing was observed; give a gait or measured quantities")
+    for i, observation in enumerate(data):
+        checks.instance(f"data[{i}]", observation, "Observation")
     return tuple(data)
 
 

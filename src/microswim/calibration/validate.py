@@ -24,6 +24,7 @@ import numpy as np
 from microswim import checks
 from microswim.calibration import observations as observe
 from microswim.errors import MicroswimError, SpecError
+from microswim.gait import doors
 from microswim.gait.gait import Gait
 from microswim.jobs import references
 from microswim.spec.describe import unit_of
@@ -141,6 +142,14 @@ def _statistics(values: np.ndarray) -> dict[str, float]:
 
 
 @checks.keyword_was("against", "reference")
+@checks.given(
+    swimmer=checks.swimmer,
+    over=checks.mapping,
+    reference=checks.one_of("bem", "fem", "rft"),
+    quantities=checks.words,
+    folder=checks.place,
+    progress=checks.function,
+)
 def validate(
     swimmer: Swimmer,
     over: dict[str, Any],
@@ -188,6 +197,7 @@ def validate(
     >>> float(result.error("mean.us")[0])
     0.0
     """
+    doors.check_options(reference, options)
     check_names(swimmer, over)
     axes = {name: _axis(name, values) for name, values in over.items()}
     if not axes or any(v.size == 0 for v in axes.values()):

@@ -7,6 +7,7 @@ from __future__ import annotations
 
 from collections import deque
 from dataclasses import dataclass, field
+from functools import partial
 
 import numpy as np
 
@@ -82,6 +83,7 @@ class Sensor:
         checks.count("seed", self.seed, least=0)
         self._random = np.random.default_rng(self.seed)
 
+    @checks.given(time=checks.series, state=partial(checks.instance, kind="State"))
     def read(self, time: float, state: State) -> Reading | None:
         """The latest frame that has arrived at a time, None before the first.
 

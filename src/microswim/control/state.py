@@ -41,6 +41,7 @@ class State:
         object.__setattr__(self, "values", own)
 
     @classmethod
+    @checks.given(position=checks.series, quaternion=checks.series, phase=checks.series)
     def at(
         cls, position: Any = (0, 0, 0), quaternion: Any = (1, 0, 0, 0), phase: Any = 0.0
     ) -> State:
@@ -54,7 +55,6 @@ class State:
         parts = {"position": (position, 3), "quaternion": (quaternion, 4), "phase": (phase, 0)}
         arrays = []
         for name, (value, width) in parts.items():
-            checks.series(name, value)
             a = np.asarray(value, dtype=float)
             if a.ndim > 1 + (width > 0) or (width and a.shape[-1:] != (width,)):
                 raise SpecError(name, value, f"{width} numbers, or as many rows as swimmers")

@@ -105,6 +105,7 @@ class Stepper:
             object.__setattr__(self, name, int(value))
 
     @classmethod
+    @checks.given(swimmer=checks.swimmer, model=checks.text)
     def of(cls, swimmer: Swimmer, model: str = "rft", **options: Any) -> Stepper:
         """Stepper of a swimmer that feels the strain of a flow; options as of the class."""
         return cls(swimmer.gait(model), swimmer, **options)
@@ -181,6 +182,8 @@ class Stepper:
         MicroswimError
             If the state would not be finite.
         """
+        if not isinstance(state, State):
+            raise SpecError("state", state, "a State", "State.at makes one")
         try:
             fits = 0.0 < dt < np.inf
         except TypeError:

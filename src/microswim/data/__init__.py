@@ -12,6 +12,7 @@ import tomllib
 from importlib.resources import files
 from typing import TYPE_CHECKING
 
+from microswim import checks
 from microswim.errors import SpecError
 
 if TYPE_CHECKING:
@@ -23,6 +24,7 @@ _HERE = files(__name__)
 _MISSING = ("-", "")
 
 
+@checks.given()
 def names() -> list[str]:
     """Names of all sets, in alphabetical order.
 
@@ -35,6 +37,7 @@ def names() -> list[str]:
     return sorted(f.name[:-4] for f in _HERE.iterdir() if f.name.endswith(".csv"))
 
 
+@checks.given(name=checks.text)
 def load(name: str) -> xarray.Dataset:
     """Load a set of published data.
 

@@ -11,6 +11,7 @@ from importlib import import_module
 from inspect import Parameter, signature
 from typing import Any
 
+from microswim import checks
 from microswim.errors import SpecError
 
 MODELS = {
@@ -54,13 +55,12 @@ def check_options(model: str, options: dict[str, Any]) -> None:
     SpecError
         With the models, or the options of this one.
     """
-    if model not in MODELS:
-        raise SpecError("model", model, "one of " + ", ".join(f'"{m}"' for m in MODELS))
+    checks.choice("model", model, MODELS)
     if not options:
         return
     takes = signature(_behind(MODELS[model])).parameters
     if any(p.kind is Parameter.VAR_KEYWORD for p in takes.values()):
-        return
+        return  # it passes them on, and asks here again
     known = [name for name, p in takes.items() if p.kind is Parameter.KEYWORD_ONLY]
     for name, value in options.items():
         if name not in known:

@@ -15,6 +15,7 @@ from __future__ import annotations
 
 from typing import Any
 
+from microswim import checks
 from microswim.errors import SpecError
 from microswim.gait.gait import DEGREES_OF_FREEDOM, Gait
 from microswim.gait.quantities import QUANTITIES, Basis, current
@@ -58,6 +59,9 @@ def unit_of(quantity: str, units: str) -> str:
     return ""
 
 
+@checks.given(
+    gait=checks.gait, quantity=checks.text, phase=checks.series, body_length=checks.numeric
+)
 def observed(gait: Gait, quantity: str, phase: Any = None, *, body_length: Any = None) -> Any:
     """Return the value of a quantity, from a gait of any model.
 

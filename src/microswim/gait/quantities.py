@@ -14,6 +14,7 @@ from typing import Any
 
 import numpy as np
 
+from microswim import checks
 from microswim.errors import SpecError, renamed
 from microswim.gait.gait import Gait
 from microswim.gait.screw import screw
@@ -283,6 +284,7 @@ class Basis:
         return self._length
 
 
+@checks.given(gait=checks.gait)
 def summary(gait: Gait) -> dict[str, Any]:
     """Return every number that a gait alone tells, as plain numbers.
 

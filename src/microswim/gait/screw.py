@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
+from microswim import checks
 from microswim.gait.gait import Gait
 from microswim.gait.stepping import WORK, integrate, pack, step
 from microswim.numerics.compiled import pays
@@ -13,6 +14,7 @@ from microswim.numerics.rigid_motion import ScrewMotion, multiply, rotation_matr
 ONE_STEP = 1e-5
 
 
+@checks.given(gait=checks.gait, steps=checks.at_least(1))
 def screw(gait: Gait, steps: int | None = None) -> ScrewMotion:
     """Rigid motion of a free swimmer over one period, by steps of order 4.
 

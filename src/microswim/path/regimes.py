@@ -34,6 +34,7 @@ MEASURED = {"atlas": (0.006, 0.015), "rft": (0.06, 2.0)}
 STOKES = 0.5  #: Reynolds number from which a remark says that inertia is left out
 
 
+@checks.by_name
 @dataclass(frozen=True, eq=False)
 class Regimes:
     """What a magnetic robot does at each frequency of the field.
@@ -127,6 +128,7 @@ class Regimes:
         return doors.go(doors.PLOT_REGIMES, self)
 
 
+@checks.given(swimmer=checks.swimmer, frequency=checks.series, model=checks.text, gait=checks.gait)
 def regimes(
     swimmer: Swimmer, frequency: Any, *, model: str = "auto", gait: Gait | None = None
 ) -> Regimes:

@@ -27,6 +27,19 @@ if TYPE_CHECKING:
 LOADS = ("force", "torque", "field", "flow", "moment")
 
 
+@checks.given(
+    gait=checks.gait,
+    times=checks.series,
+    rate=checks.load,
+    force=checks.load,
+    torque=checks.load,
+    moment=checks.load,
+    field=checks.load,
+    flow=checks.load,
+    position=checks.series,
+    quaternion=checks.series,
+    max_step=checks.above_zero("time"),
+)
 def trajectory(
     gait: Gait,
     times: Any,

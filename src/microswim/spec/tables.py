@@ -168,11 +168,17 @@ class ElasticTable(_TailTable):
     ] = "clamped"
     drive: Annotated[
         Literal["heave", "pivot", "rotate", "none"],
-        About("Drive", "heave: the base moves across s | pivot: it turns about r | none",
+        About("Drive", "heave: base moves across s | pivot: turns about r | rotate: about s | none",
               start="heave"),
     ] = "heave"  # fmt: skip
     amplitude: Annotated[Length | None, About("Amplitude", "of the heave", start=0.1)] = None
-    angle: Annotated[Angle | None, About("Angle", "of the pivot", usual=(0.0, 60.0))] = None
+    angle: Annotated[
+        Angle | None,
+        About("Angle", "of the pivot, or the tilt of a base that rotates", usual=(0.0, 60.0)),
+    ] = None
+    twisting: Annotated[
+        Bending | None, About("Twisting stiffness", "for rotate; two thirds of bending by default")
+    ] = None
 
 
 class CoefficientsTable(_Table):

@@ -179,6 +179,7 @@ class Swimmer:
         return 2.0 * axis if np.any(axis) else self.tail.apparent_length
 
     @classmethod
+    @checks.given(path=checks.place, overrides=checks.mapping, trust=checks.place)
     def from_toml(
         cls,
         path: str | PathLike[str],
@@ -197,6 +198,7 @@ class Swimmer:
         return doors.go(doors.READ, path, overrides, trust)
 
     @classmethod
+    @checks.given(name=checks.text, overrides=checks.mapping)
     def preset(cls, name: str, overrides: dict[str, Any] | None = None) -> Swimmer:
         """A swimmer that comes with the package, such as ``"tabak/helix"`` or ``"goto/C"``."""
         return doors.go(doors.READ_PRESET, name, overrides)
@@ -214,6 +216,7 @@ class Swimmer:
         """
         return doors.go(doors.SETTLED, self) if self.tail.settles else self
 
+    @checks.given()
     def gait(
         self,
         model: Literal["rft", "auto", "atlas", "elastic", "bem", "fem"] | str = "rft",
@@ -269,6 +272,7 @@ class Swimmer:
         """
         return doors.go(doors.PLOT_SWIMMER, self)
 
+    @checks.given(changes=checks.mapping)
     def with_(self, changes: dict[str, Any]) -> Swimmer:
         """Copy with dotted fields replaced and checked again: ``{"tail.amplitude": 0.12}``.
 
@@ -309,6 +313,7 @@ class Swimmer:
             for path, value in numbers_of(getattr(self, part))
         }
 
+    @checks.given(output=checks.text, wrt=checks.words)
     def gradient(self, output: str = "mean_velocity", wrt: Any = None) -> dict[str, Any]:
         """Exact derivatives of an output with respect to numbers of the spec.
 

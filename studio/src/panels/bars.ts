@@ -101,7 +101,11 @@ export class TopBar {
   private toggle(): void {
     const { store } = this;
     if (store.designs.length > 1) store.designs = [store.design];
-    else store.designs.push(store.make(`${store.design.name}`, structuredClone(store.design.answer)));
+    else {
+      const other = store.make(store.design.name, structuredClone(store.design.answer));
+      store.design.ranges.forEach((range, path) => other.ranges.set(path, { ...range }));
+      store.designs.push(other);
+    }
     store.active = store.designs.length - 1;
     store.tell("designs", "structure", "tables", "answer", "problem", "rest");
   }

@@ -3,7 +3,7 @@
 import { digits, el, pretty } from "../state/dom";
 import { label, quantity, read, sensible, spoken, type Range } from "../state/fields";
 import { field, size } from "../state/words";
-import type { Design, Store } from "../state/store";
+import { attempt, type Design, type Store } from "../state/store";
 import type { Tables, Value } from "../state/types";
 
 const TITLES: [string, string, boolean][] = [
@@ -24,10 +24,8 @@ const STEPS = 1000;
 
 export class Controls {
   readonly node = el("aside", { class: "panel left", "aria-label": "Design" });
-  private ranges = new Map<string, Range>();
   private rows: (() => void)[] = [];
   private open = new Map(TITLES.map(([part, , open]) => [part, open]));
-  private owner: unknown = null;
 
   constructor(private store: Store) {
     store.on("structure", () => this.build());
@@ -37,16 +35,13 @@ export class Controls {
 
   build(): void {
     const { design } = this.store;
-    if (this.owner !== design) {
-      this.ranges.clear();
-      this.owner = design;
-    }
     const scroll = this.node.scrollTop;
     this.rows = [];
-    this.node.replaceChildren(el("div", { class: "problem", id: "problem", hidden: true, role: "alert" }));
+    this.node.replaceChildren();
     for (const [part, title] of TITLES) {
       if (design.tables[part]) this.node.append(this.section(part, title));
     }
+    this.node.append(el("div", { class: "problem", id: "problem", hidden: true, role: "alert" }));
     this.node.scrollTop = scroll;
     this.refresh();
     this.showProblem();
@@ -103,10 +98,11 @@ export class Controls {
 
   private range(path: string): Range {
     const q = quantity(read(this.store.design.tables, path))!;
-    let range = this.ranges.get(path);
+    const { ranges } = this.store.design;
+    let range = ranges.get(path);
     if (!range) {
       range = sensible(path, q, this.store.design.answer);
-      this.ranges.set(path, range);
+      ranges.set(path, range);
     }
     if (q.n < range.low) range.low = q.n;
     if (q.n > range.high) range.high = q.n;
@@ -143,10 +139,11 @@ export class Controls {
     track.addEventListener("input", () => move(false));
     track.addEventListener("change", () => store.commit());
     box.addEventListener("change", () => {
-      const n = Number(box.value.replace(",", ".").replace("−", "-"));
+      const text = box.value.trim().replace(",", ".").replace("−", "-");
       const q = quantity(read(store.design.tables, path))!;
-      if (box.value.trim() === "" || !Number.isFinite(n)) return show();
-      store.edit({ [path]: spoken(n, q.unit) }, true);
+      if (text === "") return show();
+      if (Number.isFinite(Number(text))) store.edit({ [path]: spoken(Number(text), q.unit) }, true);
+      else void attempt(() => store.put(path, text)).then(show);
     });
     box.addEventListener("keydown", (event) => event.key === "Enter" && box.blur());
     box.addEventListener("blur", show);
@@ -228,6 +225,7 @@ export class Controls {
     const { problem } = this.store.design;
     node.hidden = !problem;
     node.textContent = problem ?? "";
+    document.body.classList.toggle("refused", problem !== null);
   }
 }
 

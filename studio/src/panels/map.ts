@@ -248,7 +248,8 @@ export class SpeedMap {
     if (this.picture && this.answer) g.drawImage(this.picture, 0, 0);
     const at = this.place();
     if (!at) return;
-    const [x, y] = [Math.min(1, Math.max(0, at[0])) * w, (1 - Math.min(1, Math.max(0, at[1]))) * h];
+    const within = (f: number, size: number): number => Math.min(size - 11, Math.max(11, f * size));
+    const [x, y] = [within(at[0], w), within(1 - at[1], h)];
     g.strokeStyle = "rgba(255,255,255,.22)";
     g.lineWidth = 1.5;
     g.beginPath();

@@ -2,7 +2,7 @@
 
 import { Latest, Refusal, call } from "./api";
 import { clone } from "./dom";
-import { write } from "./fields";
+import { write, type Range } from "./fields";
 import { learn } from "./words";
 import type { Answer, Snapshot, Tables, Value } from "./types";
 
@@ -23,6 +23,8 @@ export interface Design {
   reference: Reference | null;
   /** where the surrogate was calibrated, as text of the tables */
   calibrated: string | null;
+  /** where its sliders run, by field */
+  ranges: Map<string, Range>;
   latest: Latest<Ask, Answer>;
 }
 
@@ -80,7 +82,7 @@ export class Store {
     const tables = clone(answer.tables);
     const design: Design = {
       name, answer, tables, committed: clone(tables), past: [], future: [],
-      problem: null, reference: null, calibrated: null, latest: null as unknown as Design["latest"],
+      problem: null, reference: null, calibrated: null, ranges: new Map(), latest: null as unknown as Design["latest"],
     };
     let sent = 0;
     design.latest = new Latest<Ask, Answer>(
@@ -123,6 +125,14 @@ export class Store {
     design.committed = clone(design.tables);
     design.future = [];
     this.tell("tables");
+  }
+
+  /** Put a value with a unit of its own into a field, as a spec file may have it. */
+  async put(path: string, text: string): Promise<void> {
+    const tables = clone(this.design.tables);
+    write(tables, path, text);
+    const made = await call<Answer>("/api/solve", { tables, name: this.design.name });
+    this.replace(made.tables);
   }
 
   /** Put other tables in place of the active design's, as one step that can be undone. */

@@ -7,10 +7,12 @@ from typing import Any
 
 import numpy as np
 
+from microswim import checks
 from microswim.calibration.atlas import coordinates
 from microswim.calibration.atlas.atlas import shipped
 from microswim.calibration.atlas.expected import LEVELS, expected_error
 from microswim.errors import SpecError
+from microswim.gait import doors
 from microswim.gait.gait import Gait
 from microswim.swimmer.swimmer import Swimmer
 
@@ -82,8 +84,10 @@ def auto(swimmer: Swimmer, accuracy: float | None = None, **options: Any) -> Gai
     SpecError
         If the accuracy is not a share, or no model serves.
     """
-    if accuracy is not None and not 0.0 < accuracy < 1.0:
-        raise SpecError("accuracy", accuracy, "a share above 0 and below 1", 'such as "2%"')
+    doors.check_options("bem", options)
+    if accuracy is not None:
+        allowed = "a share above 0 and below 1, such as 0.02"
+        checks.number("accuracy", accuracy, allowed, above=0.0, most=float(np.nextafter(1.0, 0.0)))
     if swimmer.tail.settles:
         made = _with_error(swimmer, swimmer.gait("elastic"), "")
     else:

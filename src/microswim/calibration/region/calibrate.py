@@ -8,11 +8,12 @@ docs/decisions/region-calibration.md.
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import replace
+from dataclasses import dataclass, field, replace
 from typing import Any, Literal
 
 import numpy as np
 
+from microswim import checks
 from microswim.calibration.region import kriging
 from microswim.calibration.region.correction import Correction, features, fixed_numbers, words
 from microswim.calibration.region.evaluate import SAMPLES
@@ -29,6 +30,7 @@ from microswim.calibration.region.fit import (
 from microswim.calibration.region.kriging import Kriging, Surfaces
 from microswim.calibration.region.outcome import RegionCalibration
 from microswim.errors import MachineError, MicroswimError, SpecError
+from microswim.gait import doors
 from microswim.gait.gait import Gait
 from microswim.jobs import references
 from microswim.jobs.processes import counted
@@ -46,6 +48,15 @@ FIRST = 0.7  #: share of the solves that fill the region
 Region = dict[str, tuple[float, float]]
 
 
+@checks.given(
+    swimmer=checks.swimmer,
+    region=checks.mapping,
+    reference=checks.one_of("bem", "fem", "rft"),
+    solves=checks.at_least(1),
+    folder=checks.place,
+    seed=checks.at_least(0),
+    progress=checks.function,
+)
 def calibrate_region(
     swimmer: Swimmer,
     region: Region,
@@ -105,49 +116,28 @@ def calibrate_region(
     >>> fitted.swimmer.gait().info["outside"]
     []
     """
+    doors.check_options(reference, options)
     region = all_from_python(region, swimmer.units)
     _check(swimmer, region, solves)
     counted(workers)
-    pool = _pool(swimmer, region, seed)
-    chosen = list(range(min(max(8, round(FIRST * solves)), solves, len(pool))))
-    solved: list[Solved] = []
-    refused: list[tuple[Swimmer, str]] = []
-    unresolved: list[Solved] = []
-    fewest = max(6, len(region) + 2)
-    tried: set[int] = set()
+    campaign = _Campaign(_pool(swimmer, region, seed), solves, max(6, len(region) + 2))
+    chosen = list(range(min(max(8, round(FIRST * solves)), solves, len(campaign.pool))))
     options = _phases(swimmer, reference, options)
     fitted: tuple[Kriging, ...] = ()
-    while True:
+    while chosen:
         found = references.gaits(
-            [pool[i] for i in chosen],
+            [campaign.pool[i] for i in chosen],
             reference,
             folder=folder,
             workers=workers,
-            progress=_shifted(progress, len(solved), solves),
+            progress=_shifted(progress, len(campaign.solved), solves),
             **options,
         )
-        _require_machine(found)
-        for i, g in zip(chosen, found):
-            reason = _doubt(g)
-            if isinstance(g, Gait) and not reason:
-                solved.append(Solved(pool[i], g))
-                continue
-            refused.append((pool[i], reason))
-            if isinstance(g, Gait):
-                unresolved.append(Solved(pool[i], g))
-        tried |= set(chosen)
-        left = solves - len(solved)
-        if left <= 0 or len(tried) >= min(2 * solves, len(pool)):
-            break
+        campaign.take(chosen, found)
         with one_thread():
-            if len(solved) < fewest:
-                chosen = [i for i in range(len(pool)) if i not in tried][:left]
-                continue
-            fitted = fit_groups(solved, fitted)
-            count = min(left, max(4, solves // 8))
-            known = [s.swimmer for s in solved] + [s for s, _ in refused]
-            chosen = _least_sure(pool, fitted, known, tried, count)
-    if len(solved) < fewest:
+            chosen, fitted = campaign.chosen_next(fitted)
+    solved, refused, unresolved = campaign.solved, campaign.refused, campaign.unresolved
+    if len(solved) < campaign.fewest:
         why = refused[0][1] if refused else "the region holds no more"
         raise MicroswimError(f"only {len(solved)} designs could be solved: {why}")
     about: dict[str, Any] = {"reference": reference, "solves": len(solved), "seed": seed}
@@ -159,6 +149,44 @@ def calibrate_region(
     about["options"] = {k: getattr(v, "name", v) for k, v in options.items()}
     bare = replace(swimmer, coefficients=Unchosen(), interaction=Interaction(), region=None)
     return RegionCalibration(swimmer=replace(bare, region=made))
+
+
+@dataclass
+class _Campaign:
+    """The designs of a region: what came of those that were tried, and which to try next."""
+
+    pool: list[Swimmer]
+    solves: int
+    fewest: int
+    solved: list[Solved] = field(default_factory=list)
+    refused: list[tuple[Swimmer, str]] = field(default_factory=list)
+    unresolved: list[Solved] = field(default_factory=list)
+    tried: set[int] = field(default_factory=set)
+
+    def take(self, chosen: list[int], found: list[Gait | str]) -> None:
+        """Sort what the reference answered."""
+        _require_machine(found)
+        for i, g in zip(chosen, found):
+            reason = _doubt(g)
+            if isinstance(g, Gait) and not reason:
+                self.solved.append(Solved(self.pool[i], g))
+                continue
+            self.refused.append((self.pool[i], reason))
+            if isinstance(g, Gait):
+                self.unresolved.append(Solved(self.pool[i], g))
+        self.tried |= set(chosen)
+
+    def chosen_next(self, fitted: tuple[Kriging, ...]) -> tuple[list[int], tuple[Kriging, ...]]:
+        """Return the designs where the fits are least sure, with these fits; none at the end."""
+        left = self.solves - len(self.solved)
+        if left <= 0 or len(self.tried) >= min(2 * self.solves, len(self.pool)):
+            return [], fitted
+        if len(self.solved) < self.fewest:
+            return [i for i in range(len(self.pool)) if i not in self.tried][:left], fitted
+        fitted = fit_groups(self.solved, fitted)
+        count = min(left, max(4, self.solves // 8))
+        known = [s.swimmer for s in self.solved] + [s for s, _ in self.refused]
+        return _least_sure(self.pool, fitted, known, self.tried, count), fitted
 
 
 def _require_machine(found: list[Gait | str]) -> None:

@@ -7,6 +7,7 @@ from __future__ import annotations
 
 import re
 from dataclasses import dataclass
+from functools import partial
 from hashlib import sha256
 from importlib.resources import files
 
@@ -65,6 +66,12 @@ class CModel:
     banner: str
 
 
+@checks.given(
+    stepper=partial(checks.instance, kind="Stepper"),
+    name=checks.text,
+    spec=checks.text,
+    precision=checks.one_of(*PRECISIONS),
+)
 def c_model(
     stepper: Stepper, name: str = "swimmer", spec: str = "", precision: str = "double"
 ) -> CModel:

@@ -10,6 +10,7 @@ from __future__ import annotations
 import platform
 import sys
 import zipfile
+from functools import partial
 from hashlib import sha256
 from html import escape
 from importlib.resources import files
@@ -82,6 +83,13 @@ def variables(stepper: Stepper) -> list[dict[str, Any]]:
     return made
 
 
+@checks.given(
+    stepper=partial(checks.instance, kind="Stepper"),
+    path=checks.place,
+    name=checks.text,
+    fmi=checks.one_of(*VERSIONS),
+    spec=checks.text,
+)
 def export_fmu(
     stepper: Stepper, path: Any, *, name: str = "swimmer", fmi: str = "3.0", spec: str = ""
 ) -> dict[str, Any]:

@@ -12,6 +12,7 @@ from typing import Any
 
 import numpy as np
 
+from microswim import checks
 from microswim.gait.gait import Gait
 from microswim.gait.one_pose import remark
 from microswim.models.bem.levels import Level, coarser, get_level
@@ -79,6 +80,12 @@ def _info(solutions: list[Solution], level: str) -> dict[str, Any]:
     }
 
 
+@checks.given(
+    swimmer=checks.swimmer,
+    order=checks.at_least(1),
+    estimate_error=checks.truth,
+    progress=checks.function,
+)
 def gait(
     swimmer: Swimmer,
     *,
@@ -107,7 +114,7 @@ def gait(
     Gait
         With ``info``: unknowns, seconds of geometry, assembly and solve, asymmetry of R, error.
     """
-    chosen = get_level(level, order) if isinstance(level, str) else level
+    chosen = level if isinstance(level, Level) else get_level(level, order)
     count = 1 if turns_as_a_whole(swimmer) else chosen.phases
     signs = half_period_signs(swimmer)
     wanted = count // 2 if count > 1 and signs is not None else count

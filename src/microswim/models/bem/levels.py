@@ -64,7 +64,7 @@ def get_level(name: str, order: int | None = None) -> Level:
     SpecError
         If the name or the order is not known.
     """
-    if name not in _BY_NAME:
+    if not isinstance(name, str) or name not in _BY_NAME:
         raise SpecError("level", name, "coarse, standard or fine")
     level = _BY_NAME[name]
     if order is None:

@@ -1,8 +1,7 @@
-"""Gait of a swimmer with an elastic tail: that of the beat which its tail settles to."""
+"""Gait of a swimmer with an elastic tail: that of the motion which its tail settles to."""
 
 from __future__ import annotations
 
-import math
 from dataclasses import replace
 from typing import Any
 
@@ -10,17 +9,19 @@ import numpy as np
 
 from microswim import checks
 from microswim.gait.gait import Gait
-from microswim.models.elastic.beat import Beat, drive, settled
-from microswim.models.elastic.growth import NEUTRAL, growth
+from microswim.models.elastic import findings
+from microswim.models.elastic.beat import Beat, settled
 from microswim.models.elastic.problem import elastic_tail, problem
 from microswim.models.elastic.settled_tail import centreline, settled_tail
+from microswim.models.elastic.whirl import whirl
+from microswim.models.elastic.whirled_tail import whirled_centreline, whirled_tail
 from microswim.models.rft.gait import (
     body_resistance,
     centreline_sums,
     series_over_period,
     with_mirror_image,
 )
-from microswim.numerics.fourier import add
+from microswim.numerics.fourier import add, rotate
 from microswim.swimmer import physical_sense
 from microswim.swimmer.swimmer import SURROUNDINGS, Swimmer
 
@@ -33,20 +34,23 @@ def settled_swimmer(swimmer: Swimmer) -> Swimmer:
     SpecError
         If its tail is not elastic, or beyond what is solved here.
     MicroswimError
-        If no periodic beat is found.
+        If it settles to nothing periodic.
     """
-    return _with(swimmer, settled(problem(swimmer)))
+    tail = elastic_tail(swimmer)
+    if tail.turns:
+        return replace(swimmer, tail=whirled_tail(tail, whirl(swimmer)))
+    return replace(swimmer, tail=settled_tail(tail, settled(problem(swimmer))))
 
 
 def gait(swimmer: Swimmer, *, phases: int | None = None) -> Gait:
-    """Gait of the beat that the elastic tail settles to, by resistive force theory.
+    """Gait of the motion that the elastic tail settles to, by resistive force theory.
 
     Parameters
     ----------
     swimmer
-        A swimmer with an `ElasticTail`; its numbers may be complex (`Swimmer.lifted`).
+        A swimmer with an `ElasticTail`; its numbers may be complex (see `swimmer.fields.lifted`).
     phases
-        Phases over half a period at which drag is summed; enough by default.
+        Phases over half a period at which the drag of a beat is summed; enough by default.
 
     Returns
     -------
@@ -61,14 +65,13 @@ def gait(swimmer: Swimmer, *, phases: int | None = None) -> Gait:
     SpecError
         If its tail is not elastic, or beyond what is solved here.
     MicroswimError
-        If no periodic beat is found.
+        If it settles to nothing periodic.
     """
     checks.count("phases", phases)
     physical_sense.require_drag(swimmer)
-    beat = settled(problem(swimmer))
-    about = _about(beat)
+    sums = _turning if elastic_tail(swimmer).turns else _beating
+    series, about = sums(swimmer, phases)
     body = body_resistance(swimmer)[None]
-    series = series_over_period(lambda n: _samples(swimmer, beat, n), phases)
     made = Gait(
         add(series[0], body),
         *series[1:],
@@ -83,42 +86,34 @@ def gait(swimmer: Swimmer, *, phases: int | None = None) -> Gait:
     return made
 
 
+def _beating(swimmer: Swimmer, phases: int | None) -> tuple[tuple[np.ndarray, ...], dict]:
+    beat = settled(problem(swimmer))
+    series = series_over_period(lambda n: _samples(swimmer, beat, n), phases)
+    return series, findings.of_beat(beat)
+
+
+def _turning(swimmer: Swimmer, phases: int | None) -> tuple[tuple[np.ndarray, ...], dict]:
+    found = whirl(swimmer)
+    R, F, G = _summed(swimmer, whirled_centreline(found), found.rod.weight)
+    series = rotate(R[0], swimmer.tail.sign), rotate(F[0], swimmer.tail.sign), G
+    return series, findings.of_whirl(found)
+
+
 def _samples(swimmer: Swimmer, beat: Beat, n: int) -> tuple[np.ndarray, ...]:
     """Samples of ``B_t``, ``F_p``, G at 2 n phases; half of them are mirror images."""
-    L, rod = swimmer.tail.length, beat.rod
-    at = tuple(L * x for x in centreline(beat, elastic_tail(swimmer), np.pi * np.arange(n) / n))
-    at = at[0], at[1] / L, at[2]
-    tip = tuple(x[:, -1:] for x in at)
-    nodes = tuple(x[:, :-1] for x in at)
-    return with_mirror_image(*centreline_sums(swimmer, nodes, L * rod.weight[:-1], tip))
+    at = centreline(beat, elastic_tail(swimmer), np.pi * np.arange(n) / n)
+    return with_mirror_image(*_summed(swimmer, at, beat.rod.weight))
 
 
-def _with(swimmer: Swimmer, beat: Beat) -> Swimmer:
-    return replace(swimmer, tail=settled_tail(elastic_tail(swimmer), beat))
-
-
-def _about(beat: Beat) -> dict[str, Any]:
-    factor = growth(beat)
-    rod, q = beat.rod, beat.shape
-    base = drive(beat.problem, beat.phases)
-    tip = base.place + np.sin(base.angle[:, None] + q @ rod.shapes.T) @ rod.along[-1]
-    return {
-        "sperm_number": beat.problem.sperm_number,
-        "unknowns": int(np.size(q) + np.size(beat.velocity)),
-        "newton_steps": beat.steps,
-        "growth": factor,
-        "settles": bool(factor <= 1.0 + NEUTRAL),
-        "settling_periods": _periods(factor),
-        "tip_amplitude": float(np.abs(np.real(tip)).max()),
-        "largest_curvature": float(np.abs(q @ rod.curvatures.T).max()),
-    }
-
-
-def _periods(factor: float) -> float | None:
-    """Periods until a disturbance is a millionth of itself; None if it never is."""
-    if factor <= 0.0:
-        return 0.0
-    return math.log(1e-6) / math.log(factor) if factor < 1.0 - NEUTRAL else None
+def _summed(
+    swimmer: Swimmer, at: tuple[np.ndarray, ...], weight: np.ndarray
+) -> tuple[np.ndarray, ...]:
+    """``B_t``, ``F_p``, G from places over L at the rod's nodes, the last of which is its tip."""
+    L = swimmer.tail.length
+    P, slope, U = at
+    at = L * P, slope, L * U
+    nodes, tip = tuple(x[:, :-1] for x in at), tuple(x[:, -1:] for x in at)
+    return centreline_sums(swimmer, nodes, L * weight[:-1], tip)
 
 
 def _remarks(swimmer: Swimmer, about: dict[str, Any]) -> list[str]:
@@ -127,7 +122,7 @@ def _remarks(swimmer: Swimmer, about: dict[str, Any]) -> list[str]:
     found += [f"the elastic tail knows no {name}; it settles as in free space" for name in around]
     if not about["settles"]:
         found.append(
-            "the tail does not settle to this beat: a small disturbance grows "
+            "the tail does not settle to this motion: a small disturbance grows "
             f"{about['growth']:.3g} times in a period"
         )
     if about["largest_curvature"] * np.real(swimmer.tail.radius / swimmer.tail.length) > 0.5:

@@ -66,7 +66,11 @@ def problem(swimmer: Swimmer) -> Problem:
         If its tail is not elastic, or it would leave the plane in which its tail beats.
     """
     tail = elastic_tail(swimmer)
-    _check(swimmer)
+    check_options(swimmer)
+    if np.any(body_resistance(swimmer)[np.ix_(PLANE, ACROSS)]):
+        raise SpecError("interaction.coupling", swimmer.interaction.coupling,
+                        "one that keeps the swimmer in the plane s-q, in which its tail beats",
+                        "leave only the entries of s, q with r")  # fmt: skip
     L, rate, mu = tail.length, magnitude(tail.rate), swimmer.fluid.viscosity
     per_force = rate * L**4 / tail.bending
     law = swimmer.coefficients
@@ -86,13 +90,16 @@ def problem(swimmer: Swimmer) -> Problem:
     return Problem(drag, (tail.amplitude or 0.0) / L, tail.angle or 0.0, turning)
 
 
-def _check(swimmer: Swimmer) -> None:
+def check_options(swimmer: Swimmer) -> None:
+    """Refuse readings and corrections that an elastic tail does not have.
+
+    Raises
+    ------
+    SpecError
+        If the swimmer has one.
+    """
     if swimmer.motion.line_element != "arc":
         raise SpecError("motion.line_element", swimmer.motion.line_element,
                         '"arc" for an elastic tail')  # fmt: skip
     if swimmer.region is not None:
         raise SpecError("region", "given", "none for an elastic tail", "remove the table")
-    if np.any(body_resistance(swimmer)[np.ix_(PLANE, ACROSS)]):
-        raise SpecError("interaction.coupling", swimmer.interaction.coupling,
-                        "one that keeps the swimmer in the plane s-q, in which its tail beats",
-                        "leave only the entries of s, q with r")  # fmt: skip

@@ -30,6 +30,7 @@ GROWS = 1e-6
 HELD = np.zeros(1)
 
 
+@checks.by_name
 @dataclass(frozen=True, kw_only=True)
 class Threshold:
     """Load at which a straight filament begins to move.
@@ -57,6 +58,7 @@ class Threshold:
         return self.rate != 0.0
 
 
+@checks.given(swimmer=checks.swimmer, load=checks.one_of(*get_args(Pull)))
 def stability(swimmer: Swimmer, load: Pull = "tip") -> Threshold:
     """Return the load along an elastic tail that its straight shape does not survive.
 
@@ -92,7 +94,6 @@ def stability(swimmer: Swimmer, load: Pull = "tip") -> Threshold:
     >>> round(ms.stability(swimmer, "tip").load, 2)
     37.69
     """
-    checks.choice("load", load, get_args(Pull))
     made, tail = problem(swimmer), elastic_tail(swimmer)
     loads = np.linspace(0.0, LARGEST, STEPS + 1)[1:]
     below = 0.0

@@ -5,6 +5,7 @@ Needs the extra ``fem`` (NGSolve, MKL).
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from importlib.util import find_spec
 from typing import TYPE_CHECKING, Any
 
@@ -26,12 +27,19 @@ def _require() -> None:
         raise MachineError('model = "fem" needs NGSolve: pip install "microswim[fem]"')
 
 
-def channel_gait(swimmer: Swimmer, **options: Any) -> Gait:
-    """Return the gait in a channel by finite elements; see `fem.gait.gait` for the options."""
+def channel_gait(
+    swimmer: Swimmer,
+    *,
+    channel: Channel | None = None,
+    level: Any = "standard",
+    phases: int = 8,
+    progress: Callable[[int, int], None] | None = None,
+) -> Gait:
+    """Return the gait in a channel by finite elements, as `fem.gait.gait` says."""
     _require()
     from microswim.models.fem.gait import gait as solve
 
-    return solve(swimmer, **options)
+    return solve(swimmer, channel=channel, level=level, phases=phases, progress=progress)
 
 
 def swim(swimmer: Swimmer, **options: Any) -> xr.Dataset:

@@ -13,11 +13,13 @@ from __future__ import annotations
 import time
 from collections.abc import Callable
 from dataclasses import asdict, dataclass, replace
+from functools import partial
 from itertools import count
 from typing import Any
 
 import numpy as np
 
+from microswim import checks
 from microswim.errors import MicroswimError, SpecError
 from microswim.gait.gait import Gait
 from microswim.gait.one_pose import remark
@@ -202,6 +204,12 @@ def _in_units(
     return Snapshot(symmetric, total[:, 6], power, body[:, :6], body[:, 6])
 
 
+@checks.given(
+    swimmer=checks.swimmer,
+    channel=partial(checks.instance, kind="Channel"),
+    phases=checks.at_least(1),
+    progress=checks.function,
+)
 def gait(
     swimmer: Swimmer,
     *,

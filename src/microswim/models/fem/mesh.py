@@ -62,7 +62,7 @@ def level_named(level: str | Level) -> Level:
     """The level of that name; a `Level` of one's own passes through."""
     if isinstance(level, Level):
         return level
-    if level not in LEVELS:
+    if not isinstance(level, str) or level not in LEVELS:
         raise SpecError("level", level, "one of " + ", ".join(f'"{name}"' for name in LEVELS))
     return LEVELS[level]
 

@@ -59,6 +59,7 @@ SECONDS = {
 }  #: of a design as Python
 
 
+@checks.given(swimmer=checks.swimmer, values=checks.mapping)
 def evaluate(swimmer: Swimmer, values: dict[str, Any], tolerance: float = 1e-8) -> dict[str, Any]:
     """Surrogate results for n designs that differ in some numbers of the spec.
 
@@ -99,8 +100,13 @@ def evaluate(swimmer: Swimmer, values: dict[str, Any], tolerance: float = 1e-8) 
     (5, 6)
     """
     checks.number("tolerance", tolerance, "from 1e-12 to 1e-3", least=1e-12, most=1e-3)
-    arrays = {k: np.asarray(v, dtype=float).reshape(-1) for k, v in values.items()}
+    arrays = {k: checks.reals(k, v).reshape(-1) for k, v in values.items()}
     n = max((a.size for a in arrays.values()), default=1)
+    for name, array in arrays.items():
+        if array.size not in (1, n):
+            raise SpecError(
+                f"values {name}", f"{array.size} values", f"one value, or {n} as others"
+            )
     if swimmer.region is not None:
         _check_heeded(arrays)
     swimmer = in_terms_of(swimmer, arrays)

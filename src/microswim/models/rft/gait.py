@@ -135,7 +135,7 @@ def unchecked(swimmer: Swimmer, nodes: int | None = None, phases: int | None = N
     """`gait` of any coefficients, for searches that pass through what no fluid would do."""
     body = body_resistance(swimmer)
     tail = swimmer.tail
-    if tail.is_rigid:
+    if tail.is_rigid and tail.in_batches:
         p = parameters(swimmer)
         arc = swimmer.motion.line_element == "arc"
         R, F, G = _helix(arc, p, nodes, swimmer)

@@ -6,6 +6,7 @@ from typing import Any
 
 import numpy as np
 
+from microswim import checks
 from microswim.gait.screw import screw
 from microswim.models.rft.batch import evaluate
 from microswim.numerics.compiled import choose_compiled, settled
@@ -32,6 +33,7 @@ def _tails() -> tuple[Tail, ...]:
     )
 
 
+@checks.given()
 def warm_up() -> None:
     """Load the surrogate's compiled code now, and use it from now on for single gaits too.
 

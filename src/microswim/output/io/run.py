@@ -14,7 +14,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from microswim import __version__
+from microswim import __version__, checks
 from microswim.errors import SpecError
 from microswim.gait import quantities
 from microswim.gait.gait import DEGREES_OF_FREEDOM, Gait
@@ -32,6 +32,7 @@ if TYPE_CHECKING:
 SAMPLES = 48  # per period of the trajectory
 
 
+@checks.given(swimmer=checks.swimmer, gait=checks.gait)
 def numbers(swimmer: Swimmer, gait: Gait) -> dict[str, Any]:
     """The numbers of a run: what ``microswim run --json`` prints.
 
@@ -68,6 +69,7 @@ def numbers(swimmer: Swimmer, gait: Gait) -> dict[str, Any]:
     }
 
 
+@checks.given(swimmer=checks.swimmer, gait=checks.gait, speed=checks.reals)
 def enough_periods(swimmer: Swimmer, gait: Gait, speed: float | None = None) -> int:
     """Return the periods in which a swimmer goes one and a half times its own length (4 to 400).
 
@@ -90,6 +92,13 @@ def _period(gait: Gait) -> float:
     return float(gait.period) if gait.rate != 0 else 1.0
 
 
+@checks.given(
+    swimmer=checks.swimmer,
+    gait=checks.gait,
+    periods=checks.above_zero("number of periods"),
+    spec=checks.text,
+    known=checks.mapping,
+)
 def dataset(
     swimmer: Swimmer,
     gait: Gait,
@@ -209,6 +218,7 @@ def _scalars(known: dict[str, Any]) -> xr.Dataset:
     )
 
 
+@checks.given(run=checks.dataset, path=checks.place)
 def save(run: xr.Dataset, path: str | PathLike[str]) -> Path:
     """Write a Dataset: ``.nc`` netCDF, ``.zarr`` Zarr, ``.csv`` the trajectory alone.
 
@@ -246,6 +256,7 @@ def netcdf(data: xr.Dataset) -> bytes:
     return bytes(data.to_netcdf(engine="h5netcdf"))
 
 
+@checks.given(path=checks.place)
 def load(path: str | PathLike[str]) -> xr.Dataset:
     """Read a Dataset written by `save` (``.nc`` or ``.zarr``), into memory.
 

@@ -13,6 +13,7 @@ import numpy as np
 from microswim.gait.readable import prefixed
 from microswim.gait.units import is_dimensionless
 from microswim.output.io.surface import BODY, Surface
+from microswim.output.plots.style import BLACK, GREY
 from microswim.output.plots.style import BODY as BODY_COLOUR
 from microswim.output.plots.style import TAIL as TAIL_COLOUR
 
@@ -81,7 +82,7 @@ def scale_bar(axes: Axes, length: float, unit: str) -> None:
     factor, name = prefixed(size, unit)
     (left, _), (low, high) = axes.get_xlim(), axes.get_ylim()
     y = low - 0.04 * (high - low)
-    axes.plot([left, left + size], [y, y], color="#1b1b1b", lw=2.0, solid_capstyle="butt")
+    axes.plot([left, left + size], [y, y], color=BLACK, lw=2.0, solid_capstyle="butt")
     axes.annotate(
         f"length {size:.3g}" if is_dimensionless(unit) else f"{size * factor:.3g} {name}",
         (left + size / 2.0, y),
@@ -97,10 +98,10 @@ def triad(axes: Axes, camera: Camera) -> None:
     """The lab's axes in the upper left corner."""
     inset = axes.inset_axes((0.0, 0.72, 0.1, 0.26))
     for end, name in zip(camera.project(np.eye(3))[:, :2], "xyz"):
-        arrow = {"arrowstyle": "-|>", "lw": 0.8, "color": "#555555", "shrinkA": 0, "shrinkB": 0}
+        arrow = {"arrowstyle": "-|>", "lw": 0.8, "color": GREY, "shrinkA": 0, "shrinkB": 0}
         inset.annotate("", end, (0, 0), arrowprops={**arrow, "mutation_scale": 6})
         inset.text(
-            1.3 * end[0], 1.3 * end[1], name, ha="center", va="center", fontsize=7, color="#555555"
+            1.3 * end[0], 1.3 * end[1], name, ha="center", va="center", fontsize=7, color=GREY
         )
     inset.set(xlim=(-1.5, 1.5), ylim=(-1.5, 1.5), aspect="equal")
     inset.set_axis_off()

@@ -13,6 +13,10 @@ from microswim.output.plots.style import (
     CYCLE,
     NARROW,
     ORANGE,
+    PALE,
+    PALE_BLUE,
+    PALE_GREEN,
+    PALE_ORANGE,
     WIDE,
     letter,
     look,
@@ -29,10 +33,10 @@ if TYPE_CHECKING:
     from microswim.path.regimes import Regimes
 
 SHADES = {
-    "tumbling": "#E6E6E6",
-    "wobbling": "#D3E6F3",
-    "synchronous": "#D5EEE4",
-    "stepped out": "#F8DFD2",
+    "tumbling": PALE,
+    "wobbling": PALE_BLUE,
+    "synchronous": PALE_GREEN,
+    "stepped out": PALE_ORANGE,
 }
 
 

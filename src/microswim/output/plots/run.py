@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 import xarray as xr
 
+from microswim import checks
 from microswim.gait.readable import label, prefixed
 from microswim.gait.units import unit
 from microswim.numerics.rigid_motion import rotation_matrix
@@ -34,6 +35,7 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
 
+@checks.given(run=checks.dataset, swimmer=checks.swimmer)
 def trajectory(run: xr.Dataset, swimmer: Swimmer | None = None) -> Figure:
     """The path of a run: the swimmer drawn to scale, the path seen from behind, and in time.
 
@@ -70,6 +72,7 @@ def trajectory(run: xr.Dataset, swimmer: Swimmer | None = None) -> Figure:
         return figure
 
 
+@checks.given(run=checks.dataset)
 def velocity(run: xr.Dataset) -> Figure:
     """Velocity, body rate and motor power over one period of the tail.
 

@@ -16,6 +16,8 @@ if TYPE_CHECKING:
 
 BLUE, ORANGE, GREEN, PURPLE = "#0072B2", "#D55E00", "#009E73", "#CC79A7"
 SKY, GREY, BLACK = "#56B4E9", "#6E6E6E", "#222222"
+PALE_BLUE, PALE_ORANGE, PALE_GREEN = "#D3E6F3", "#F8DFD2", "#D5EEE4"  # behind lines
+PALE = "#E6E6E6"
 CYCLE = (BLUE, ORANGE, GREEN, PURPLE, SKY, "#E69F00", GREY, BLACK)
 BODY, TAIL = "#3f8fc9", "#e08a3c"  # of a swimmer, shaded
 LINES = ((BLUE, "-"), (ORANGE, (0, (5, 1.5))), (BLACK, (0, (5, 1, 1, 1))))

@@ -8,11 +8,13 @@ pose and phase.
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable
+from functools import partial
 from typing import Any
 
 import numpy as np
 from scipy.optimize import least_squares
 
+from microswim import checks
 from microswim.calibration.calibrate import lift
 from microswim.calibration.identifiability import determined
 from microswim.calibration.unknowns import resolve
@@ -33,6 +35,16 @@ SHAPE = (AMPLITUDE, WAVES, FREQUENCY)
 LOW = {AMPLITUDE: 1e-9, WAVES: 0.3}
 
 
+@checks.given(
+    swimmer=checks.swimmer,
+    track=partial(checks.instance, kind="Track"),
+    unknowns=checks.words,
+    sigma=checks.above_zero("length"),
+    sigma_attitude=checks.above_zero("angle (rad)"),
+    start=checks.mapping,
+    starts=checks.at_least(1),
+    progress=checks.function,
+)
 @settled(True)  # thousands of gaits, one by one
 def identify_swimmer(
     swimmer: Swimmer,

@@ -4,17 +4,33 @@ from __future__ import annotations
 
 import time
 from collections.abc import Callable
+from functools import partial
 from typing import Any, Literal
 
 from microswim import checks
 from microswim.errors import SpecError
+from microswim.gait import doors
 from microswim.numerics.compiled import settled
 from microswim.studies.optimisation.problem import Problem
 from microswim.studies.optimisation.search import Optimum, search
 from microswim.swimmer.swimmer import Swimmer
 
+MISS = "a relative miss above 0 and at most 1"
+
 
 @checks.keyword_was("verify", "reference")
+@checks.given(
+    swimmer=checks.swimmer,
+    over=checks.mapping,
+    maximize=checks.text,
+    minimize=checks.text,
+    subject_to=checks.words,
+    seed=checks.at_least(0),
+    samples=checks.at_least(1),
+    reference=checks.one_of("bem", "fem"),
+    tolerance=partial(checks.number, allowed=MISS, above=0.0, most=1.0),
+    progress=checks.function,
+)
 @settled(True)  # gaits and their derivatives by the hundred
 def design(
     swimmer: Swimmer,
@@ -82,20 +98,24 @@ def design(
     100.0
     """
     begun = time.perf_counter()
+    _check_options(reference, options)
     problem = Problem.of(swimmer, over, maximize, minimize, subject_to)
     if len(problem.objectives) != 1:
         raise SpecError("design: one objective; for a trade-off of several use pareto")
-    checks.number(
-        "tolerance", tolerance, "a relative miss above 0 and below 1", above=0.0, most=1.0
-    )
     if reference is not None:
         from microswim.studies.optimisation.verify import verified
 
         search_with = {"seed": seed, "samples": samples}
         more = {"tolerance": tolerance, "progress": progress, "options": options}
         return verified(problem, reference, search_with, **more)
-    for name, value in options.items():
-        raise SpecError(
-            name, value, "an option of design", "options of a solver go with reference="
-        )
     return search(problem, seed, samples, begun)
+
+
+def _check_options(reference: str | None, options: dict[str, Any]) -> None:
+    """Refuse options that the reference solver does not take, or that nobody would take."""
+    if reference is not None:
+        doors.check_options(reference, options)
+        return
+    for name, value in options.items():
+        mend = "options of a solver go with reference="
+        raise SpecError(name, value, "an option of design", mend)

@@ -6,6 +6,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from microswim import checks
 from microswim.errors import MicroswimError, SpecError
 from microswim.numerics.compiled import settled
 from microswim.spec.describe import spec_json
@@ -19,6 +20,16 @@ if TYPE_CHECKING:
 WORST = 1e30
 
 
+@checks.given(
+    swimmer=checks.swimmer,
+    over=checks.mapping,
+    maximize=checks.words,
+    minimize=checks.words,
+    subject_to=checks.words,
+    population=checks.at_least(2),
+    generations=checks.at_least(1),
+    seed=checks.at_least(0),
+)
 @settled(True)
 def pareto(
     swimmer: Swimmer,

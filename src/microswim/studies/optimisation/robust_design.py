@@ -13,6 +13,7 @@ from typing import Any
 import numpy as np
 from scipy.optimize import differential_evolution
 
+from microswim import checks
 from microswim.errors import SpecError
 from microswim.numerics.compiled import settled
 from microswim.studies.optimisation.merits import of_many
@@ -22,6 +23,18 @@ from microswim.studies.optimisation.search import Optimum, outcome
 from microswim.swimmer.swimmer import Swimmer
 
 
+@checks.given(
+    swimmer=checks.swimmer,
+    over=checks.mapping,
+    maximize=checks.text,
+    uncertain=checks.mapping,
+    minimize=checks.text,
+    subject_to=checks.words,
+    quantile=checks.share,
+    least_yield=checks.share,
+    samples=checks.at_least(1),
+    seed=checks.at_least(0),
+)
 @settled(True)
 def robust_design(
     swimmer: Swimmer,

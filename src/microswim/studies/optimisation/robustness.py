@@ -13,6 +13,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from scipy.stats import norm, qmc
 
+from microswim import checks
 from microswim.errors import MicroswimError, SpecError
 from microswim.studies.optimisation.expressions import constraints, parse
 from microswim.studies.optimisation.limits import in_si
@@ -96,6 +97,13 @@ def spec_numbers(swimmer: Swimmer) -> dict[str, float]:
     return both | dict(swimmer.numbers)
 
 
+@checks.given(
+    swimmer=checks.swimmer,
+    uncertain=checks.mapping,
+    subject_to=checks.words,
+    samples=checks.at_least(1),
+    seed=checks.at_least(0),
+)
 def robustness(
     swimmer: Swimmer,
     uncertain: Mapping[str, Any],
@@ -171,6 +179,13 @@ def sobol_points(d: int, samples: int, seed: int) -> np.ndarray:
     return np.clip(qmc.Sobol(d, rng=np.random.default_rng(seed)).random(n), 1e-12, 1 - 1e-12)
 
 
+@checks.given(
+    swimmer=checks.swimmer,
+    uncertain=checks.mapping,
+    merit=checks.text,
+    samples=checks.at_least(1),
+    seed=checks.at_least(0),
+)
 def sobol_indices(
     swimmer: Swimmer,
     uncertain: Mapping[str, Any],

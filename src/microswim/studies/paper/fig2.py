@@ -14,7 +14,16 @@ from typing import Any
 import numpy as np
 from matplotlib.figure import Figure
 
-from microswim.output.plots.style import BLUE, ORANGE, WIDE, legend_above, letter, look, panels
+from microswim.output.plots.style import (
+    BLUE,
+    ORANGE,
+    PALE_ORANGE,
+    WIDE,
+    legend_above,
+    letter,
+    look,
+    panels,
+)
 from microswim.studies.paper.context import Context
 from microswim.studies.paper.table2 import MICRO, SPECIMENS
 from microswim.swimmer.swimmer import Swimmer
@@ -81,7 +90,7 @@ def plot(result: dict[str, Any]) -> Figure:
         for i, (ax, key, label) in enumerate(
             zip(axes[0], ("speed", "rate"), ("$|u_s|$ (µm/s)", r"$|\Omega_s|/2\pi$ (Hz)"))
         ):
-            ax.bar(x - 0.2, result["plain"][:, i], 0.38, color="#F0C9AE", edgecolor=ORANGE,
+            ax.bar(x - 0.2, result["plain"][:, i], 0.38, color=PALE_ORANGE, edgecolor=ORANGE,
                    hatch="////", label=r"model, $\Gamma_N = \Gamma_R = 1$", lw=0.8)  # fmt: skip
             ax.bar(x + 0.2, result["corrected"][:, i], 0.38, color=BLUE,
                    label=r"model, $\Gamma_N = 2.37$, $\Gamma_R = 1.49$")  # fmt: skip

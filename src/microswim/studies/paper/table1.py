@@ -14,7 +14,7 @@ from matplotlib.patches import Circle
 
 from microswim import data
 from microswim.gait.gait import Gait
-from microswim.output.plots.style import BLUE, GREY, WIDE, letter, look, panels
+from microswim.output.plots.style import BLUE, GREY, PALE, WIDE, letter, look, panels
 from microswim.studies.paper.context import Context, observed, swimmer
 from microswim.swimmer.drag.coefficients import Constant, closed_form
 from microswim.swimmer.geometry.tails import as_wave
@@ -206,5 +206,5 @@ def draw(ax: Any, who: Swimmer) -> None:
     edges = [P[:, :2] + side * tail.radius * across for side in (1, -1)]
     outline = np.concatenate([edges[0], edges[1][::-1]])
     ax.fill(*outline.T, facecolor=BLUE, edgecolor="none", alpha=0.85)
-    ax.add_patch(Circle((-r_s, 0), r_s, facecolor="#E8E8E8", edgecolor=GREY, lw=0.8))
+    ax.add_patch(Circle((-r_s, 0), r_s, facecolor=PALE, edgecolor=GREY, lw=0.8))
     ax.set(aspect="equal", xlim=(-2.2 * r_s, tail.apparent_length * 1.05), ylim=(-0.6, 0.6))

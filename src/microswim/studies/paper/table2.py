@@ -9,7 +9,7 @@ from matplotlib.figure import Figure
 from matplotlib.patches import Ellipse
 
 from microswim import data
-from microswim.output.plots.style import BLUE, GREY, WIDE, look, panels
+from microswim.output.plots.style import BLUE, GREY, PALE, WIDE, look, panels
 from microswim.studies.paper.context import Context
 from microswim.swimmer.swimmer import Swimmer
 
@@ -59,7 +59,7 @@ def plot(result: dict[str, Any]) -> Figure:
             P = MICRO * who.tail.centreline(s, 0.0)[0]
             ax.plot(P[:, 0], P[:, 1] - 1.25 * i, color=BLUE, lw=1.1)
             ax.add_patch(
-                Ellipse((-r_s, -1.25 * i), 2 * r_s, 2 * r_q, facecolor="#E8E8E8", edgecolor=GREY)
+                Ellipse((-r_s, -1.25 * i), 2 * r_s, 2 * r_q, facecolor=PALE, edgecolor=GREY)
             )
             ax.text(-5.0, -1.25 * i, name, va="center", fontweight="bold")
         ax.set(aspect="equal", xlim=(-5.3, 5.2), xlabel="s (µm)")

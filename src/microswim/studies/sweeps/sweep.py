@@ -17,7 +17,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from microswim import __version__
+from microswim import __version__, checks
 from microswim.calibration.region.text import digest
 from microswim.errors import MachineError, SpecError
 from microswim.gait import doors
@@ -57,6 +57,15 @@ Progress = Callable[[int, int], None]
 Engine = Callable[[Iterable[Task]], Iterator[tuple[Task, Rows]]]
 
 
+@checks.given(
+    swimmer=checks.swimmer,
+    model=checks.one_of(*(m for m in doors.MODELS if m in BLOCK)),
+    out=checks.place,
+    resume=checks.truth,
+    scheduler=checks.text,
+    cluster=checks.one_of("slurm"),
+    progress=checks.function,
+)
 def sweep(
     swimmer: Swimmer,
     over: Any,
@@ -127,9 +136,7 @@ def sweep(
     >>> dict(result.swimming_speed.sizes)
     {'tail.amplitude': 2, 'tail.waves': 3}
     """
-    models = [m for m in doors.MODELS if m in BLOCK]
-    if model not in models:
-        raise SpecError("model", model, "one of " + ", ".join(f'"{m}"' for m in models))
+    doors.check_options(model, options)
     clusters.check(scheduler, cluster)
     count = counted(workers)
     if count == 0 and (scheduler is not None or cluster is not None):

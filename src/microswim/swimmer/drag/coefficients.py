@@ -11,6 +11,7 @@ from __future__ import annotations
 import warnings
 from abc import ABC, abstractmethod
 from dataclasses import dataclass
+from functools import partial
 from typing import Any, ClassVar
 
 import numpy as np
@@ -260,6 +261,11 @@ class Constant(Coefficients):
         return self.tangential, self.normal
 
     @classmethod
+    @checks.given(
+        tail=partial(checks.instance, kind="Tail"),
+        thrust=partial(checks.number, allowed="a finite force"),
+        torque=partial(checks.number, allowed="a finite torque"),
+    )
     def from_held_tail(cls, tail: Tail, thrust: float, torque: float, **options: Any) -> Constant:
         """The pair that gives a held swimmer's thrust and torque through Eq. (20).
 
@@ -291,6 +297,12 @@ class Constant(Coefficients):
         return cls(normal=float(c_n), tangential=float(c_t), **options)
 
 
+@checks.given(
+    tail=partial(checks.instance, kind="Tail"),
+    c_n=checks.reals,
+    c_t=checks.reals,
+    u_s=checks.reals,
+)
 def closed_form(tail: Tail, *, c_n: Any, c_t: Any, u_s: Any = 0.0) -> tuple[Any, Any]:
     """Axial force and torque by the fluid on a helical tail without ramp [Tabak Eq. 20].
 

@@ -15,17 +15,18 @@ from microswim import checks
 from microswim.errors import SpecError
 from microswim.swimmer.geometry.tail import Sections, SurfaceMotion, Tail
 
-Drive = Literal["heave", "pivot", "none"]
+Drive = Literal["heave", "pivot", "rotate", "none"]
 Hold = Literal["clamped", "hinged"]
 #: What sets the size of each drive, in the spec and here.
-SIZE = {"heave": "amplitude", "pivot": "angle"}
-STEEPEST_PIVOT = 1.5
+SIZE = {"heave": "amplitude", "pivot": "angle", "rotate": "angle"}
+STEEPEST = 1.5  #: angle of the base, rad
+TWIST = 2.0 / 3.0  #: twisting over bending stiffness of a round rod of constant volume
 
 
 @checks.by_name
 @dataclass(frozen=True, kw_only=True)
 class ElasticTail(Tail):
-    """Straight elastic filament that cannot stretch, driven at its base in the plane s-q.
+    """Straight elastic filament that cannot stretch, driven at its base.
 
     Parameters
     ----------
@@ -42,11 +43,15 @@ class ElasticTail(Tail):
         turns freely.
     drive
         ``"heave"``: the base moves across s, ``q = amplitude cos(phase)``. ``"pivot"``: it turns
-        about r, by ``angle cos(phase)``. ``"none"``: it stands still.
+        about r, by ``angle cos(phase)``. ``"rotate"``: tilted from s by `angle` it turns about
+        s with the phase, and the tail bends in space. ``"none"``: it stands still.
     amplitude
         Of the heave (length).
     angle
-        Of the pivot (rad), up to 1.5.
+        Of the pivot, or the tilt of the base that rotates (rad), up to 1.5.
+    twisting
+        Twisting stiffness (force x length^2), for a base that rotates; two thirds of `bending`
+        by default, that of a round rod of constant volume.
     wavelength
         For laws of local resistance that need one; Cox's law, which needs none, where the
         swimmer chooses no law.
@@ -76,11 +81,11 @@ class ElasticTail(Tail):
     drive: Drive = "heave"
     amplitude: float | None = None
     angle: float | None = None
+    twisting: float | None = None
     wavelength: float | None = None
     sections: Sections = "perpendicular"
     surface_motion: SurfaceMotion = "bending"
     kind: ClassVar[str] = "elastic"
-    is_planar: ClassVar[bool] = True
     settles: ClassVar[bool] = True
 
     def __post_init__(self) -> None:
@@ -92,15 +97,12 @@ class ElasticTail(Tail):
         if self.wavelength is not None:
             checks.positive("tail.wavelength", self.wavelength, "length")
         checks.choice("tail.base", self.base, get_args(Hold))
-        if self.drive == "rotate":
-            mend = "a base turning about s bends in space, which is not solved here"
-            raise SpecError("tail.drive", "rotate", '"heave", "pivot" or "none"', mend)
         checks.choice("tail.drive", self.drive, get_args(Drive))
         self._check_drive()
 
     def _check_drive(self) -> None:
         needed = SIZE.get(self.drive)
-        for name in SIZE.values():
+        for name in ("amplitude", "angle"):
             value = getattr(self, name)
             if value is None and name == needed:
                 raise SpecError(f"tail.{name}: missing; the drive {self.drive} needs it")
@@ -109,11 +111,17 @@ class ElasticTail(Tail):
         if self.amplitude is not None:
             checks.number("tail.amplitude", self.amplitude, "a length of zero or more", least=0.0)
         if self.angle is not None:
-            checks.number("tail.angle", self.angle, f"an angle of 0 to {STEEPEST_PIVOT} rad",
-                          least=0.0, most=STEEPEST_PIVOT)  # fmt: skip
-        if self.drive == "pivot" and self.base == "hinged":
-            raise SpecError("tail.base", "hinged", '"clamped" for a pivot',
-                            "a hinge hands on no turning")  # fmt: skip
+            checks.number("tail.angle", self.angle, f"an angle of 0 to {STEEPEST} rad",
+                          least=0.0, most=STEEPEST)  # fmt: skip
+        if needed == "angle" and self.base == "hinged":
+            raise SpecError(
+                "tail.base",
+                "hinged",
+                '"clamped" where the base turns',
+                "a hinge hands on no turning",
+            )
+        if self.twisting is not None:
+            checks.positive("tail.twisting", self.twisting, "stiffness")
 
     @property
     def sign(self) -> float:
@@ -145,6 +153,24 @@ class ElasticTail(Tail):
         return np.array([0.0, 1.0])
 
     @property
+    def is_planar(self) -> bool:  # type: ignore[override]
+        return not self.turns
+
+    @property
+    def turns(self) -> bool:
+        """Whether its base turns about s, and the tail with it."""
+        return self.drive == "rotate"
+
+    @property
+    def spin(self) -> float:
+        return self.sign if self.turns else 0.0
+
+    @property
+    def twist_ratio(self) -> Any:
+        """Twisting over bending stiffness."""
+        return TWIST if self.twisting is None else self.twisting / self.bending
+
+    @property
     def starts_on_axis(self) -> bool:
         return not self.amplitude
 
@@ -173,10 +199,15 @@ class ElasticTail(Tail):
     def stiff(self, s: Any, phase: Any) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
         """Centreline, slope and velocity per unit phase rate of a tail too stiff to bend."""
         s, phase = np.broadcast_arrays(s, phase)
+        none, tilt = 0.0 * s * phase, self.angle or 0.0
+        if self.turns:
+            c, d, out = np.cos(tilt), np.sin(tilt) * np.cos(phase), np.sin(tilt) * np.sin(phase)
+            slope = np.stack([c + none, d + none, out + none], axis=-1)
+            turned = np.stack([none, -s * out, s * d], axis=-1)
+            return s[..., None] * slope, slope, turned
         place, angle = self.base_motion(phase)
-        place_rate, angle_rate = (-(size or 0.0) * np.sin(phase) for size in
-                                  (self.amplitude, self.angle))  # fmt: skip
-        c, d, none = np.cos(angle), np.sin(angle), 0.0 * s * phase
+        place_rate, angle_rate = (-(x or 0.0) * np.sin(phase) for x in (self.amplitude, tilt))
+        c, d = np.cos(angle), np.sin(angle)
         P = np.stack([s * c, place + s * d, none], axis=-1)
         P_s = np.stack([c + none, d + none, none], axis=-1)
         turning = s * angle_rate

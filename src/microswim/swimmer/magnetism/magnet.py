@@ -66,6 +66,7 @@ class Magnet:
     azimuth: float = 0.0
 
     def __post_init__(self) -> None:
+        checks.choice("magnet.shape", self.shape, tuple(SIZES))
         if (self.moment is None) == (self.remanence is None):
             raise SpecError("magnet: give moment, or remanence with size or volume; one of the two")
         if self.moment is None:
@@ -93,7 +94,6 @@ class Magnet:
 
     def _check_piece(self) -> None:
         checks.positive("magnet.remanence", self.remanence)
-        checks.choice("magnet.shape", self.shape, tuple(SIZES))
         if (self.volume is None) == (self.size is None):
             raise SpecError("magnet.remanence: needs size or volume, one of the two")
         if self.volume is not None:

@@ -1,0 +1,48 @@
+"""What there is to say of the motion to which an elastic tail settles, whichever it is."""
+
+from __future__ import annotations
+
+import math
+from typing import Any
+
+import numpy as np
+
+from microswim.models.elastic.beat import Beat, drive
+from microswim.models.elastic.growth import NEUTRAL, growth
+from microswim.models.elastic.whirl import Whirl
+
+
+def of_beat(beat: Beat) -> dict[str, Any]:
+    """Return the numbers of a beat in the plane: see `microswim.models.elastic.gait.gait`."""
+    rod, q = beat.rod, np.real(beat.shape)
+    base = drive(beat.problem, beat.phases)
+    tip = base.place + np.sin(base.angle[:, None] + q @ rod.shapes.T) @ rod.along[-1]
+    return {
+        "sperm_number": beat.problem.sperm_number,
+        "unknowns": int(np.size(q) + np.size(beat.velocity)),
+        "newton_steps": beat.steps,
+        **_settling(growth(beat)),
+        "tip_amplitude": float(np.abs(np.real(tip)).max()),
+        "largest_curvature": float(np.abs(q @ rod.curvatures.T).max()),
+    }
+
+
+def of_whirl(found: Whirl) -> dict[str, Any]:
+    """Return the same of a shape that turns as a whole."""
+    place, strain = np.real(found.pose.place), np.real(found.shape) @ found.rod.curvatures.T
+    return {
+        "sperm_number": float(np.real(found.drag.normal) ** 0.25),
+        "unknowns": int(found.shape.size + len(found.drag.free)),
+        "newton_steps": found.steps,
+        **_settling(found.growth),
+        "tip_amplitude": float(np.hypot(*place[-1, 1:])),
+        "largest_curvature": float(np.hypot(*strain[:2]).max()),
+    }
+
+
+def _settling(factor: float) -> dict[str, Any]:
+    periods = None  # until a disturbance is a millionth of itself; None if it never is
+    if factor < 1.0 - NEUTRAL:
+        periods = math.log(1e-6) / math.log(factor) if factor > 0.0 else 0.0
+    settles = bool(factor <= 1.0 + NEUTRAL)
+    return {"growth": factor, "settles": settles, "settling_periods": periods}

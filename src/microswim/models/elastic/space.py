@@ -1,0 +1,167 @@
+"""Balance of a rod in space that turns as a whole about s, by virtual work.
+
+The directors ``d_1, d_2, t`` of a section follow the curvatures and the twist, ``d_i' = u x d_i``,
+``u = k_1 d_1 + k_2 d_2 + k_3 t``, each strain a Legendre series. A coordinate k turns the sections
+at ``phi_k(s) = int_0^s d_k p_k`` and moves them at ``X_k(s) = int_0^s phi_k x t``. Drag is that of
+the plane, and a section that spins about its tangent feels the torque ``c_r t (t . w)`` per
+length. Of every velocity the work vanishes,
+
+    sum_i X_i . f + phi_i . m + R_b + K_i q_i = 0,
+
+and with the force ``N`` and moment ``M`` of the drag beyond s its derivative by a coordinate needs
+no other integrals: ``phi_k . (d_i x M) p_i + phi_i . ((phi_k x t) x N) + X_i . df + phi_i . dm``.
+Units are those of `plane`.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from microswim.models.elastic.rod import Rod
+
+AXIS = np.array([1.0, 0.0, 0.0])
+
+
+@dataclass(frozen=True, eq=False)
+class DragInSpace:
+    """Resistances of rod and body, in units of ``B / L^2`` per ``w L``.
+
+    Parameters
+    ----------
+    tangential, normal, spin
+        Per unit length: along, across, and torque of spin (over ``L^2``).
+    tip
+        Of the free end, in all directions.
+    body
+        Of the body about its centre, (6, 6).
+    offset
+        Of the joint from the body's centre.
+    free
+        Which of the body's velocities are free.
+    twisting
+        Twisting over bending stiffness.
+    """
+
+    tangential: float
+    normal: float
+    spin: float
+    tip: float
+    body: np.ndarray
+    offset: float
+    free: tuple[int, ...]
+    twisting: float
+
+
+@dataclass(frozen=True, eq=False)
+class Pose:
+    """A rod in space: directors (m, 3, 3) as rows ``d_1, d_2, t``, places from the joint (m, 3)."""
+
+    directors: np.ndarray
+    place: np.ndarray
+
+
+@dataclass(frozen=True, eq=False)
+class BalanceInSpace:
+    """Work of each velocity (f + 3 n,), and its derivatives by velocities and coordinates."""
+
+    residual: np.ndarray
+    resistance: np.ndarray
+    stiffness: np.ndarray
+
+
+def pose(rod: Rod, q: np.ndarray, tilt: float) -> Pose:
+    """Return directors and places for the coordinates (3, n), the base tilted from s to q."""
+    m, strain = len(rod.s), rod.curvatures @ q.T
+    K = np.zeros((m, 3, 3), dtype=strain.dtype)  # rows of directors: D' = K D
+    K[:, 0, 1], K[:, 0, 2], K[:, 1, 2] = strain[:, 2], -strain[:, 1], strain[:, 0]
+    K = K - np.swapaxes(K, 1, 2)
+    c, s = np.cos(tilt), np.sin(tilt)
+    base = np.array([[-s, c, 0.0], [0.0, 0.0, 1.0], [c, s, 0.0]])
+    system = np.eye(3 * m) - np.einsum("ij,jab->iajb", rod.along, K).reshape(3 * m, 3 * m)
+    directors = np.linalg.solve(system, np.tile(base, (m, 1))).reshape(m, 3, 3)
+    return Pose(directors, rod.along @ directors[:, 2])
+
+
+def balance_in_space(
+    rod: Rod, drag: DragInSpace, at: Pose, q: np.ndarray, V: np.ndarray, rate: float
+) -> BalanceInSpace:
+    """Return the balance of a rod at rest in axes that turn about s.
+
+    Parameters
+    ----------
+    q
+        Coordinates (3, n): two curvatures and the twist.
+    V
+        All velocities of the body (6,), in these axes.
+    rate
+        Of the turning relative to the body, in units of the phase rate.
+    """
+    given = (drag.normal, drag.tangential, drag.spin, drag.tip, drag.body, drag.offset)
+    q = q.astype(np.result_type(q, V, at.place, drag.twisting, *given))
+    at = Pose(at.directors.astype(q.dtype), at.place.astype(q.dtype))
+    S, t, n = rod.along, at.directors[:, 2], rod.count
+    X = at.place + drag.offset * AXIS
+    phi, moved = _coordinates(rod, at)  # (m, 3 n, 3) each
+    rigid_phi, rigid = _rigid(X, drag.free)
+    turn, shift = np.concatenate([rigid_phi, phi], 1), np.concatenate([rigid, moved], 1)
+
+    whole = V[3:] + rate * AXIS
+    v = V[:3] + np.cross(V[3:], X) + rate * np.cross(AXIS, at.place)
+    W_t, W_n = (c * rod.weight + drag.tip * rod.end for c in (drag.tangential, drag.normal))
+    W_r = drag.spin * rod.weight
+    along = np.einsum("ja,ja->j", t, v)
+    f = W_n[:, None] * v + ((W_t - W_n) * along)[:, None] * t
+    m = (W_r * (t @ whole))[:, None] * t
+    residual = np.einsum("jia,ja->i", shift, f) + np.einsum("jia,ja->i", turn, m)
+    free, count = list(drag.free), len(drag.free)
+    own = drag.body[free]
+    K = np.repeat([1.0, 1.0, drag.twisting], n)
+    residual[:count] += own @ V
+    residual[count:] += K * q.ravel()
+
+    tangent, spun = (np.einsum("jia,ja->ji", c, t) for c in (shift, turn))
+    R = np.einsum("jia,j,jka->ik", shift, W_n, shift)
+    R += np.einsum("ji,j,jk->ik", tangent, W_t - W_n, tangent)
+    R += np.einsum("ji,j,jk->ik", spun, W_r, spun)
+    R[:count, :count] += own[:, free]
+
+    dt = np.cross(phi, t[:, None])
+    dv = np.cross(whole, moved)
+    d_along = np.einsum("jka,ja->jk", dt, v) + np.einsum("jka,ja->jk", dv, t)
+    df = W_n[:, None, None] * dv + (W_t - W_n)[:, None, None] * (
+        d_along[..., None] * t[:, None] + along[:, None, None] * dt
+    )
+    dm = W_r[:, None, None] * ((dt @ whole)[..., None] * t[:, None])
+    dm += (W_r * (t @ whole))[:, None, None] * dt
+    G = np.einsum("jia,jka->ik", shift, df) + np.einsum("jia,jka->ik", turn, dm)
+    N = S.T @ f
+    M = S.T @ (np.cross(t, N) + m)
+    G[count:] += np.einsum("jia,jka->ik", phi, np.cross(dt, N[:, None]))
+    across = np.cross(at.directors, M[:, None])  # d_i x M, (m, 3, 3)
+    G[count:] += np.einsum("jp,jia,jka->ipk", rod.curvatures, across, phi).reshape(3 * n, 3 * n)
+    arms = np.cross(moved, f[:, None]).sum(axis=0).T  # torque of the drag as its points move
+    turning = [name >= 3 for name in free]
+    G[:count][turning] += arms[[name - 3 for name in free if name >= 3]]
+    G[count:] += np.diag(K)
+    return BalanceInSpace(residual, R, G)
+
+
+def _coordinates(rod: Rod, at: Pose) -> tuple[np.ndarray, np.ndarray]:
+    """``phi_k`` and ``X_k`` of each coordinate at the nodes, (m, 3 n, 3)."""
+    m, n = rod.curvatures.shape
+    integrand = rod.curvatures[:, None, :, None] * at.directors[:, :, None]  # (m, 3, n, 3)
+    phi = (rod.along @ integrand.reshape(m, -1)).reshape(m, 3 * n, 3)
+    moved = rod.along @ np.cross(phi, at.directors[:, None, 2]).reshape(m, -1)
+    return phi, moved.reshape(m, 3 * n, 3)
+
+
+def _rigid(X: np.ndarray, free: tuple[int, ...]) -> tuple[np.ndarray, np.ndarray]:
+    """The same of the body's free velocities, (m, f, 3)."""
+    m = len(X)
+    turn, shift = np.zeros((2, m, 6, 3), dtype=X.dtype)
+    turn[:, [3, 4, 5]] = np.eye(3)
+    shift[:, [0, 1, 2]] = np.eye(3)
+    shift[:, [3, 4, 5]] = np.cross(np.eye(3), X[:, None])
+    return turn[:, list(free)], shift[:, list(free)]

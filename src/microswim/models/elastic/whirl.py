@@ -1,0 +1,204 @@
+"""The shape to which a tail settles whose tilted base turns about s: it turns as a whole.
+
+In axes that turn with the motor the shape is at rest. From the straight filament on, steps of
+growing length in time lead to it as the filament itself would go, and end as Newton's method.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from microswim.errors import MicroswimError, SpecError
+from microswim.gait.quantities import magnitude
+from microswim.models.elastic.problem import check_options, elastic_tail
+from microswim.models.elastic.rod import Rod, rod
+from microswim.models.elastic.space import (
+    BalanceInSpace,
+    DragInSpace,
+    Pose,
+    balance_in_space,
+    pose,
+)
+from microswim.models.rft.gait import body_resistance
+from microswim.numerics.fourier import TURN_S
+from microswim.swimmer.swimmer import Swimmer
+
+FIRST, MOST, TOLERANCE = 10, 40, 1e-6
+STEPS = 40
+LEAST_SPIN = 1e-8  #: of the normal resistance, where a filament is given none
+FARTHEST = 0.7  #: largest change of a coordinate in a step
+
+
+@dataclass(frozen=True, eq=False)
+class Whirl:
+    """A shape that turns as a whole about s.
+
+    Parameters
+    ----------
+    drag, rod, tilt
+        What was solved, with which shapes; angle of the base from s.
+    rate
+        1 or -1, the sense of the motor.
+    shape
+        Coordinates of two curvatures and the twist, (3, n).
+    velocity
+        Velocities of the body in the turning axes (6,), in units of phase rate and L.
+    steps
+        In phase and of Newton's method.
+    """
+
+    drag: DragInSpace
+    rod: Rod
+    tilt: float
+    rate: float
+    shape: np.ndarray
+    velocity: np.ndarray
+    steps: int
+
+    @property
+    def pose(self) -> Pose:
+        """Directors and places at its nodes."""
+        return pose(self.rod, self.shape, self.tilt)
+
+    @property
+    def balance(self) -> BalanceInSpace:
+        """The balance of work."""
+        q, V = self.shape, self.velocity
+        return balance_in_space(self.rod, self.drag, self.pose, q, V, self.rate)
+
+    @property
+    def rates(self) -> np.ndarray:
+        """Eigenvalues of small disturbances in the turning axes, per unit phase."""
+        at, f = self.balance, len(self.drag.free)
+        R, G = np.real(at.resistance), np.real(at.stiffness)
+        return np.linalg.eigvals(-np.linalg.solve(R, G)[f:])
+
+    @property
+    def growth(self) -> float:
+        """Factor by which the slowest disturbance changes in a period."""
+        if not self.rate:
+            return 0.0
+        return float(np.exp(np.clip(2.0 * np.pi * np.real(self.rates).max(), -700.0, 700.0)))
+
+
+def drag_in_space(swimmer: Swimmer) -> DragInSpace:
+    """Return the numbers of an elastic swimmer whose base turns about s.
+
+    Raises
+    ------
+    SpecError
+        If the body has no symmetry about s, so that the tail would meet another body as it turns.
+    """
+    tail = elastic_tail(swimmer)
+    check_options(swimmer)
+    L, mu, law = tail.length, swimmer.fluid.viscosity, swimmer.coefficients
+    per_force = magnitude(tail.rate) * L**4 / tail.bending
+    c = [x * c for x, c in zip(swimmer.interaction.tail, law.local(tail, mu))]
+    body, mask = body_resistance(swimmer), swimmer.motion.mask
+    _check_symmetry(body, mask)
+    lengths = np.array([1.0, 1.0, 1.0, L, L, L])
+    return DragInSpace(
+        tangential=per_force * c[0],
+        normal=per_force * c[1],
+        spin=max(per_force * c[2] / L**2, LEAST_SPIN * per_force * c[1], key=np.real),
+        tip=per_force * law.end(tail, mu) / L,
+        body=per_force * body / np.outer(lengths, lengths) / L,
+        offset=swimmer.body.semi_axes3[0] / L,
+        free=tuple(np.flatnonzero(mask).tolist()),
+        twisting=tail.twist_ratio,
+    )
+
+
+def _check_symmetry(body: np.ndarray, mask: tuple[bool, ...]) -> None:
+    """A quarter turn about s must change nothing."""
+    turn = [0, 2, 1, 3, 5, 4]
+    signs = np.array([1.0, -1.0, 1.0, 1.0, -1.0, 1.0])
+    quarter = body[np.ix_(turn, turn)] * np.outer(signs, signs)
+    alike = np.allclose(quarter, body) and np.allclose(body * np.outer(TURN_S, TURN_S), body)
+    if not alike or mask[1] != mask[2] or mask[4] != mask[5]:
+        raise SpecError(
+            "tail.drive", "rotate", "that of a tail on a body alike in all directions across s",
+            "take a body of revolution, interaction and motion.free alike for q and r",
+        )  # fmt: skip
+
+
+def whirl(swimmer: Swimmer) -> Whirl:
+    """Return the shape to which the tail settles, with as many strains as it takes.
+
+    Raises
+    ------
+    SpecError
+        As `drag_in_space`.
+    MicroswimError
+        If it settles to none, or to one that takes too many strains.
+    """
+    drag, tail = drag_in_space(swimmer), elastic_tail(swimmer)
+    rate, n = float(np.sign(np.real(tail.rate))), FIRST
+    while n <= MOST:
+        straight = Whirl(drag, rod(n), tail.angle or 0.0, rate, np.zeros((3, n)), np.zeros(6), 0)
+        if not rate:
+            return straight
+        found = _sped_up(straight)
+        size = np.abs(found.shape).max()
+        if np.abs(found.shape[:, -2:]).max() <= TOLERANCE * size:
+            return found
+        n += max(6, n // 3)
+    raise MicroswimError("the turning tail bends too sharply to be resolved; stiffen it")
+
+
+def _sped_up(straight: Whirl) -> Whirl:
+    """Turned slowly first, then faster and faster, as a motor that starts would turn it."""
+    drag, at, done = straight.drag, straight, 0.0
+    last = float(np.real(drag.normal))
+    step = min(1.0, 1.0 / last)  # up to a sperm number of 1 at once
+    while done < 1.0:
+        share = min(1.0, done + step)
+        found = _settled(replace(at, drag=_slowed(drag, share)))
+        if found is None:
+            step /= 2.0
+            if step < 1e-3 * share:
+                raise MicroswimError(
+                    f"beyond {done:.0%} of its rate the turning tail settles to no shape that "
+                    "turns as a whole: turn it slower or stiffen it"
+                )
+            continue
+        at, done, step = found, share, 4.0 * share
+    return at
+
+
+def _slowed(drag: DragInSpace, share: float) -> DragInSpace:
+    names = ("tangential", "normal", "spin", "tip", "body")
+    return replace(drag, **{name: share * getattr(drag, name) for name in names})
+
+
+def _settled(at: Whirl) -> Whirl | None:
+    """Implicit steps in phase, each longer than the last, down to Newton's method."""
+    step, last = 0.1, np.inf
+    for _ in range(STEPS):
+        change = _change(at, at.balance, step)
+        size = np.abs(change[len(at.drag.free) :]).max()
+        if not size <= FARTHEST:
+            step /= 4.0
+            continue
+        at, step = _moved(at, change), 4.0 * step
+        small = step > 1e3 and size <= 1e-9 * max(1.0, np.abs(at.shape).max())
+        if small and (last <= 1e-7 or not np.iscomplexobj(change)):
+            return at
+        last = size
+    return None
+
+
+def _change(at: Whirl, balance: BalanceInSpace, step: float) -> np.ndarray:
+    f = len(at.drag.free)
+    A = np.concatenate([balance.resistance[:, :f], balance.stiffness], axis=1)
+    A[:, f:] += balance.resistance[:, f:] / step
+    return -np.linalg.solve(A, balance.residual)
+
+
+def _moved(at: Whirl, change: np.ndarray) -> Whirl:
+    f, V = len(at.drag.free), at.velocity + 0.0 * change[-1]
+    V[list(at.drag.free)] += change[:f]
+    q = at.shape + change[f:].reshape(3, -1)
+    return replace(at, shape=q, velocity=V, steps=at.steps + 1)

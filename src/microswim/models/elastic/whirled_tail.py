@@ -1,0 +1,73 @@
+"""The tail that an elastic one whirls as: a shape that turns as a whole about s."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any, ClassVar
+
+import numpy as np
+
+from microswim.models.elastic.rod import integrals
+from microswim.models.elastic.space import AXIS
+from microswim.models.elastic.whirl import Whirl
+from microswim.swimmer.geometry.custom_tail import CustomTail
+from microswim.swimmer.geometry.elastic_tail import ElasticTail
+
+
+@dataclass(frozen=True, eq=False)
+class TurningCentreline:
+    """Centreline ``Q(phase) P(s)``, P by the Legendre series of its tangent.
+
+    Parameters
+    ----------
+    length
+        Of the filament.
+    tangent
+        Coefficients of the unit tangent at phase 0, of Legendre polynomials on [0, 1], (m, 3).
+    """
+
+    length: float
+    tangent: np.ndarray
+
+    def __call__(self, s: Any, phase: Any) -> np.ndarray:
+        """Position at s and phase, broadcast(s, phase) + (3,)."""
+        s, phase = np.broadcast_arrays(np.asarray(s, float), np.asarray(phase, float))
+        at, i = np.unique(s, return_inverse=True)
+        P = self.length * (integrals(at / self.length, len(self.tangent)) @ self.tangent)
+        x, y, z = P[i.reshape(s.shape)].transpose(-1, *range(s.ndim))
+        c, d = np.cos(phase), np.sin(phase)
+        return np.stack([x, c * y - d * z, d * y + c * z], axis=-1)
+
+
+@dataclass(frozen=True, kw_only=True)
+class WhirledTail(CustomTail):
+    """A tail with the shape of an elastic one whose base turns about s; it turns as a whole.
+
+    Parameters are those of `CustomTail`.
+    """
+
+    is_rigid: ClassVar[bool] = True
+
+
+def whirled_tail(tail: ElasticTail, found: Whirl) -> WhirledTail:
+    """Return the tail that turns as an elastic one has settled to."""
+    s, w = found.rod.s[:-1], found.rod.weight[:-1]
+    count = len(s) - 4  # the last few are rounding
+    values = np.polynomial.legendre.legvander(2.0 * s - 1.0, count - 1)
+    tangents = found.pose.directors[:-1, 2]
+    series = (2.0 * np.arange(count) + 1.0)[:, None] * (values.T @ (w[:, None] * tangents))
+    return WhirledTail(
+        shape=TurningCentreline(tail.length, series),
+        length=tail.length,
+        radius=tail.radius,
+        frequency=tail.frequency,
+        wavelength=tail.wavelength,
+        sections=tail.sections,
+        surface_motion="rigid",
+    )
+
+
+def whirled_centreline(found: Whirl) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """Position, slope and velocity per unit phase over L at the nodes, at phase 0; (1, m, 3)."""
+    at = found.pose
+    return at.place[None], at.directors[None, :, 2], np.cross(AXIS, at.place)[None]

@@ -24,6 +24,7 @@ MODELS = {
 }
 SETTLED = "microswim.models.elastic.gait:settled_swimmer"
 READ = "microswim.spec.file:read"
+WRITE = "microswim.spec.describe:to_text"
 READ_VALUE = "microswim.spec.values:from_python"
 READ_PRESET = "microswim.spec.file:read_preset"
 POLY_DATA = "microswim.output.io.vtk:poly_data"
@@ -34,6 +35,7 @@ PLOT_GAIT = "microswim.output.plots.shortcuts:of_gait"
 PLOT_SWIMMER = "microswim.output.plots.shortcuts:of_swimmer"
 PLOT_REGIMES = "microswim.output.plots.regimes:regimes"
 PORTRAIT = "microswim.output.report.portrait:of_swimmer"
+PACK_REGION = "microswim.calibration.region.text:pack"
 UNPACK_REGION = "microswim.calibration.region.text:unpack"
 
 

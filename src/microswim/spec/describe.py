@@ -6,9 +6,13 @@ import json
 from dataclasses import fields
 from typing import Any
 
+from microswim import __version__
+from microswim.gait import doors
 from microswim.gait.units import unit
 from microswim.numerics.plain import plain
 from microswim.spec.tables import FIELDS, TAGS
+from microswim.spec.toml import to_toml
+from microswim.swimmer.drag.coefficients import Unchosen
 from microswim.swimmer.swimmer import Swimmer
 
 
@@ -39,10 +43,22 @@ def to_tables(swimmer: Swimmer) -> dict[str, Any]:
     """
     tables = describe(swimmer)
     units = tables.pop("units")
-    return {
+    law = swimmer.coefficients
+    if isinstance(law, Unchosen) and law.is_open:
+        del tables["coefficients"]  # nobody chose a law, and the file shall not
+    written: dict[str, Any] = {
         part: {name: _written(unit_of(f"{part}.{name}", units), v) for name, v in table.items()}
         for part, table in tables.items()
     }
+    if swimmer.region is not None:
+        written["region"] = {"data": doors.go(doors.PACK_REGION, swimmer.region)}
+    return written
+
+
+def to_text(swimmer: Swimmer) -> str:
+    """Return the text of a spec file that reads back as this swimmer, see `Swimmer.to_toml`."""
+    units = "SI units" if swimmer.units == "SI" else "no units"
+    return to_toml(to_tables(swimmer), f"A swimmer in {units}, by microswim {__version__}")
 
 
 def _written(unit: str, value: Any) -> Any:

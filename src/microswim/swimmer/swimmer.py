@@ -197,6 +197,27 @@ class Swimmer:
         """
         return doors.go(doors.READ, path, overrides, trust)
 
+    @checks.given()
+    def to_toml(self) -> str:
+        """Return the text of a spec file that reads back as this swimmer.
+
+        Quantities have their units, where the swimmer has, and must be of a size that a file may
+        hold (lengths from 1e-12 m to 1e4 m, for one); a custom tail is written by the name of
+        its function, which has to stand in a file of its own to be read again.
+
+        Examples
+        --------
+        >>> import microswim as ms
+        >>> print(ms.Swimmer.preset("goto/C").to_toml().partition("[body]")[0], end="")
+        # A swimmer in SI units, by microswim 0.1.0
+        <BLANKLINE>
+        [fluid]
+        viscosity = "0.001 Pa s"
+        density = "1000.0 kg/m^3"
+        <BLANKLINE>
+        """
+        return doors.go(doors.WRITE, self)
+
     @classmethod
     @checks.given(name=checks.text, overrides=checks.mapping)
     def preset(cls, name: str, overrides: dict[str, Any] | None = None) -> Swimmer:

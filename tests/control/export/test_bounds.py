@@ -21,6 +21,7 @@ import microswim as ms
 from microswim.cli import main
 from microswim.control.export import compiler
 from microswim.spec.file import from_dict
+from microswim.swimmer.fields import lifted
 
 ROBOT = """
 [fluid]
@@ -204,7 +205,7 @@ def test_a_viscosity_next_to_zero_is_refused(build):
     library.parameters[0] = 1e-320
     assert "viscosity" in library.message(library.step(1e-3))
     library.parameters[0] = 0.1
-    thin = ms.Swimmer.preset("tabak/helix", {"fluid.viscosity": 1e-320})
+    thin = lifted(ms.Swimmer.preset("tabak/helix"), {"fluid.viscosity": 1e-320})
     with pytest.raises(ms.MicroswimError, match="finite"):
         ms.Stepper(thin.gait()).step(ms.State.at(), dt=0.1)
 
@@ -251,7 +252,7 @@ def test_a_phase_of_float_stays_where_it_has_digits(build):
 
 
 def test_a_model_beyond_a_float_is_refused():
-    thin = ms.Swimmer.preset("tabak/helix", {"fluid.viscosity": 1e-33})
+    thin = lifted(ms.Swimmer.preset("tabak/helix"), {"fluid.viscosity": 1e-33})
     tiny = ms.Stepper.of(thin)
     with pytest.raises(ms.SpecError, match="beyond those of a float"):
         ms.c_model(tiny, precision="float")

@@ -59,6 +59,10 @@ from .swimmer.geometry.bodies import NoBody as NoBody
 from .swimmer.geometry.bodies import Sphere as Sphere
 from .swimmer.geometry.bodies import Spheroid as Spheroid
 from .swimmer.geometry.custom_tail import CustomTail as CustomTail
+from .swimmer.geometry.solids.box import Box as Box
+from .swimmer.geometry.solids.round import Capsule as Capsule
+from .swimmer.geometry.solids.round import Cylinder as Cylinder
+from .swimmer.geometry.solids.round import Revolution as Revolution
 from .swimmer.geometry.surroundings import Channel as Channel
 from .swimmer.geometry.surroundings import Wall as Wall
 from .swimmer.geometry.tails import ElasticTail as ElasticTail

@@ -18,7 +18,8 @@ from microswim.models.swimmer_surface import (
 )
 from microswim.numerics.array import Array
 from microswim.swimmer.geometry import attachment
-from microswim.swimmer.geometry.bodies import Body, level_set
+from microswim.swimmer.geometry.body import Body
+from microswim.swimmer.geometry.solids.facets import Opening
 from microswim.swimmer.geometry.tails import Tail
 
 
@@ -38,7 +39,7 @@ def piercing(body: Body, tail: Tail, phase: float = 0.0) -> float:
     """
     reach = max(body.semi_axes3) + tail.apparent_length
     s = np.linspace(-2 * body.semi_axes3[0], min(reach, tail.apparent_length), 4001)
-    value = level_set(body, smooth_centreline(tail, s, phase).P)
+    value = body.level(smooth_centreline(tail, s, phase).P)
     last = _last_crossing(value)
     if last < 0:
         raise attachment.refusal(tail)
@@ -49,7 +50,7 @@ def piercing(body: Body, tail: Tail, phase: float = 0.0) -> float:
     low, high = s[last], s[last + 1]
     for _ in range(6):
         grid = np.linspace(low, high, 129)
-        inside = _last_crossing(level_set(body, smooth_centreline(tail, grid, phase).P))
+        inside = _last_crossing(body.level(smooth_centreline(tail, grid, phase).P))
         low, high = grid[max(inside, 0)], grid[min(max(inside, 0) + 1, 128)]
     return float(0.5 * (low + high))
 
@@ -81,7 +82,7 @@ def _section_coordinates(tail: Tail, X: Array, s: Array, phase: float) -> tuple[
 class Joint:
     """Closed curve in which the tube meets the body, by the azimuth psi about the piercing point.
 
-    The body is the image of the unit sphere under its semi-axes; `pole`, `first`, `second` are an
+    The body is the image of the unit sphere; `pole`, `first`, `second` are an
     orthonormal frame of that sphere with the piercing point as its pole.
 
     Parameters
@@ -149,6 +150,18 @@ class Joint:
         radial = np.cos(psi)[..., None] * self.first + np.sin(psi)[..., None] * self.second
         return np.cos(angle)[..., None] * self.pole + np.sin(angle)[..., None] * radial
 
+    def angle_to(self, opening: Opening, psi: Array) -> Array:
+        """Polar angle at which the great circle from the pole at azimuth psi meets an opening.
+
+        cos(angle) p + sin(angle) q = cos(opening), p and q the components of pole and of radial
+        direction along the opening's axis.
+        """
+        p = float(self.pole @ opening.axes[0])
+        q = np.cos(psi) * (self.first @ opening.axes[0])
+        q = q + np.sin(psi) * (self.second @ opening.axes[0])
+        far = np.arccos(np.clip(np.cos(opening.angle) / np.hypot(p, q), -1.0, 1.0))
+        return np.arctan2(q, p) + far
+
 
 def _lies_on_body(tail: Tail) -> SpecError:
     return SpecError(
@@ -186,17 +199,18 @@ def _crossing(tail: Tail, excess: Any, step: float, psi: Array) -> Array:
     return middle
 
 
-def _lean(tail: Tail, curve: Curve, axes: Array, pole: Array) -> Array:
+def _lean(body: Body, tail: Tail, curve: Curve, pole: Array) -> Array:
     """Direction on the unit sphere, across the pole, in which the tube leans on the body.
 
     From it the azimuth counts, so that the patches turn with the tail from phase to phase and are
     as good at one as at another. A tube that does not lean has its own first axis.
     """
-    for direction in (curve.tangent / axes, section_axes(tail, curve)[0]):
-        across = direction / np.linalg.norm(direction)
+    step = 0.01 * tail.radius
+    for direction in (curve.tangent, section_axes(tail, curve)[0]):
+        across = body.direction(curve.P + step * direction) - pole
         across = across - across @ pole * pole
         size = float(np.linalg.norm(across))
-        if size > 1e-6:
+        if size * body.stretch > 1e-4 * step:
             break
     return across / size
 
@@ -207,26 +221,24 @@ def trace_joint(body: Body, tail: Tail, phase: float = 0.0, points: int = 96) ->
     Seen from the piercing point the curve is smooth even where the tube leans on the body, which
     its generators are not.
     """
-    axes, centre = np.asarray(body.semi_axes3, float), np.asarray(body.centre, float)
     start = piercing(body, tail, phase)
     curve = smooth_centreline(tail, np.array(start), phase)
-    pole = (curve.P - centre) / axes
-    pole = pole / np.linalg.norm(pole)
-    first = _lean(tail, curve, axes, pole)
+    pole = body.direction(curve.P)
+    first = _lean(body, tail, curve, pole)
     psi = 2 * np.pi * np.arange(points) / points
     bare = Joint(start, pole, first, np.cross(pole, first), np.zeros((3, 1), complex))
     s = np.full(points, start)
 
     def excess(angle: Array) -> Array:
         nonlocal s
-        X = centre + axes * bare.sphere_point(angle, psi)
+        X = body.surface_point(bare.sphere_point(angle, psi))
         found, s = _section_coordinates(tail, X, s, phase)
         return found - tail.radius
 
-    angle = _crossing(tail, excess, 0.3 * tail.radius / axes.max(), psi)
+    angle = _crossing(tail, excess, 0.3 * tail.radius / body.stretch, psi)
     at = smooth_centreline(tail, s, phase)
     n1, n2 = section_axes(tail, at)
-    arm = centre + axes * bare.sphere_point(angle, psi) - at.P
+    arm = body.surface_point(bare.sphere_point(angle, psi)) - at.P
     theta = np.arctan2(np.sum(arm * n2, axis=-1), np.sum(arm * n1, axis=-1))
     grid = np.linspace(s.min() - 1e-6 * tail.radius, s.max() + 1e-6 * tail.radius, 201)
     twist = section_twist(tail, grid, phase)
@@ -235,7 +247,7 @@ def trace_joint(body: Body, tail: Tail, phase: float = 0.0, points: int = 96) ->
     mean = np.angle(turned.mean())
     ahead = mean + np.angle(turned * np.exp(-1j * mean))
     series = np.fft.rfft(np.stack([angle, s - start, ahead]), axis=-1)[:, : points // 2] / points
-    left = np.abs(series[:2, -6:]).max(axis=-1) @ [axes.max(), 1.0] / tail.radius
+    left = np.abs(series[:2, -6:]).max(axis=-1) @ [body.stretch, 1.0] / tail.radius
     if left > 1e-5 and points < 192:
         return trace_joint(body, tail, phase, 2 * points)
     if left > 0.01:
@@ -253,7 +265,7 @@ def check_clear(body: Body, tail: Tail, joint: Joint, phase: float = 0.0) -> Non
     """
     s = np.linspace(joint.s + 1.05 * joint.depth, tail.apparent_length, 400)
     turn = np.linspace(0.0, 2 * np.pi, 8, endpoint=False)
-    touching = level_set(body, tube_point(tail, s[:, None], turn, phase)).min(axis=1) < 0
+    touching = body.level(tube_point(tail, s[:, None], turn, phase)).min(axis=1) < 0
     if touching.any():
         place = float(s[touching.argmax()])
         raise SpecError(

@@ -19,7 +19,7 @@ from scipy.spatial.distance import cdist
 
 from microswim.errors import SpecError
 from microswim.numerics.array import Array
-from microswim.swimmer.geometry.bodies import Body, level_set
+from microswim.swimmer.geometry.body import Body
 from microswim.swimmer.geometry.tails import Tail, WaveTail
 
 # Curvature x radius from which on a bend is refused (it folds into itself at one, and just below it
@@ -200,7 +200,7 @@ def _bend_outside(body: Body, tail: Tail, s: Array, curve: Curve, alone: bool) -
     inward = curve.P_ss - np.sum(curve.P_ss * T, axis=-1, keepdims=True) * T
     size = np.linalg.norm(inward, axis=-1, keepdims=True)
     inner = curve.P + tail.radius * inward / np.where(size > 0, size, 1.0)
-    return np.where(level_set(body, inner) > 0, curve.curvature * tail.radius, 0.0)
+    return np.where(body.level(inner) > 0, curve.curvature * tail.radius, 0.0)
 
 
 def check(body: Body, tail: Tail, phase: float = 0.0) -> list[str]:

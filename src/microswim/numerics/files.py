@@ -8,7 +8,7 @@ import platform
 import re
 import shutil
 from collections.abc import Iterator
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
 from pathlib import Path
 
 from microswim.errors import MachineError
@@ -41,7 +41,8 @@ def fresh(path: str | os.PathLike[str]) -> Iterator[Path]:
         raise MachineError(f"{asked}: not written: {error.strerror or error}") from error
     finally:
         if not direct:
-            part.unlink(missing_ok=True)
+            with suppress(NotADirectoryError):  # a file stands where a folder is asked for
+                part.unlink(missing_ok=True)
 
 
 def write(path: str | os.PathLike[str], content: str | bytes) -> None:

@@ -175,8 +175,17 @@ def _quantities(tables: dict[str, Any]) -> Iterator[tuple[str, Any]]:
         for name, value in table.items() if isinstance(table, dict) else ():
             field = FIELDS.get(f"{part}.{name}")
             if field is not None and field.kind == "quantity" and field.measures != "angle":
-                for entry in value if isinstance(value, list) else [value]:
+                for entry in _flat(value):
                     yield field.path, entry
+
+
+def _flat(value: Any) -> Iterator[Any]:
+    """The entries of a list, of lists in it, or the value itself."""
+    if isinstance(value, list):
+        for entry in value:
+            yield from _flat(entry)
+    else:
+        yield value
 
 
 def _with_dynamic_viscosity(tables: dict[str, Any]) -> dict[str, Any]:

@@ -12,6 +12,7 @@ from typing import Annotated, Literal, get_args
 from pydantic import Field, StrictBool
 
 from microswim.spec import fields
+from microswim.spec.body_tables import BodyTable
 from microswim.spec.fields import About
 from microswim.spec.magnetic_tables import (
     MagnetTable,
@@ -45,50 +46,6 @@ class FluidTable(_Table):
         Density,
         About("Density", "for the Reynolds number, and finite elements with inertia", start=1.0),
     ] = 0.0
-
-
-_SHAPE = About(
-    "Shape", "sphere: radius | spheroid, ellipsoid: semi_axes | none", words={"none": "None"}
-)
-
-
-class SphereTable(_Table):
-    """[body] of shape "sphere"."""
-
-    shape: Annotated[Literal["sphere"], _SHAPE]
-    radius: Annotated[
-        Length, About("Radius", "the body touches the tail's joint with its rear", start=0.5)
-    ]
-
-
-_AXES = About(
-    "Semi-axes",
-    "half lengths along s, q (and r)",
-    entries=("Semi-axis along", "Semi-axis across", "Semi-axis across, r"),
-)
-
-
-class SpheroidTable(_Table):
-    """[body] of shape "spheroid"."""
-
-    shape: Annotated[Literal["spheroid"], _SHAPE]
-    semi_axes: Annotated[list[Length], _AXES]
-    drag: Annotated[
-        Literal["exact", "slender"], About("Drag", "exact | slender: the paper's Eqs. 18, 19")
-    ] = "exact"
-
-
-class EllipsoidTable(_Table):
-    """[body] of shape "ellipsoid"."""
-
-    shape: Annotated[Literal["ellipsoid"], _SHAPE]
-    semi_axes: Annotated[list[Length], _AXES]
-
-
-class NoBodyTable(_Table):
-    """[body] of shape "none"."""
-
-    shape: Annotated[Literal["none"], _SHAPE]
 
 
 _KIND = About("Kind", "helix | plane_wave | elastic | custom")
@@ -281,7 +238,7 @@ class SpecTable(_Table):
     """A whole spec file."""
 
     fluid: FluidTable
-    body: SphereTable | SpheroidTable | EllipsoidTable | NoBodyTable = Field(discriminator="shape")
+    body: BodyTable = Field(discriminator="shape")
     tail: HelixTable | PlaneWaveTable | ElasticTable | CustomTable = Field(discriminator="kind")
     coefficients: CoefficientsTable = CoefficientsTable()
     interaction: InteractionTable = InteractionTable()

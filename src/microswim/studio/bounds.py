@@ -67,19 +67,9 @@ def check(swimmer: Swimmer) -> None:
 
 def outline(swimmer: Swimmer) -> tuple[np.ndarray, np.ndarray]:
     """Points (n, 3) of the body's surface and of the tail's centreline over the whole period."""
-    axes = np.asarray(swimmer.body.semi_axes3, dtype=float)
     s, phase = np.meshgrid(
         np.linspace(0.0, float(swimmer.tail.apparent_length), ALONG),
         2.0 * np.pi * np.arange(PHASES) / PHASES,
     )
-    line = swimmer.tail.centreline(s, phase)[0].reshape(-1, 3) + [axes[0], 0.0, 0.0]
-    return (axes * _sphere() if axes[0] > 0 else np.empty((0, 3))), line
-
-
-def _sphere() -> np.ndarray:
-    """Directions (n, 3) on a grid of the two angles, the axes among them."""
-    polar, turn = np.meshgrid(np.linspace(0.0, np.pi, 25), np.linspace(0.0, 2.0 * np.pi, 49))
-    flat = np.sin(polar)
-    return np.stack([np.cos(polar), flat * np.cos(turn), flat * np.sin(turn)], axis=-1).reshape(
-        -1, 3
-    )
+    line = swimmer.tail.centreline(s, phase)[0].reshape(-1, 3) - swimmer.body.centre
+    return swimmer.body.drawing()[0], line

@@ -17,7 +17,7 @@ from microswim.swimmer.drag.coefficients import Coefficients, Unchosen
 from microswim.swimmer.drag.interaction import Interaction
 from microswim.swimmer.fields import numbers_of, set_item, without_other_names
 from microswim.swimmer.fluid import Fluid
-from microswim.swimmer.geometry.bodies import Body
+from microswim.swimmer.geometry.body import Body
 from microswim.swimmer.geometry.surroundings import Channel, Wall
 from microswim.swimmer.geometry.tails import Tail
 from microswim.swimmer.gradient import gradient
@@ -76,7 +76,7 @@ class Swimmer:
     Parameters
     ----------
     body
-        `Sphere`, `Spheroid`, `Ellipsoid` or `NoBody`.
+        `Sphere`, `Spheroid`, `Ellipsoid`, `Capsule`, `Cylinder`, `Box`, `Revolution` or `NoBody`.
     tail
         `HelicalTail`, `PlaneWaveTail`, `ElasticTail` or `CustomTail`.
     fluid

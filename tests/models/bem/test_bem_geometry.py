@@ -66,7 +66,7 @@ def test_joint_lies_on_body_and_tube(tail, body):
     psi = np.linspace(0.1, 6.2, 57)
     s, untwisted = curve.section(psi)
     X = body.centre + np.asarray(body.semi_axes3) * curve.sphere_point(curve.angle(psi), psi)
-    assert np.abs(joint.level_set(body, X)).max() < 1e-12
+    assert np.abs(body.level(X)).max() < 1e-12
     grid = np.linspace(s.min() - 0.01, s.max() + 0.01, 2001)
     twist = geometry.section_twist(tail, grid, 0.6)
     theta = untwisted - np.interp(s, grid, twist) + np.interp(curve.s, grid, twist)

@@ -84,7 +84,9 @@ def unlike(swimmer: Swimmer) -> list[str]:
     tail, body = swimmer.tail, swimmer.body
     if not (isinstance(tail, WaveTail) and tail.is_rigid):
         return ["it holds helical tails"]
-    if not body.is_axisymmetric or not np.all(np.real(body.semi_axes3[0]) > 0):
+    if not (body.is_ellipsoid and body.is_axisymmetric) or not np.all(
+        np.real(body.semi_axes3[0]) > 0
+    ):
         return ["it holds bodies of revolution: a sphere or a spheroid"]
     if tail.sections != "perpendicular" or tail.surface_motion != "rigid":
         return ['it holds rigid helices: sections = "perpendicular", surface_motion = "rigid"']

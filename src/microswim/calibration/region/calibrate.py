@@ -211,6 +211,9 @@ def _doubt(gait: Gait | str) -> str:
 def _check(swimmer: Swimmer, region: Region, solves: int) -> None:
     if not swimmer.tail.in_batches or swimmer.body.is_absent:
         raise SpecError("region: a body and a helix or a plane wave are needed")
+    if not swimmer.body.is_ellipsoid:
+        raise SpecError("body.shape", swimmer.body.shape, "an ellipsoid for a region",
+                        "calibrate one design at a time, or take model bem")  # fmt: skip
     if swimmer.tail.is_rigid and not swimmer.body.is_axisymmetric:
         raise SpecError(
             "body.shape", swimmer.body.shape, "a body of revolution for a helix's region"

@@ -11,9 +11,9 @@ from typing import Any
 
 from microswim.models.bem.levels import LEVELS, Level, get_level
 from microswim.models.bem.solution import Solution, solve
-from microswim.models.bem.surface import Surface, ellipsoid, torus
+from microswim.models.bem.surface import Surface, ellipsoid, sampled, still, torus
 from microswim.models.bem.system import Layer, Quadrature, resistance
-from microswim.swimmer.geometry.bodies import Body
+from microswim.swimmer.geometry.body import Body
 
 
 def body_resistance(body: Body, viscosity: float, level: str = "standard") -> Any:
@@ -23,7 +23,8 @@ def body_resistance(body: Body, viscosity: float, level: str = "standard") -> An
     """
     chosen = get_level(level)
     r = chosen.resolution
-    return resistance(ellipsoid(body.semi_axes3, r.body + 1, r.order), viscosity, rule=chosen.rule)
+    surface = still(sampled(body.facets(r.body + 1)) - body.centre, r.order)
+    return resistance(surface, viscosity, rule=chosen.rule)
 
 
 __all__ = [

@@ -34,7 +34,8 @@ def turns_as_a_whole(swimmer: Swimmer) -> bool:
 
 def half_period_signs(swimmer: Swimmer) -> Array | None:
     """Signs that carry phase to phase + pi, or None if nothing does."""
-    return None if swimmer.wall is not None else swimmer.tail.half_period_signs
+    alike = swimmer.wall is None and swimmer.body.is_mirrored
+    return swimmer.tail.half_period_signs if alike else None
 
 
 def _arrays(solution: Solution) -> dict[str, Any]:

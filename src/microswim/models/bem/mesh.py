@@ -1,8 +1,8 @@
 """Patches of a swimmer: body with a hole, tube that grows out of it, hemispherical tip.
 
-The body is the image of the unit sphere under its semi-axes. Around the piercing point of the tail
-the sphere carries rings that grow geometrically from the joint curve to the equator; the far
-hemisphere is half a cubed sphere. The tube's panels follow arc length and curvature, its first
+The body is the image of the unit sphere. Around the piercing point of the tail the sphere carries
+rings that grow geometrically from the joint curve to a circle, the body's `opening`; what lies
+beyond are the body's own facets. The tube's panels follow arc length and curvature, its first
 edges bend into the joint curve.
 """
 
@@ -13,10 +13,11 @@ from dataclasses import dataclass
 import numpy as np
 
 from microswim.models import swimmer_surface as geometry
-from microswim.models.bem.surface import Surface, cube_face, grid_boxes, sample_adapted
+from microswim.models.bem.surface import Surface, grid_boxes, sample_adapted, sampled
 from microswim.models.joint import Joint, check_clear, trace_joint
 from microswim.numerics.array import Array
-from microswim.swimmer.geometry.bodies import Body
+from microswim.swimmer.geometry.body import Body
+from microswim.swimmer.geometry.solids.spheres import half_sphere
 from microswim.swimmer.geometry.tails import Tail
 
 # A joint that reaches this many filament radii along the tail counts as steep: shorter first rows.
@@ -157,17 +158,6 @@ def _tube(
     return values[..., :3], values[..., 3]
 
 
-def _half_sphere(axis: Array, first: Array, second: Array, side: int) -> Array:
-    """Unit directions of the hemisphere about `axis`: cube top and four half sides."""
-    full = np.linspace(-np.pi / 4, np.pi / 4, side + 1)
-    half = np.linspace(0, np.pi / 4, max(1, (side + 1) // 2) + 1)
-    parts = [cube_face(axis, first, second, grid_boxes(full, full))]
-    for n in (first, second, -first, -second):
-        across = np.cross(axis, n)
-        parts.append(cube_face(n, across, axis, grid_boxes(full, half)))
-    return np.concatenate(parts)
-
-
 def _cap(tail: Tail, phase: float, end: float, outward: float) -> tuple[Array, Array]:
     """Hemisphere centred on P(end), positions and s.
 
@@ -175,7 +165,7 @@ def _cap(tail: Tail, phase: float, end: float, outward: float) -> tuple[Array, A
     """
     if tail.sections == "sheared":
         axes = np.eye(3) if outward > 0 else np.array([[-1.0, 0, 0], [0, 0, 1.0], [0, 1.0, 0]])
-        offset = tail.radius * _half_sphere(axes[0], axes[1], axes[2], 1)
+        offset = tail.radius * sampled(half_sphere(axes[0], axes[1], axes[2], 1))
         s = end + offset[..., 0]
         offset[..., 0] = 0.0
         return geometry.smooth_centreline(tail, s, phase).P + offset, s
@@ -183,39 +173,45 @@ def _cap(tail: Tail, phase: float, end: float, outward: float) -> tuple[Array, A
     axis, (first, second) = curve.tangent, geometry.section_axes(tail, curve)
     if outward < 0:
         axis, first, second = -axis, second, first
-    directions = _half_sphere(axis, first, second, 1)
+    directions = sampled(half_sphere(axis, first, second, 1))
     return curve.P + tail.radius * directions, np.full(directions.shape[:3], end)
 
 
-def _ring_radii(hole: float, step: float, growth: float, quarter: float) -> Array:
-    """Fractions 0..1 of the way from the hole to the equator: steps that grow geometrically."""
-    steps, gap = [step], np.pi / 2 - hole
+def _ring_radii(step: float, growth: float, quarter: float, gap: float, last: float) -> Array:
+    """Fractions 0..1 of the way from the hole to the opening: steps that grow geometrically.
+
+    Towards the opening they shrink to `last` again.
+    """
+    steps = [step]
     while sum(steps) < gap:
-        steps.append(min(steps[-1] * growth, quarter))
+        left = last + (1 - 1 / growth) * max(gap - sum(steps), 0.0)
+        steps.append(min(steps[-1] * growth, quarter, max(left, step)))
     edges = np.concatenate([[0.0], np.cumsum(steps)])
     return edges / edges[-1]
 
 
 def _body(body: Body, joint: Joint, r: Resolution) -> Array:
     """Positions of the body's patches."""
-    axes, centre = np.asarray(body.semi_axes3, float), body.centre
+    around = np.linspace(0.0, 2 * np.pi, 64)
+    opening = body.opening(joint.pole, joint.first, float(joint.angle(around).max()))
 
     def chart(t: Array, psi: Array) -> Array:
-        angle = joint.angle(psi) * (1 - t) + 0.5 * np.pi * t
-        return centre + axes * joint.sphere_point(angle, psi)
+        end = joint.angle_to(opening, psi)
+        return body.surface_point(joint.sphere_point(joint.angle(psi) * (1 - t) + end * t, psi))
 
     mean = float(joint.series[0, 0].real)
-    side = r.body + int(axes.max() > 1.5 * axes.min())
+    gap = float(joint.angle_to(opening, around).mean()) - mean
+    side = r.body + int(max(body.semi_axes3) > 1.5 * min(body.semi_axes3))
     quarter = 0.5 * np.pi / side
-    t = _ring_radii(mean, r.root * mean, r.growth, quarter)
+    t = _ring_radii(r.root * mean, r.growth, quarter, gap, opening.last)
     parts = []
     for low, high in zip(t[:-1], t[1:], strict=True):
-        width = (high - low) * (np.pi / 2 - mean)
-        outer = mean + high * (np.pi / 2 - mean)
+        width = (high - low) * gap
+        outer = mean + high * gap
         sectors = 4 * int(np.clip(np.ceil(outer / (2.2 * width)), 1, max(side, r.around // 4)))
         turn = np.linspace(-np.pi / 4, 2 * np.pi - np.pi / 4, sectors + 1)
         parts.append(sample_adapted(chart, grid_boxes(np.array([low, high]), turn)))
-    parts.append(centre + axes * _half_sphere(-joint.pole, joint.second, joint.first, side))
+    parts.append(sampled(body.facets(r.body, opening)))
     return np.concatenate(parts)
 
 

@@ -6,7 +6,7 @@ pointing into the fluid.
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterable
 from dataclasses import dataclass
 from functools import cached_property
 
@@ -21,6 +21,8 @@ from microswim.models.bem.element import (
     patch_matrix,
 )
 from microswim.numerics.array import Array
+from microswim.swimmer.geometry.solids.facets import Facet
+from microswim.swimmer.geometry.solids.spheres import cubed_sphere
 
 
 @dataclass(frozen=True)
@@ -219,27 +221,20 @@ def grid_boxes(u: Array, v: Array) -> Array:
     return np.stack([u[a], u[a + 1], v[b], v[b + 1]], axis=-1)
 
 
-def cube_face(normal: Array, first: Array, second: Array, boxes: Array) -> Array:
-    """Equiangular cubed-sphere face: direction of n + tan(u) e1 + tan(v) e2, e1 x e2 = n."""
+def sampled(facets: Iterable[Facet]) -> Array:
+    """Positions (e, q, q, 3) of all patches of smooth parts of a surface."""
+    return np.concatenate([sample(f.chart, grid_boxes(f.u, f.v)) for f in facets])
 
-    def chart(u: Array, v: Array) -> Array:
-        d = normal + np.tan(u)[..., None] * first + np.tan(v)[..., None] * second
-        return d / np.linalg.norm(d, axis=-1, keepdims=True)
 
-    return sample(chart, boxes)
+def still(controls: Array, order: int = 2) -> Surface:
+    """Closed surface of patches (e, q, q, 3) that does not move by itself."""
+    none = np.zeros(len(controls), bool)
+    return Surface(np.ascontiguousarray(controls), np.zeros_like(controls), none, order)
 
 
 def ellipsoid(semi_axes: tuple[float, float, float], splits: int = 2, order: int = 2) -> Surface:
     """Closed ellipsoid at the origin: six cube faces of splits x splits patches."""
-    edges = np.linspace(-np.pi / 4, np.pi / 4, splits + 1)
-    boxes, unit = grid_boxes(edges, edges), np.eye(3)
-    faces = []
-    for axis in range(3):
-        n, e1, e2 = unit[axis], unit[(axis + 1) % 3], unit[(axis + 2) % 3]
-        faces += [cube_face(n, e1, e2, boxes), cube_face(-n, e2, e1, boxes)]
-    controls = np.concatenate(faces) * np.asarray(semi_axes)
-    still = np.zeros(controls.shape[0], dtype=bool)
-    return Surface(controls, np.zeros_like(controls), still, order)
+    return still(sampled(cubed_sphere(splits)) * np.asarray(semi_axes), order)
 
 
 def torus(ring: float, tube: float, around: int, across: int = 4, order: int = 2) -> Surface:
@@ -251,7 +246,4 @@ def torus(ring: float, tube: float, around: int, across: int = 4, order: int = 2
 
     boxes = grid_boxes(np.linspace(0, 2 * np.pi, across + 1), np.linspace(0, 2 * np.pi, around + 1))
     controls = sample(chart, boxes)
-    outward = controls[:, :, ::-1]
-    return Surface(
-        np.ascontiguousarray(outward), np.zeros_like(controls), np.zeros(len(boxes), bool), order
-    )
+    return still(controls[:, :, ::-1], order)

@@ -10,7 +10,7 @@ from importlib.util import find_spec
 from typing import TYPE_CHECKING, Any
 
 from microswim.errors import MachineError
-from microswim.swimmer.geometry.bodies import Body
+from microswim.swimmer.geometry.body import Body
 from microswim.swimmer.geometry.surroundings import Channel
 from microswim.swimmer.swimmer import Swimmer
 

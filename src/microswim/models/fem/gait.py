@@ -29,13 +29,14 @@ from microswim.models.fem.mesh import (
     Outline,
     Zone,
     check_in_channel,
+    ellipsoid_axes,
     level_named,
     straight_mesh,
 )
 from microswim.models.fem.remesh import Laid, filled
 from microswim.models.fem.stokes import FOLDED, Stokes
 from microswim.numerics.fourier import MIRROR_Q
-from microswim.swimmer.geometry.bodies import Body
+from microswim.swimmer.geometry.body import Body
 from microswim.swimmer.geometry.surroundings import Channel
 from microswim.swimmer.swimmer import Swimmer
 
@@ -179,7 +180,7 @@ def body_resistance(
     viscosity
         Of the fluid.
     """
-    r_s, r_q, r_r = axes = [float(a) for a in body.semi_axes3]
+    r_s, r_q, r_r = axes = ellipsoid_axes(body)
     unit = 2.0 * max(axes)
     outline = Outline((r_s / unit, r_q / unit, r_r / unit), 0.0, 0.0, unit)
     check_in_channel(outline, channel, 0.0)

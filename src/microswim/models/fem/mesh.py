@@ -20,6 +20,7 @@ from netgen import occ
 from netgen.meshing import MeshingParameters, MeshingStep
 
 from microswim.errors import MicroswimError, SpecError
+from microswim.swimmer.geometry.body import Body
 from microswim.swimmer.geometry.surroundings import Channel
 from microswim.swimmer.swimmer import Swimmer
 
@@ -83,7 +84,7 @@ class Outline:
     def of(cls, swimmer: Swimmer) -> Outline:
         """The outline of a swimmer, scaled by its body's largest diameter (or half the tail)."""
         body, tail = swimmer.body, swimmer.tail
-        r_s, r_q, r_r = axes = [float(a) for a in body.semi_axes3]
+        r_s, r_q, r_r = axes = ellipsoid_axes(body)
         unit = 2.0 * max(axes) or 0.5 * float(tail.apparent_length)
         scaled = (r_s / unit, r_q / unit, r_r / unit)
         return cls(scaled, float(tail.apparent_length) / unit, float(tail.radius) / unit, unit)
@@ -127,6 +128,20 @@ class Outline:
         """Position of the channel's middle in the swimmer's frame."""
         own = np.array([0.5 * (self.nose + self.tip), 0.0, 0.0])
         return own - channel.axes @ np.asarray(channel.position) / self.unit
+
+
+def ellipsoid_axes(body: Body) -> list[float]:
+    """Semi-axes of an ellipsoid, zeros without a body.
+
+    Raises
+    ------
+    SpecError
+        If the body is of another shape.
+    """
+    if not (body.is_ellipsoid or body.is_absent):
+        raise SpecError("body.shape", body.shape, "an ellipsoid for the finite elements",
+                        "take model bem")  # fmt: skip
+    return [float(a) for a in body.semi_axes3]
 
 
 def _body_solid(outline: Outline) -> Any:

@@ -240,6 +240,8 @@ def is_regular(swimmer: Swimmer, arrays: dict[str, Any]) -> bool:
     """Whether the symmetries hold on which the batched evaluation rests."""
     if not swimmer.tail.in_batches or np.any(np.ravel(swimmer.interaction.coupling)):
         return False
+    if not swimmer.body.is_balanced:
+        return False
     if any("coupling" in name for name in arrays) or _may_gain(swimmer, arrays):
         return False
     if swimmer.tail.is_planar:

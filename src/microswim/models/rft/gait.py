@@ -67,7 +67,10 @@ def parameters(swimmer: Swimmer) -> np.ndarray:
 
 def body_resistance(swimmer: Swimmer) -> np.ndarray:
     """Body resistance with its interaction coefficients [Tabak Eqs. 3, 21, 22]."""
-    return swimmer.interaction.body_resistance(swimmer.body.diagonal(swimmer.fluid.viscosity))
+    body, mu = swimmer.body, swimmer.fluid.viscosity
+    if not body.is_balanced:
+        return swimmer.interaction.coupled(body.resistance(mu))
+    return swimmer.interaction.body_resistance(body.diagonal(mu))
 
 
 def rules(swimmer: Swimmer, nodes: int | None = None) -> tuple[Any, Any]:

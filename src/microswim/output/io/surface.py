@@ -11,7 +11,7 @@ from typing import Any
 
 import numpy as np
 
-from microswim.swimmer.geometry.bodies import Body
+from microswim.swimmer.geometry.solids.spheres import closed_grid
 from microswim.swimmer.geometry.tails import Tail
 from microswim.swimmer.swimmer import Swimmer
 
@@ -65,32 +65,16 @@ def surface(swimmer: Swimmer, phase: float = 0.0, *, fineness: float = 1.0) -> S
     >>> bool(surface(ms.Swimmer.preset("tabak/helix")).points[:, 0].max() > 2.5)
     True
     """
-    swimmer, has_body = swimmer.settled, not swimmer.body.is_absent
-    grids = [(_tube(swimmer.tail, phase, fineness, not has_body) - swimmer.body.centre, TAIL)]
-    if has_body:
-        grids.insert(0, (_ellipsoid(swimmer.body, fineness), BODY))
-    points, quads, part, count = [], [], [], 0
-    for grid, label in grids:
-        faces = _faces(*grid.shape[:2]) + count
-        points.append(grid.reshape(-1, 3))
-        quads.append(faces)
-        part.append(np.full(len(faces), label))
-        count += points[-1].shape[0]
-    return Surface(np.concatenate(points), np.concatenate(quads), np.concatenate(part))
-
-
-def _ellipsoid(body: Body, fineness: float) -> np.ndarray:
-    """Grid of an ellipsoid about its centre, from the pole at -s to the pole at +s."""
-    rings, around = int(24 * fineness) + 1, int(36 * fineness)
-    polar = np.linspace(0.0, np.pi, rings)[:, None]
-    angle = np.linspace(0.0, 2.0 * np.pi, around, endpoint=False)[None, :]
-    unit = np.stack(
-        np.broadcast_arrays(
-            -np.cos(polar), np.sin(polar) * np.cos(angle), np.sin(polar) * np.sin(angle)
-        ),
-        axis=-1,
+    swimmer = swimmer.settled
+    body, tail = swimmer.body, swimmer.tail
+    grid = _tube(tail, phase, fineness, body.is_absent) - body.centre
+    points, quads = body.drawing(fineness)
+    tube = closed_grid(*grid.shape[:2]) + len(points)
+    return Surface(
+        np.concatenate([points, grid.reshape(-1, 3)]),
+        np.concatenate([quads, tube]),
+        np.repeat([BODY, TAIL], [len(quads), len(tube)]),
     )
-    return unit * np.array(body.semi_axes3)
 
 
 def _tube(tail: Tail, phase: float, fineness: float, closed: bool) -> np.ndarray:
@@ -128,11 +112,3 @@ def transported(P: np.ndarray, tangent: np.ndarray) -> np.ndarray:
         w = tangent[i + 1] - t
         normal[i + 1] = n - 2.0 / (w @ w) * (w @ n) * w if w @ w > 0 else n
     return normal
-
-
-def _faces(rows: int, columns: int) -> np.ndarray:
-    """Quadrilaterals of a grid that closes along its columns."""
-    i, j = np.meshgrid(np.arange(rows - 1), np.arange(columns), indexing="ij")
-    k = (j + 1) % columns
-    corners = [i * columns + j, i * columns + k, (i + 1) * columns + k, (i + 1) * columns + j]
-    return np.stack(corners, axis=-1).reshape(-1, 4)

@@ -69,6 +69,23 @@ class Interaction:
             checks.numbers(f"interaction.coupling[{i}]", row, 3, "three finite numbers")
         object.__setattr__(self, "coupling", tuple(tuple(row) for row in rows))
 
+    def coupled(self, isolated: np.ndarray) -> np.ndarray:
+        """Body resistance from a full isolated one, off the diagonal ``sqrt(gamma_i gamma_j) R_ij``.
+
+        For bodies whose isolated resistance about the centre is not diagonal; negative factors
+        count as zero there.
+
+        Parameters
+        ----------
+        isolated
+            Shape (6, 6).
+        """
+        diagonal = tuple(np.diagonal(isolated))
+        gamma = np.array([*self.translation, *self.rotation])
+        root = np.sqrt(np.where(np.real(gamma) > 0.0, gamma, 0.0))
+        rest = isolated - np.diag(diagonal)
+        return self.body_resistance(diagonal) + np.multiply.outer(root, root) * rest
+
     def body_resistance(self, isolated: tuple[Any, ...]) -> np.ndarray:
         """Body resistance ``B_b`` about its centre [Tabak Eqs. 3, 21, 22].
 

@@ -10,7 +10,7 @@ from __future__ import annotations
 import numpy as np
 
 from microswim.errors import SpecError
-from microswim.swimmer.geometry.bodies import Body, level_set
+from microswim.swimmer.geometry.body import Body
 from microswim.swimmer.geometry.tails import Tail
 
 SAMPLES = 1001
@@ -31,7 +31,7 @@ def misses(body: Body, tail: Tail, phase: float = 0.0) -> bool:
         return False
     half = float(np.real(body.semi_axes3[0]))
     s = np.linspace(-2.0 * half, float(np.real(tail.apparent_length)), SAMPLES)
-    return not bool((level_set(body, np.real(tail.continued(s, phase))) < 0.0).any())
+    return not bool((body.level(np.real(tail.continued(s, phase))) < 0.0).any())
 
 
 def refusal(tail: Tail) -> SpecError:

@@ -1,4 +1,4 @@
-"""Bodies and their exact isolated resistance: sphere, spheroid, ellipsoid, none.
+"""Bodies by their words, and the ellipsoids with their exact isolated resistance.
 
 Holds the resistance of an ellipsoid (Oberbeck 1876 for translation, Edwardes 1892 and Perrin
 1934 for rotation) through Carlson's symmetric integrals, and Eqs. (18), (19) of the paper as an
@@ -11,13 +11,18 @@ checked on construction.
 
 from __future__ import annotations
 
-from abc import ABC, abstractmethod
 from dataclasses import dataclass, replace
 from typing import Any, ClassVar, Literal
 
 import numpy as np
 
 from microswim import checks
+from microswim.numerics.array import Array
+from microswim.swimmer.geometry.body import Body
+from microswim.swimmer.geometry.solids.box import Box
+from microswim.swimmer.geometry.solids.facets import Facet, Opening
+from microswim.swimmer.geometry.solids.round import Capsule, Cylinder, Revolution
+from microswim.swimmer.geometry.solids.spheres import cubed_sphere, half_sphere, sphere_grid
 
 
 def ellipsoid_resistance(semi_axes: tuple[Any, Any, Any], viscosity: Any) -> tuple[Any, ...]:
@@ -46,57 +51,50 @@ def ellipsoid_resistance(semi_axes: tuple[Any, Any, Any], viscosity: Any) -> tup
     return (*force, *torque)
 
 
-class Body(ABC):
-    """A body of any shape. Use `Sphere`, `Spheroid`, `Ellipsoid` or `NoBody`.
+class EllipsoidalBody(Body):
+    """A body whose surface is an ellipsoid: the unit sphere stretched along s, q, r."""
 
-    Attributes
-    ----------
-    shape
-        Word of the spec.
-    is_absent
-        Whether there is no body, only a tail.
-    of_revolution
-        Whether every body of this shape is one of revolution about s.
-    """
-
-    shape: ClassVar[str]
-    is_absent: ClassVar[bool] = False
-    of_revolution: ClassVar[bool] = True
-
-    @property
-    @abstractmethod
-    def semi_axes3(self) -> tuple[Any, Any, Any]:
-        """Semi-axes along s, q, r (length)."""
-
-    @property
-    def exact(self) -> Body:
-        """The same body with its exact isolated resistance."""
-        return self
-
-    @property
-    def centre(self) -> np.ndarray:
-        """Centre in the frame ``sqr``, shape (3,): ``(-r_s, 0, 0)``."""
-        r_s = self.semi_axes3[0]
-        return np.array([-r_s, 0.0 * r_s, 0.0 * r_s])
-
-    @property
-    def is_axisymmetric(self) -> bool:
-        """Whether the body is a body of revolution about s."""
-        _, r_q, r_r = self.semi_axes3
-        return bool(np.all(r_q == r_r))
+    is_ellipsoid: ClassVar[bool] = True
 
     def diagonal(self, viscosity: Any) -> tuple[Any, ...]:
-        """Six isolated resistances ``(F_s, F_q, F_r, T_s, T_q, T_r)`` about the centre."""
         return ellipsoid_resistance(self.semi_axes3, viscosity)
 
-    def resistance(self, viscosity: float) -> np.ndarray:
-        """Isolated resistance matrix about the centre, shape (6, 6) (exact unless said)."""
-        return np.diag(np.array(self.diagonal(viscosity)))
+    def level(self, X: Array) -> Array:
+        scaled = (X - np.real(self.centre)) / np.real(np.asarray(self.semi_axes3))
+        return np.sum(scaled**2, axis=-1) - 1.0
+
+    def surface_point(self, direction: Array) -> Array:
+        return self.centre + np.asarray(self.semi_axes3, float) * direction
+
+    def direction(self, X: Array) -> Array:
+        scaled = (X - self.centre) / np.asarray(self.semi_axes3, float)
+        return scaled / np.linalg.norm(scaled)
+
+    @property
+    def stretch(self) -> float:
+        return float(max(self.semi_axes3))
+
+    def opening(self, pole: Array, first: Array, reach: float) -> Opening:
+        """The equator about the root: an ellipsoid has no edges."""
+        return Opening(np.array([pole, first, np.cross(pole, first)]), 0.5 * np.pi)
+
+    def facets(self, splits: int, opening: Opening | None = None) -> list[Facet]:
+        """A cubed sphere, stretched; beyond the equator half of one."""
+        side = splits + int(max(self.semi_axes3) > 1.5 * min(self.semi_axes3))
+        if opening is None:
+            return [f.mapped(self.surface_point) for f in cubed_sphere(side)]
+        pole, first, second = opening.axes
+        return [f.mapped(self.surface_point) for f in half_sphere(-pole, second, first, side)]
+
+    def drawing(self, fineness: float = 1.0) -> tuple[np.ndarray, np.ndarray]:
+        """A grid of the two angles."""
+        points, quads = sphere_grid(int(24 * fineness) + 1, int(36 * fineness))
+        return points * np.array(self.semi_axes3), quads
 
 
 @checks.by_name
 @dataclass(frozen=True, kw_only=True)
-class Sphere(Body):
+class Sphere(EllipsoidalBody):
     """Sphere of the given radius, Stokes resistance ``6 pi mu a`` and ``8 pi mu a^3``.
 
     Parameters
@@ -134,7 +132,7 @@ class Sphere(Body):
 
 @checks.by_name
 @dataclass(frozen=True, kw_only=True)
-class Spheroid(Body):
+class Spheroid(EllipsoidalBody):
     """Spheroid of revolution about s, prolate or oblate.
 
     Parameters
@@ -206,7 +204,7 @@ class Spheroid(Body):
 
 @checks.by_name
 @dataclass(frozen=True, kw_only=True)
-class Ellipsoid(Body):
+class Ellipsoid(EllipsoidalBody):
     """Ellipsoid with three semi-axes along s, q, r.
 
     Parameters
@@ -263,11 +261,32 @@ class NoBody(Body):
     def diagonal(self, viscosity: Any) -> tuple[Any, ...]:
         return (0.0 * viscosity,) * 6
 
+    def level(self, X: Array) -> Array:
+        return np.full(np.shape(X)[:-1], np.inf)
 
-def level_set(body: Body, X: np.ndarray) -> np.ndarray:
-    """Return the ellipsoid's level function at points (..., 3): negative inside, zero on it."""
-    scaled = (X - np.real(body.centre)) / np.real(np.asarray(body.semi_axes3))
-    return np.sum(scaled**2, axis=-1) - 1.0
+    def surface_point(self, direction: Array) -> Array:
+        raise self._nothing()
+
+    def direction(self, X: Array) -> Array:
+        raise self._nothing()
+
+    @property
+    def stretch(self) -> float:
+        return 0.0
+
+    def opening(self, pole: Array, first: Array, reach: float) -> Opening:
+        raise self._nothing()
+
+    def facets(self, splits: int, opening: Opening | None = None) -> list[Facet]:
+        return []
+
+    def drawing(self, fineness: float = 1.0) -> tuple[np.ndarray, np.ndarray]:
+        return np.empty((0, 3)), np.empty((0, 4), int)
+
+    def _nothing(self) -> checks.SpecError:
+        return checks.SpecError("body.shape", "none", "a body here", "it has no surface")
 
 
-SHAPES: dict[str, type[Body]] = {b.shape: b for b in (Sphere, Spheroid, Ellipsoid, NoBody)}
+SHAPES: dict[str, type[Body]] = {
+    b.shape: b for b in (Sphere, Spheroid, Ellipsoid, Capsule, Cylinder, Box, Revolution, NoBody)
+}

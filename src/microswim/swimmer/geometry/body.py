@@ -1,0 +1,123 @@
+r"""What every body says of itself: its surface, its centre, its isolated resistance.
+
+The frame is ``sqr``: the body touches the origin (the joint) with its rear pole, its centre is at
+``(-r_s, 0, 0)``. A body is the image of the unit sphere under a map that takes the direction
+``e_s`` to the joint; smooth parts of it are `Facet`\\ s. Whoever needs to know something of a body
+asks here; nobody asks of what kind it is.
+"""
+
+from __future__ import annotations
+
+from abc import ABC, abstractmethod
+from typing import Any, ClassVar
+
+import numpy as np
+
+from microswim.numerics.array import Array
+from microswim.swimmer.geometry.solids.facets import Facet, Opening, sampled_quads
+
+
+class Body(ABC):
+    """A body of any shape.
+
+    Use `Sphere`, `Spheroid`, `Ellipsoid`, `Capsule`, `Cylinder`, `Box`, `Revolution` or `NoBody`.
+
+    Attributes
+    ----------
+    shape
+        Word of the spec.
+    is_absent
+        Whether there is no body, only a tail.
+    is_ellipsoid
+        Whether its surface is an ellipsoid with half lengths `semi_axes3`, whose resistance is
+        known in closed form.
+    is_balanced
+        Whether its isolated resistance about its centre is diagonal.
+    is_mirrored
+        Whether the planes of s and q, and of s and r, mirror it into itself.
+    of_revolution
+        Whether every body of this shape is one of revolution about s.
+    """
+
+    shape: ClassVar[str]
+    is_absent: ClassVar[bool] = False
+    is_ellipsoid: ClassVar[bool] = False
+    is_balanced: ClassVar[bool] = True
+    is_mirrored: ClassVar[bool] = True
+    of_revolution: ClassVar[bool] = True
+
+    @property
+    @abstractmethod
+    def semi_axes3(self) -> tuple[Any, Any, Any]:
+        """Half lengths along s, q, r (length)."""
+
+    @property
+    def exact(self) -> Body:
+        """The same body with its exact isolated resistance."""
+        return self
+
+    @property
+    def centre(self) -> np.ndarray:
+        """Centre in the frame ``sqr``, shape (3,): ``(-r_s, 0, 0)``."""
+        r_s = self.semi_axes3[0]
+        return np.array([-r_s, 0.0 * r_s, 0.0 * r_s])
+
+    @property
+    def is_axisymmetric(self) -> bool:
+        """Whether the body is a body of revolution about s."""
+        _, r_q, r_r = self.semi_axes3
+        return self.of_revolution or bool(np.all(r_q == r_r))
+
+    @abstractmethod
+    def diagonal(self, viscosity: Any) -> tuple[Any, ...]:
+        """Six isolated resistances ``(F_s, F_q, F_r, T_s, T_q, T_r)`` about the centre."""
+
+    def resistance(self, viscosity: float) -> np.ndarray:
+        """Isolated resistance matrix about the centre, shape (6, 6) (exact unless said)."""
+        return np.diag(np.array(self.diagonal(viscosity)))
+
+    @abstractmethod
+    def level(self, X: Array) -> Array:
+        """Level function at points (..., 3): negative inside the body, zero on its surface."""
+
+    @abstractmethod
+    def surface_point(self, direction: Array) -> Array:
+        """Points (..., 3) of the surface that unit directions (..., 3) are mapped to."""
+
+    @abstractmethod
+    def direction(self, X: Array) -> Array:
+        """Unit direction (3,) that is mapped to a point (3,) of the surface."""
+
+    @property
+    @abstractmethod
+    def stretch(self) -> float:
+        """Largest length on the surface per angle between directions."""
+
+    @abstractmethod
+    def opening(self, pole: Array, first: Array, reach: float) -> Opening:
+        """Circle on the unit sphere up to which the surface about a root is free of edges.
+
+        Parameters
+        ----------
+        pole, first
+            Direction of the root, and one across it, (3,) each.
+        reach
+            Largest angle from `pole` that the root covers.
+
+        Raises
+        ------
+        SpecError
+            If the root reaches an edge.
+        """
+
+    @abstractmethod
+    def facets(self, splits: int, opening: Opening | None = None) -> list[Facet]:
+        """Smooth parts of the surface, `splits` patches along a quarter of its girth.
+
+        All of it, or what lies beyond an `opening`.
+        """
+
+    def drawing(self, fineness: float = 1.0) -> tuple[np.ndarray, np.ndarray]:
+        """Corners (n, 3) about the centre and quadrilaterals (m, 4), for pictures and files."""
+        points, quads = sampled_quads(self.facets(2), max(2, int(6 * fineness)))
+        return points - self.centre, quads

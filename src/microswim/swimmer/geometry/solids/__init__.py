@@ -1,0 +1,1 @@
+"""Bodies without closed form: capsule, cylinder, revolution, box, surface from a file."""

@@ -70,7 +70,7 @@ class Interaction:
         object.__setattr__(self, "coupling", tuple(tuple(row) for row in rows))
 
     def coupled(self, isolated: np.ndarray) -> np.ndarray:
-        """Body resistance from a full isolated one, off the diagonal ``sqrt(gamma_i gamma_j) R_ij``.
+        """Return the body resistance from a full isolated one: ``sqrt(g_i g_j) R_ij``.
 
         For bodies whose isolated resistance about the centre is not diagonal; negative factors
         count as zero there.

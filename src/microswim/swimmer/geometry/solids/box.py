@@ -140,7 +140,9 @@ class Box(SolvedBody):
     def _edges(self, axis: int, splits: int) -> Array:
         """Edges of patches along one axis of the flat faces, graded towards the fillet."""
         side = 0.5 * np.pi / splits * float(np.median(self.semi_axes3))
-        return towards_both(self._flat[axis], side, 0.5 * np.pi * float(np.real(self.fillet)) / splits)
+        return towards_both(
+            self._flat[axis], side, 0.5 * np.pi * float(np.real(self.fillet)) / splits
+        )
 
     def _face(self, axis: int, sign: float) -> Callable[[Array, Array], Array]:
         first, second = _across(axis, sign)

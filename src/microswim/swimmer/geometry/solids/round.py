@@ -134,7 +134,11 @@ class Cylinder(TurnedBody):
         return replace(self, length=self.length * factor, radius=self.radius * factor, edge=edge)
 
     def outline(self) -> Profile:
-        a, end, e = float(np.real(self.radius)), float(np.real(self.length)), float(np.real(self.fillet))
+        a, end, e = (
+            float(np.real(self.radius)),
+            float(np.real(self.length)),
+            float(np.real(self.fillet)),
+        )
         return made_of(
             line((0.0, 0.0), (0.0, a - e)),
             quarter((-e, a - e), e, 0.0),
@@ -152,7 +156,8 @@ class Revolution(TurnedBody):
     Parameters
     ----------
     profile
-        ``[[s, rho], ...]`` (lengths) from the joint's end to the nose, four points at least; the first and the last on the axis (rho = 0), between them rho positive. Where s begins,
+        ``[[s, rho], ...]`` (lengths) from the joint's end to the nose, four points at least;
+        the first and the last on the axis (rho = 0), between them rho positive. Where s begins,
         and whether it counts up or down, does not matter: the first point is the joint. A cubic
         spline, round at both ends, runs through the points.
 

@@ -211,5 +211,5 @@ class Box(SolvedBody):
 
 def _across(axis: int, sign: float) -> tuple[int, int]:
     """The two other axes, so that with the outward normal they are right-handed."""
-    pair = ((axis + 1) % 3, (axis + 2) % 3)
-    return pair if sign > 0 else pair[::-1]
+    first, second = (axis + 1) % 3, (axis + 2) % 3
+    return (first, second) if sign > 0 else (second, first)

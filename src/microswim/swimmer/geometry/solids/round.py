@@ -206,8 +206,10 @@ class Revolution(TurnedBody):
         rows = np.real(np.array(self.profile)).astype(float)
         s = -np.sign(rows[-1, 0] - rows[0, 0]) * (rows[:, 0] - rows[0, 0])
         chord = np.concatenate([[0.0], np.cumsum(np.hypot(np.diff(s), np.diff(rows[:, 1])))])
-        along = CubicSpline(chord, s, bc_type=((1, 0.0), (1, 0.0)))  # even at the poles
-        across = CubicSpline(chord, rows[:, 1], bc_type=((2, 0.0), (2, 0.0)))  # odd
+        even: Any = ((1, 0.0), (1, 0.0))  # at the poles, as s is there; rho is odd
+        odd: Any = ((2, 0.0), (2, 0.0))
+        along = CubicSpline(chord, s, bc_type=even)
+        across = CubicSpline(chord, rows[:, 1], bc_type=odd)
         return Profile((Piece(float(chord[-1]), lambda x: np.stack([along(x), across(x)], -1)),))
 
 

@@ -51,12 +51,12 @@ class SolvedBody(Body):
                 for n in range(int(np.prod(shape)))
             ]
             return np.array(each).reshape(*shape, 6, 6)
-        steps = {k: v for k, v in numbers.items() if np.iscomplexobj(v)}
+        steps: dict[str, Any] = {k: v for k, v in numbers.items() if np.iscomplexobj(v)}
         if steps:
             return self._complex(steps)
         return self._solved()
 
-    def _complex(self, steps: dict[str, complex]) -> np.ndarray:
+    def _complex(self, steps: dict[str, Any]) -> np.ndarray:
         """R(x + i h) = R(x) + i h R'(x), R' by central differences (to about one per cent)."""
         real = self._with({k: v.real for k, v in steps.items()})
         R = real._solved().astype(complex)

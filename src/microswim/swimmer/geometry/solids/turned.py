@@ -12,6 +12,7 @@ from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
+from numpy.typing import NDArray
 
 from microswim.errors import SpecError
 from microswim.numerics.array import Array
@@ -96,7 +97,7 @@ class Profile:
         bend = np.linalg.norm(a - 2 * b + c, axis=-1) / step[2] ** 2
         return x, self.point(x), tangent, np.where(bend * self.length > 1e-3, bend, 0.0)
 
-    def _inside(self, which: Array, x: Array) -> Array:
+    def _inside(self, which: NDArray[np.int64], x: Array) -> Array:
         """Points at lengths (n, m), each row on its own piece."""
         result = np.empty((*x.shape, 2))
         for n, piece in enumerate(self.pieces):
@@ -106,10 +107,10 @@ class Profile:
 
     def nearest(self, place: Array) -> tuple[Array, Array]:
         """Length of the profile's point nearest to places (..., 2), and distance outside of it."""
-        from scipy.spatial import cKDTree
+        from scipy.spatial import KDTree
 
         x, P, tangent, _ = self.dense
-        _, i = cKDTree(P).query(place)
+        _, i = KDTree(P).query(place)
         T = tangent[i]
         at = x[i]
         for _ in range(5):

@@ -61,12 +61,6 @@ def positive(field: str, value: Any, what: str = "number") -> None:
     number(field, value, f"a positive {what}", above=0.0)
 
 
-def fillet(field: str, value: Any, most: float) -> None:
-    """Refuse a radius of rounded edges that is not above zero, or for which there is no room."""
-    allowed = f"above zero and at most {most:.6g}, which the body has room for"
-    number(field, value, allowed, above=0.0, most=most * (1.0 + 1e-12))
-
-
 def numbers(field: str, values: Any, length: int, allowed: str, **bounds: float) -> None:
     """Refuse what is not a sequence of `length` finite numbers within the bounds."""
     unordered = isinstance(values, (str, bytes, bytearray, Set, Mapping))

@@ -16,7 +16,7 @@ import numpy as np
 from microswim import checks
 from microswim.errors import SpecError
 from microswim.numerics.array import Array
-from microswim.swimmer.geometry.solids.facets import Facet, Opening, towards_both
+from microswim.swimmer.geometry.solids.facets import Facet, Opening, check_fillet, towards_both
 from microswim.swimmer.geometry.solids.solved import SolvedBody
 from microswim.swimmer.geometry.solids.spheres import octant
 
@@ -61,7 +61,7 @@ class Box(SolvedBody):
         checks.numbers("body.size", self.size, 3, "three positive lengths [s, q, r]", above=0.0)
         object.__setattr__(self, "size", tuple(self.size))
         if self.edge is not None:
-            checks.fillet("body.edge", self.edge, 0.5 * min(self.size))
+            check_fillet(self.edge, 0.5 * min(self.size))
 
     @property
     def fillet(self) -> float:

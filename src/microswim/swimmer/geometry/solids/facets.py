@@ -7,9 +7,11 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 
+from microswim import checks
 from microswim.numerics.array import Array
 
 #: How much a patch may grow per length that separates it from a smaller one.
@@ -54,6 +56,12 @@ class Opening:
     axes: Array
     angle: float
     last: float = float("inf")
+
+
+def check_fillet(value: Any, most: float) -> None:
+    """Refuse a radius of rounded edges that is not above zero, or for which there is no room."""
+    allowed = f"above zero and at most {most:.6g}, which the body has room for"
+    checks.number("body.edge", value, allowed, above=0.0, most=most * (1.0 + 1e-12))
 
 
 def graded(edges: Array, wanted: Array, at: Array) -> Array:

@@ -11,6 +11,7 @@ import numpy as np
 from microswim import checks
 from microswim.errors import SpecError
 from microswim.numerics.array import Array
+from microswim.swimmer.geometry.solids.facets import check_fillet
 from microswim.swimmer.geometry.solids.turned import (
     Piece,
     Profile,
@@ -116,7 +117,7 @@ class Cylinder(TurnedBody):
         checks.positive("body.length", self.length, "length")
         checks.positive("body.radius", self.radius, "length")
         if self.edge is not None:
-            checks.fillet("body.edge", self.edge, min(self.radius, 0.5 * self.length))
+            check_fillet(self.edge, min(self.radius, 0.5 * self.length))
 
     @property
     def fillet(self) -> float:

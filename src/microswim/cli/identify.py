@@ -49,6 +49,10 @@ TABLE, DISPLACEMENT = "cells.csv", "displacement.csv"
 )  # fmt: skip
 @click.option("--sigma", metavar="50nm", help="Noise of each coordinate; default: from the fit.")
 @click.option("--sigma-attitude", type=float, help="Noise of the attitude (rad); default 0.02.")
+@click.option(
+    "--model-error/--no-model-error", default=True,
+    help="Whether intervals hold the error to expect of the model too; they do.",
+)  # fmt: skip
 @click.option("--starts", type=int, default=8, show_default=True, help="First guesses to follow.")
 @out_option
 @force_option
@@ -145,10 +149,11 @@ def _describe(read: Any, what: str, out: Path | None, names: dict[str, str]) -> 
 def _fit(
     given: Given, read: Any, what: str, out: Path | None, names: dict[str, str], fit: dict[str, Any]
 ) -> list[Any]:
-    """The swimmer of each track; of a cell that has none, why."""
+    """The swimmer of each track; of one that holds none, why, and what it does hold."""
     from microswim.cli._progress import bar
     from microswim.spec.values import from_text
     from microswim.studies.identification.fit import SHAPE, identify_swimmer
+    from microswim.studies.identification.without_model import describe_track
 
     swimmer = given.swimmer
     options: dict[str, Any] = fit | {"unknowns": fit["unknowns"] or SHAPE}
@@ -161,9 +166,10 @@ def _fit(
             try:
                 found = identify_swimmer(swimmer, track, **options)
             except MicroswimError as error:
-                if len(read) == 1 or isinstance(error, SpecError):
+                if isinstance(error, SpecError):
                     raise
-                rows[-1]["warnings"] = [str(error)]
+                seen = describe_track(track, name).as_dict()
+                rows[-1] |= seen | {"values": {}, "warnings": [str(error)]}
             else:
                 rows[-1] |= found.as_dict()
                 if out is not None:
@@ -178,11 +184,12 @@ def _fit(
 def _print(rows: list[Any], units: str, fitted: bool) -> None:
     if not fitted:
         return _print_cells(rows, units)
+    without = [row for row in rows if not row["values"]]
     for row in rows:
         if len(rows) > 1:
             click.echo(f"track {row['track']}")
         _print_fit(row)
-    return None
+    return _print_cells(without, units) if without else None
 
 
 def _print_fit(row: dict[str, Any]) -> None:

@@ -72,7 +72,7 @@ def test_a_helix_with_attitude_is_found_from_nothing():
     track = Track(
         time=t, position=x + 0.002 * rng.normal(size=x.shape), quaternion=shaken(q, 0.02, rng)
     )
-    found = ms.identify_swimmer(swimmer, track, sigma=0.002, sigma_attitude=0.02)
+    found = ms.identify_swimmer(swimmer, track, sigma=0.002, sigma_attitude=0.02, model_error=False)
     assert found.names == tuple(TRUE_HELIX)
     off = (found.values - np.array(list(TRUE_HELIX.values()))) / found.uncertainty
     assert np.sum(off**2) < chi2.ppf(0.999, 3)
@@ -122,7 +122,7 @@ def test_the_truth_lies_in_the_stated_intervals_at_the_stated_rate(
         track = Track(time=t, position=noisy, quaternion=turned)
         start = {k: v * f for (k, v), f in zip(truth.items(), (1.05, 0.97, 1.002))}
         given = {"sigma": sigma, "sigma_attitude": 0.02} if dimensions == 3 else {}
-        found = ms.identify_swimmer(swimmer, track, start=start, **given)
+        found = ms.identify_swimmer(swimmer, track, start=start, model_error=False, **given)
         low, high = found.interval(0.95).T
         hits += (low <= wanted) & (wanted <= high)
         squares += ((found.values - wanted) / found.uncertainty) ** 2

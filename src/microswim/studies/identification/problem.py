@@ -64,8 +64,22 @@ class PathProblem:
         return float(1.0 + self.swimmer.tail.sign * gait.mean_velocity[3] / gait.rate)
 
     def _gait(self, values: np.ndarray) -> Gait:
+        made = lift(self.swimmer, self.unknowns, [float(v) for v in values])
+        if self.own_model != "rft":
+            return made.gait("auto")
         options = {} if self.swimmer.tail.is_rigid else {"phases": 10, "nodes": 48}
-        return surrogate(lift(self.swimmer, self.unknowns, [float(v) for v in values]), **options)
+        return surrogate(made, **options)
+
+    @cached_property
+    def own_model(self) -> str:
+        """The model that the swimmer takes by itself: ``"region"``, ``"atlas"``, ``"rft"``."""
+        return "region" if self.swimmer.region is not None else self.swimmer.gait("auto").model
+
+    @cached_property
+    def typical(self) -> np.ndarray:
+        """Size of each unknown: that of the spec's own value, one where it is zero."""
+        own = self.swimmer.numbers
+        return np.array([abs(u.value(own)) or 1.0 for u in self.unknowns])
 
     @cached_property
     def wobbles(self) -> bool:
@@ -89,7 +103,7 @@ class PathProblem:
         n = len(self.unknowns)
         columns = []
         for i in range(n):
-            h = 1e-6 * max(abs(z[i]), 1e-2)
+            h = 1e-6 * max(abs(z[i]), 1e-2 * self.typical[i])
             step = h * np.eye(n)[i]
             columns.append((self.physical(z[:n] + step) - self.physical(z[:n] - step)) / (2.0 * h))
         return np.linalg.inv(np.stack(columns, axis=-1))
@@ -115,6 +129,12 @@ class PathProblem:
         n = len(self.unknowns)
         return self._off(*self.body_path(z[:n], z[n]), z[n + 1 :])
 
+    def residuals_of(self, gait: Gait, z: np.ndarray) -> np.ndarray:
+        """Residuals with another gait in place of the design's."""
+        n = len(self.unknowns)
+        path = path_of(self.swimmer, gait, self.track.time, float(z[n]))
+        return self._off(*path, z[n + 1 :])
+
     def _off(self, path: np.ndarray, q: np.ndarray, pose: np.ndarray) -> np.ndarray:
         off = (self.place(path, pose) - self.track.position) / self.scale
         if self.track.quaternion is None or self.planar:
@@ -131,7 +151,7 @@ class PathProblem:
         here = self.body_path(z[:n], z[n])
         columns = []
         for i in range(len(z)):
-            h = 1e-5 * max(abs(z[i]), 1e-2) if i < n else 1e-5
+            h = 1e-5 * max(abs(z[i]), 1e-2 * self.typical[i]) if i < n else 1e-5
             up, down = z.copy(), z.copy()
             up[i] += h
             down[i] -= h

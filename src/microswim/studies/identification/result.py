@@ -37,7 +37,12 @@ class Identification:
     path
         Fitted positions, of the track's shape.
     alternatives
-        Other designs that fit the track as well (within chi-squared 9), values each.
+        Other designs that fit the track as well (within chi-squared 9), values each; those
+        nearest to what the spec says come first.
+    withheld
+        Why there is no interval, or nothing: then the values are those of the best path alone.
+    model
+        The model whose gaits were fitted.
 
     Examples
     --------
@@ -61,14 +66,20 @@ class Identification:
     warnings: tuple[str, ...]
     path: np.ndarray
     alternatives: tuple[np.ndarray, ...] = ()
+    withheld: str = ""
+    model: str = "rft"
 
     @property
     def uncertainty(self) -> np.ndarray:
         """Standard uncertainty of each value; infinite where the track does not tell."""
-        return np.sqrt(np.diag(self.covariance))
+        known = np.sqrt(np.diag(self.covariance))
+        return np.full_like(known, np.inf) if self.withheld else known
 
     def interval(self, level: float = 0.95) -> np.ndarray:
-        """Confidence interval of each value, shape (n, 2), for independent normal noise."""
+        """Confidence interval of each value, shape (n, 2): of normal noise and the model's error.
+
+        It is infinite where the track does not tell and where it is withheld.
+        """
         half = student.ppf(0.5 + level / 2.0, max(self.degrees, 1)) * self.uncertainty
         return np.stack([self.values - half, self.values + half], axis=-1)
 
@@ -81,6 +92,7 @@ class Identification:
             "uncertainty": dict(zip(self.names, u)),
             "interval_95": dict(zip(self.names, bounds)),
             "residual": self.residual,
+            "model": self.model,
             "directions": [d.as_dict() for d in self.directions],
             "alternatives": [dict(zip(self.names, map(float, v))) for v in self.alternatives],
             "warnings": list(self.warnings),

@@ -1,0 +1,112 @@
+"""When a fit may give an interval: what must show in the track, and what must not be left over.
+
+A wave shape is in a track only if its wobble stands above the noise and its beat below half the
+frame rate. A fit holds only if what it leaves is noise: as large as the scatter from frame to
+frame, and without a memory of its own. The error of the model itself moves every value as well.
+"""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+
+from microswim.errors import MicroswimError
+from microswim.gait.gait import DEGREES_OF_FREEDOM, Gait
+from microswim.studies.identification.problem import PathProblem
+from microswim.studies.identification.spectrum import line
+
+PHASES = 32
+CAUSES = (
+    "likely causes: the other hand, a mirrored axis (y down in an image), the attitude the wrong "
+    "way round, a beat with a mean curvature, a wall, a drift, or a model that is too far off"
+)
+
+
+def check_shown(problem: PathProblem, shape: tuple[str, ...]) -> None:
+    """Refuse to look for a wave that the track does not show.
+
+    Raises
+    ------
+    MicroswimError
+        If the beat is above half the frame rate, or no wobble stands above the noise.
+    """
+    track, rate = problem.track, problem.swimmer.tail.frequency
+    if not set(problem.names) & set(shape) or track.quaternion is not None:
+        return
+    highest = 0.5 / float(np.median(np.diff(track.time)))
+    hint = "microswim identify without a SPEC says what it does hold"
+    if abs(rate) > highest:
+        raise MicroswimError(
+            f"the beat of the spec, {rate:.4g}, is above half the frame rate, {highest:.4g}: this "
+            f"track holds no wave shape and no rate; {hint}, and if it beats slower, "
+            "--set tail.frequency says so"
+        )
+    seen = line(track.time, track.position)
+    few = track.duration * highest < 3.0 * 10.0  # too few frames for a spectrum
+    if not seen.stands_out and not few:
+        raise MicroswimError(
+            "no wobble stands above the noise: wave shape and rate are not in this track; " + hint
+        )
+
+
+def left_over(problem: PathProblem, path: np.ndarray) -> str:
+    """Return what speaks against a fit, or nothing: its residuals are noise."""
+    track = problem.track
+    off = track.position - path
+    size = float(np.sqrt(np.mean(off**2)))
+    wobble = float(np.std(track.position - track.smooth))
+    if size < 1e-4 * wobble or (problem.sigma is not None and size < 0.5 * problem.sigma):
+        return ""
+    n, d = off.shape
+    memory = float(np.sum(off[1:] * off[:-1]) / np.sum(off**2))
+    noise = line(track.time, off).noise
+    if memory > max(4.0 / np.sqrt(n * d), 0.1) or size > 2.0 * noise:
+        return (
+            f"what the fit leaves, {size:.3g}, is no noise (that is {noise:.3g} from frame to "
+            f"frame): the model does not hold for this track, and no interval is given; {CAUSES}"
+        )
+    return ""
+
+
+def model_errors(own: Gait) -> np.ndarray | None:
+    """Relative errors to expect of the six velocities, None where nobody measured them."""
+    found = own.info.get("expected_error")
+    if found is None:
+        return None
+    errors = [found[name] for name, free in zip(DEGREES_OF_FREEDOM, own.free) if free]
+    if any(error is None for error in errors) or not np.isfinite(errors).all():
+        return None
+    return np.array([found[name] if free else 0.0 for name, free in
+                     zip(DEGREES_OF_FREEDOM, own.free)])  # fmt: skip
+
+
+def scaled(gait: Gait, k: int, share: float) -> Gait:
+    """Return a gait with a larger velocity k: ``F_p' = F_p - R e_k share V_k / rate``."""
+    phase = 2.0 * np.pi * np.arange(PHASES) / PHASES
+    V = gait.velocity(phase)[:, k]
+    R = gait.resistance(phase)
+    F = gait.propulsion(phase) - share * R[:, :, k] * (V / gait.rate)[:, None]
+    free: dict[str, Any] = {"rate": gait.rate, "free": gait.free, "units": gait.units}
+    return Gait.from_samples(R, F, gait.activity(phase), model=gait.model, **free)
+
+
+def covariance_of_model(
+    problem: PathProblem, z: np.ndarray, own: np.ndarray, nuisance: np.ndarray, spread: float,
+    errors: np.ndarray,
+) -> np.ndarray:  # fmt: skip
+    """Covariance of the values by errors of the model's velocities, independent of each other.
+
+    A velocity larger by a share moves the path by d; the values that make up for it move by
+    ``-own^+ d``, pose and phase projected out. The errors are those of 19 of 20: two deviations.
+    """
+    n = len(problem.unknowns)
+    gait, here = problem.gait(z[:n]), problem.residuals(z)
+    moved = []
+    for k in np.flatnonzero(errors > 0):
+        share = min(float(errors[k]) / 2.0, 0.5)
+        d = (problem.residuals_of(scaled(gait, int(k), share), z) - here) / spread
+        moved.append(-np.linalg.lstsq(own, d - nuisance @ (nuisance.T @ d), rcond=1e-6)[0])
+    if not moved:
+        return np.zeros((n, n))
+    return np.transpose(moved) @ np.array(moved)

@@ -225,3 +225,14 @@ def test_designs_of_the_campaign_fill_the_range():
     assert len(inside) > 100
     numbers = np.array([coordinates.numbers(s) for s in inside])
     assert np.allclose(numbers[:, 2], [s.tail.waves for s in inside])
+
+
+def test_elastic_tails_have_the_error_that_was_measured_for_their_like():
+    def found(**changes):
+        tail = ms.ElasticTail(length=1.0, radius=0.01, bending=0.5, drive="pivot", angle=0.5)
+        swimmer = ms.Swimmer(body=ms.Sphere(radius=0.1), tail=tail, fluid=ms.Fluid(viscosity=1.0))
+        return swimmer.with_(changes).gait("auto").info["expected_error"]
+
+    assert found()["us"] == pytest.approx(0.85)
+    assert found(**{"body.radius": 0.5})["us"] is None
+    assert found(**{"tail.angle": 1.2})["us"] is None

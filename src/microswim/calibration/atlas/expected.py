@@ -10,12 +10,18 @@ from microswim.calibration.atlas import coordinates
 from microswim.calibration.atlas.atlas import shipped
 from microswim.calibration.atlas.near import QUANTITIES, Misses
 from microswim.gait.gait import DEGREES_OF_FREEDOM, Gait
+from microswim.swimmer.drag.coefficients import Unchosen
 from microswim.swimmer.drag.interaction import Interaction
 from microswim.swimmer.geometry.tails import as_wave
 from microswim.swimmer.swimmer import Swimmer
 
 #: Largest difference of a level of the boundary elements from the finest, over the design range.
 LEVELS = {"coarse": 0.0035, "standard": 0.002, "fine": 0.0005}
+#: Largest differences of an elastic tail's us and os from boundary elements on the same motion:
+#: the 24 designs of benchmarks/accuracy_elastic.py.
+ELASTIC = {"us": 0.85, "os": 0.08}
+#: Ranges of these designs: radii of filament and body over the length, sperm number, angle.
+LIKE = ((0.005, 0.03), (0.08, 0.3), (1.5, 5.0), (0.2, 0.8))
 #: Entry of `QUANTITIES` of each degree of freedom.
 _ENTRY = (0, 1, 1, 2, 3, 3)
 
@@ -45,6 +51,7 @@ def expected_error(swimmer: Swimmer, gait: Gait) -> dict[str, Any]:
     True
     """
     by_model = {"atlas": _of_atlas, "rft": _of_surrogate, "bem": _of_elements}
+    by_model["elastic"] = _of_elastic
     values, how = by_model.get(gait.model, _unknown)(swimmer, gait)
     held = [0.0 if not free else value for value, free in zip(values, gait.free)]
     if not any(gait.free):
@@ -82,6 +89,19 @@ def _of_surrogate(swimmer: Swimmer, gait: Gait) -> tuple[list[Any], str]:
     where = "such designs" if not coordinates.outside(swimmer) else "the nearest designs measured"
     how = f"within it {law} lies from boundary elements for 19 of 20 of {where}"
     return _relative(atlas.plain[law], swimmer, gait), how
+
+
+def _of_elastic(swimmer: Swimmer, gait: Gait) -> tuple[list[Any], str]:
+    tail: Any = swimmer.tail
+    sizes = tail.radius / tail.length, swimmer.body.semi_axes3[0] / tail.length
+    place = (*sizes, gait.info["sperm_number"], tail.angle or 0.0)
+    inside = all(low <= np.real(x) <= high for x, (low, high) in zip(place, LIKE))
+    round_body = len(set(swimmer.body.semi_axes3)) == 1
+    open_ = isinstance(swimmer.coefficients, Unchosen) and swimmer.interaction == Interaction()
+    if not (inside and round_body and open_ and all(gait.free)):
+        return [None] * 6, "not measured for such elastic tails; compare with model bem"
+    how = "largest difference from boundary elements on the same motion of the tail, 24 designs"
+    return [ELASTIC.get(name) for name in DEGREES_OF_FREEDOM], how
 
 
 def _of_elements(swimmer: Swimmer, gait: Gait) -> tuple[list[Any], str]:

@@ -79,6 +79,7 @@ CALLS = {
         "length": 2.0,
         "radius": 0.02,
         "bending": 1.0,
+        "twisting": None,
         "frequency": 1.0,
         "base": "clamped",
         "drive": "heave",

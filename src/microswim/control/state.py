@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 
 from microswim import checks
-from microswim.errors import SpecError
+from microswim.errors import MicroswimError, SpecError
 
 
 @checks.by_name
@@ -84,3 +84,12 @@ class State:
     def phase(self) -> np.ndarray:
         """Phase of the tail relative to the body (rad), (...)."""
         return self.values[..., 7]
+
+
+def check_finite(values: np.ndarray) -> None:
+    """Refuse a state or a velocity that is beyond all numbers."""
+    if not np.isfinite(values).all():
+        raise MicroswimError(
+            "the state or the velocity would not be finite: state and inputs must be finite, and "
+            "not so large that their products overflow"
+        )

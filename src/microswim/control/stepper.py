@@ -16,8 +16,8 @@ import numpy as np
 from microswim import checks
 from microswim.control import linear, motion, readout
 from microswim.control.response import Response, response
-from microswim.control.state import State
-from microswim.errors import MicroswimError, SpecError
+from microswim.control.state import State, check_finite
+from microswim.errors import SpecError
 from microswim.gait.gait import Gait
 from microswim.gait.held import warn_if_held
 from microswim.swimmer.magnetism.magnet import vector_of
@@ -195,7 +195,7 @@ class Stepper:
         self._check_turn(U, dt)
         run = motion.advance_all.over(len(Y))
         run(*self._model, Y, U, dt, self.steps or 0, self._work)
-        _check_finite(Y)
+        check_finite(Y)
         return State(Y.reshape(state.values.shape))
 
     def _check_turn(self, U: np.ndarray, dt: float) -> None:
@@ -254,7 +254,7 @@ class Stepper:
         U = self.held(Y.shape[0], inputs)
         out = np.empty((Y.shape[0], 7))
         readout.outputs(*self._model[:3], self.response.motor, Y, U, self._work[0], out)
-        _check_finite(out)
+        check_finite(out)
         out = out.reshape(*state.values.shape[:-1], 7)
         return out[..., :6], out[..., 6]
 
@@ -320,14 +320,6 @@ class Stepper:
         A, B = self.derivatives(state, dt=dt, wrt=wrt, **inputs)
         after = self.step(state, dt=dt, **inputs)
         return linear.error_state(A, B, state.quaternion, after.quaternion)
-
-
-def _check_finite(values: np.ndarray) -> None:
-    if not np.isfinite(values).all():
-        raise MicroswimError(
-            "the state or the velocity would not be finite: state and inputs must be finite, and "
-            "not so large that their products overflow"
-        )
 
 
 def step_limits(solved: Response, resolution: float, magnet: np.ndarray) -> np.ndarray:

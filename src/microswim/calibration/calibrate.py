@@ -15,10 +15,11 @@ from scipy.optimize import least_squares
 
 from microswim import checks
 from microswim.calibration import observations as observe
+from microswim.calibration import record
 from microswim.calibration.coefficients import CoefficientCalibration, sigmas_of, values_of
-from microswim.calibration.identifiability import determined, physical_warnings
+from microswim.calibration.identifiability import determined, is_definite, physical_warnings
 from microswim.calibration.observations import Observation
-from microswim.calibration.unknowns import Unknown, resolve
+from microswim.calibration.unknowns import Unknown, for_loads, resolve
 from microswim.errors import SpecError
 from microswim.gait.gait import Gait
 from microswim.models.rft.gait import unchecked as surrogate
@@ -64,9 +65,13 @@ def calibrate(
         `Observation` of one or several swimmers.
     unknowns
         Names: ``translation.s`` (also q, r, qr), ``rotation.s`` (q, r, qr), ``coupling.qr``,
-        ``tail.t`` (n, r), or any dotted number; by default those of the paper for this tail.
+        ``tail.t`` (n, r), or any dotted number; by default those of the paper for this tail, and
+        on a reference gait the factors of the filament too.
     quantities
-        What to take from a reference gait; by default forward speed, lateral amplitude and rate.
+        What to take from a reference gait; by default forward speed, lateral amplitude and rate,
+        the response to a force along and across (``mobility.us.us``, ``mobility.uq.uq``) and, of
+        a helix, the motor's power. Where that would make the resistance lose its positive
+        definiteness, the coefficients are kept positive, and agree less well.
     bounds
         Name to (least, most).
     start
@@ -81,6 +86,8 @@ def calibrate(
     Returns
     -------
     CoefficientCalibration
+        Its swimmer says in ``calibration`` by what, where and when it was made, what agrees and
+        what does not.
 
     Raises
     ------
@@ -93,8 +100,8 @@ def calibrate(
     >>> swimmer = ms.Swimmer.preset("tabak/helix")
     >>> truth = swimmer.with_({"interaction.translation": (2.24, 1.25, 1.25)})
     >>> fit = ms.calibrate(swimmer, truth.gait(), ["translation.s", "translation.qr"])
-    >>> [round(float(v), 6) for v in fit.values]
-    [2.24, 1.25]
+    >>> [round(float(v), 6) for v in fit.values], fit.swimmer.calibration.reference
+    ([2.24, 1.25], 'rft')
     """
     if swimmer.region is not None:
         raise SpecError(
@@ -102,12 +109,20 @@ def calibrate(
             "leave out [region] to fit some, or calibrate over a region again"
         )
     if method == "ratios":
-        return _ratios(swimmer, data)
+        return record.kept(_ratios(swimmer, data), data)
+    unknowns, quantities = tuple(unknowns), tuple(quantities)
+    usual = isinstance(data, Gait) and not unknowns and not quantities
+    if usual:
+        unknowns, quantities = for_loads(swimmer), observe.with_loads(swimmer)
     observations = _observations(swimmer, data, quantities)
     chosen = resolve(swimmer, unknowns)
     problem = _Problem(swimmer, observations, chosen, positive)
     with settled(pays(ONE_STEP * len(observations) * (1 + len(chosen)))):
-        return problem.outcome(problem.solve(start or {}, bounds or {}))
+        fit = problem.outcome(problem.solve(start or {}, bounds or {}))
+        if usual and not positive and not bounds and not is_definite(fit.swimmer):
+            problem = replace(problem, positive=True)
+            fit = problem.outcome(problem.solve(start or {}, {}))
+    return record.kept(fit, data)
 
 
 def _observations(swimmer: Swimmer, data: Any, quantities: Iterable[str]) -> tuple:

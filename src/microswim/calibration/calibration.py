@@ -35,4 +35,9 @@ class Calibration:
 
     def as_dict(self) -> dict[str, Any]:
         """Return what there is to print or to store as JSON."""
-        return {"warnings": list(self.warnings)}
+        made = self.swimmer.calibration
+        said = {
+            "calibration": made and made.as_tables(),
+            "notes": made.lines(self.swimmer) if made else [],
+        }
+        return {"warnings": list(self.warnings), **said}

@@ -109,7 +109,6 @@ def physical_warnings(swimmer: Swimmer, directions: Sequence[Direction]) -> tupl
 def _not_definite(swimmer: Swimmer) -> list[str]:
     """Whether the body's own matrix, and the whole, dissipate energy in every motion."""
     from microswim.models.rft.gait import body_resistance
-    from microswim.models.rft.gait import unchecked as surrogate
 
     out = []
     matrix = body_resistance(swimmer)
@@ -119,11 +118,18 @@ def _not_definite(swimmer: Swimmer) -> list[str]:
         out.append(
             "the body's resistance matrix is not positive definite: its coupling is too large"
         )
-    total = surrogate(swimmer).resistance(np.linspace(0.0, 2.0 * np.pi, 12, endpoint=False))
-    size = np.sqrt(np.abs(np.diagonal(total, axis1=1, axis2=2)))
-    if np.linalg.eigvalsh(total / (size[:, :, None] * size[:, None, :])).min() <= 0:
+    if not is_definite(swimmer):
         out.append(
             "the resistance matrix of the whole swimmer is not positive definite: some motion "
             "would gain energy from the fluid, and its velocities mean nothing"
         )
     return out
+
+
+def is_definite(swimmer: Swimmer) -> bool:
+    """Return whether the resistance of the whole swimmer is positive definite in every motion."""
+    from microswim.models.rft.gait import unchecked as surrogate
+
+    total = surrogate(swimmer).resistance(np.linspace(0.0, 2.0 * np.pi, 12, endpoint=False))
+    size = np.sqrt(np.abs(np.diagonal(total, axis1=1, axis2=2)))
+    return bool(np.linalg.eigvalsh(total / (size[:, :, None] * size[:, None, :])).min() > 0)

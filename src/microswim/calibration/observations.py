@@ -108,6 +108,16 @@ def usual_quantities(swimmer: Swimmer) -> tuple[str, ...]:
     return tuple(q for q in wanted if mask[q.split(".")[1]])
 
 
+def with_loads(swimmer: Swimmer) -> tuple[str, ...]:
+    """Those, and velocity per force along and across; of a spinning helix the power as well."""
+    free: dict[str, bool] = dict(zip(DEGREES_OF_FREEDOM, swimmer.motion.mask))
+    if not (free["us"] and free["uq"]):
+        return usual_quantities(swimmer)
+    spins = swimmer.tail.is_rigid and swimmer.coefficients.spin
+    loads = "mobility.us.us", "mobility.uq.uq"
+    return (*usual_quantities(swimmer), *loads, *(("mean_power",) if spins else ()))
+
+
 def from_reference(
     swimmer: Swimmer, gait: Gait, quantities: Iterable[str] = ()
 ) -> list[Observation]:

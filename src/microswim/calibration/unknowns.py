@@ -65,6 +65,18 @@ def usual(swimmer: Swimmer) -> tuple[str, ...]:
     return tuple(name for name, degree in wanted.items() if free[degree])
 
 
+def for_loads(swimmer: Swimmer) -> tuple[str, ...]:
+    """Those, and factors of the filament: enough to match how the swimmer answers forces too.
+
+    A helix's spin factor also takes the torque. Only what a free swimmer answers can be matched.
+    """
+    free: dict[str, bool] = dict(zip(DEGREES_OF_FREEDOM, swimmer.motion.mask))
+    if not (free["us"] and free["uq"]):
+        return usual(swimmer)
+    spins = swimmer.tail.is_rigid and swimmer.coefficients.spin
+    return (*usual(swimmer), "tail.t", "tail.n", *(("tail.r",) if spins else ()))
+
+
 def _one(swimmer: Swimmer, name: str) -> Unknown:
     part, _, axes = name.partition(".")
     if part in ("translation", "rotation") and axes and set(axes) <= set(_AXES):

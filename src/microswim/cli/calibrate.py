@@ -138,10 +138,10 @@ def _region(given: Given, output: Path | None, options: dict, asked: dict) -> tu
             progress=progress,
             **options,
         )
-    replaced = ("region", "coefficients", "interaction")  # a region takes the place of all three
+    replaced = ("region", "calibration", "coefficients", "interaction")  # a region is all of it
     tables = {k: v for k, v in given.tables.items() if k not in replaced}
     report = fitted.as_dict() | {"solves_kept_in": str(folder)}
-    return report, tables | {"region": {"data": pack(fitted.region)}}
+    return report, tables | {"region": {"data": pack(fitted.region)}} | _record(fitted)
 
 
 def _coefficients(given: Given, output: Any, options: dict, asked: dict) -> tuple[dict, dict]:
@@ -165,7 +165,12 @@ def _coefficients(given: Given, output: Any, options: dict, asked: dict) -> tupl
     for name in ("normal", "tangential"):
         if hasattr(law, name):
             tables["coefficients"] = tables.get("coefficients", {}) | {name: getattr(law, name)}
-    return fit.as_dict(), tables
+    return fit.as_dict(), tables | _record(fit)
+
+
+def _record(fit: Any) -> dict[str, Any]:
+    """Return the table of the spec that says where the numbers come from."""
+    return {"calibration": fit.swimmer.calibration.as_tables()}
 
 
 def _data(given: Given, options: dict, asked: dict) -> Any:
@@ -258,6 +263,8 @@ def _print_coefficients(report: dict[str, Any]) -> None:
         click.echo(f"  {row['quantity']:20s} {row['measured']:12.6g}  model {row['predicted']:.6g}")
     for sentence in report["warnings"]:
         click.echo(f"  warning: {sentence}")
+    for sentence in report["notes"]:
+        click.echo(f"  note: {sentence}")
 
 
 def _print_region(report: dict[str, Any]) -> None:

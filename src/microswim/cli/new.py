@@ -80,7 +80,8 @@ def spec_text(kind: str, units: str) -> str:
         tag = TAGS.get(name)
         given = chosen.get(name)
         table = next(t for t in kinds if given is None or given in _kinds_of(t, str(tag)))
-        fields = [FIELDS[f"{name}.{f}"] for f in table.model_fields]
+        paths = (f"{name}.{f}" for f in table.model_fields)
+        fields = [FIELDS[path] for path in paths if path in FIELDS]
         shown = [(f, _start(f, units)) for f in fields if f.about.start is not None]
         if tag and name in chosen:
             shown.insert(0, (FIELDS[f"{name}.{tag}"], f'"{chosen[name]}"'))

@@ -77,6 +77,7 @@ def command(
         "swimmer": given.name,
         **io.numbers(given.swimmer, gait),
         "expected_error": expected_error(given.swimmer, gait),
+        "calibration": _record(given.swimmer),
         "wall_seconds": seconds,
         "info": gait.info,
     }
@@ -90,7 +91,7 @@ def command(
         print_json(numbers)
     else:
         _print.print_table(tables[0])
-        for remark in gait.info.get("remarks", ()):
+        for remark in (*gait.info.get("calibration", ()), *gait.info.get("remarks", ())):
             click.echo(f"  note: {remark}")
         error = gait.info.get("error")
         if error:
@@ -99,6 +100,14 @@ def command(
         click.echo(f"  solved in {seconds:.3g} s")
     if out is not None:
         _folder.say_where(out)
+
+
+def _record(swimmer: Swimmer) -> dict[str, Any] | None:
+    """Return where the coefficients come from, and which numbers are others by now."""
+    made = swimmer.calibration
+    if made is None:
+        return None
+    return made.as_tables() | {"away": made.away(swimmer), "changed": made.changed(swimmer)}
 
 
 def _check_path(swimmer: Swimmer, model: str) -> None:

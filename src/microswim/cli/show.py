@@ -19,6 +19,7 @@ def command(given: Given, as_json: bool) -> None:
 
     gait = given.swimmer.gait("auto")
     found = {"model": gait.model, "expected_error": gait.info["expected_error"]}
+    found |= {"calibration": list(gait.info.get("calibration", ()))}
     if as_json:
         print_json({"swimmer": given.name, "spec": given.tables, **derived(given.swimmer), **found})
         return
@@ -29,5 +30,5 @@ def command(given: Given, as_json: bool) -> None:
     click.echo(
         f"  model auto is {gait.model}; error of u_s: {percent(error['us'])} ({error['how']})"
     )
-    for remark in gait.info["remarks"]:
+    for remark in (*gait.info.get("calibration", ()), *gait.info["remarks"]):
         click.echo(f"  note: {remark}")

@@ -20,6 +20,7 @@ from microswim.control.state import State, check_finite
 from microswim.errors import SpecError
 from microswim.gait.gait import Gait
 from microswim.gait.held import warn_if_held
+from microswim.gait.readable import origin
 from microswim.swimmer.magnetism.magnet import vector_of
 from microswim.swimmer.swimmer import Swimmer
 
@@ -121,6 +122,7 @@ class Stepper:
             f"Stepper of a {self.gait.model} gait, {self.gait.units}\n"
             f"  motor {motor}; magnetic moment {tuple(map(float, self.moment))}\n"
             f"  {parts}; strain of a flow {felt}"
+            + "".join(f"\n  {line}" for line in origin(self.gait))
         )
 
     @cached_property

@@ -17,7 +17,7 @@ from microswim.errors import SpecError
 MODELS = {
     "auto": "microswim.calibration.atlas.choice:auto",
     "rft": "microswim.models.rft.gait:gait",
-    "atlas": "microswim.calibration.atlas.choice:gait",
+    "atlas": "microswim.calibration.atlas.gait:gait",
     "elastic": "microswim.models.elastic.gait:gait",
     "bem": "microswim.models.bem.gait:gait",
     "fem": "microswim.models.fem:channel_gait",

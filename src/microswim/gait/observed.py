@@ -8,12 +8,15 @@ With the degrees of freedom us, uq, ur, os, oq, or:
 ``velocity.us``       velocity at given phases (a time series)
 ``resistance.us.os``  entry of R averaged over the period; ``tail_resistance``, ``body_resistance``
 ``propulsion.os``     entry of F_p averaged over the period; ``tail_propulsion``
+``mobility.uq.uq``    velocity per load, averaged over the period, where ``free`` (the rest held)
 ===================== ==========================================================================
 """
 
 from __future__ import annotations
 
 from typing import Any
+
+import numpy as np
 
 from microswim import checks
 from microswim.errors import SpecError
@@ -23,8 +26,11 @@ from microswim.gait.units import unit
 
 ENTRIES = {  #: kinds of entries, with how many degrees of freedom each names
     **dict.fromkeys(("mean", "amplitude", "velocity", "propulsion", "tail_propulsion"), 1),
-    **dict.fromkeys(("resistance", "tail_resistance", "body_resistance"), 2),
+    **dict.fromkeys(("resistance", "tail_resistance", "body_resistance", "mobility"), 2),
 }
+
+
+PHASES = 32  #: at which a mobility is averaged: R of a beat has six harmonics
 
 
 def parse(quantity: str) -> tuple[str, tuple[int, ...]]:
@@ -105,7 +111,19 @@ def observed(gait: Gait, quantity: str, phase: Any = None, *, body_length: Any =
         if phase is None:
             raise SpecError("quantity", quantity, "given with the phases of the samples")
         return gait.velocity(phase)[..., index[0]]
+    if kind == "mobility":
+        return _mobility(gait)[index]
     return _of_part(gait, kind, index)
+
+
+def _mobility(gait: Gait) -> Any:
+    """Return the inverse of R in the free directions (6, 6), averaged over the period."""
+    free = np.flatnonzero(gait.free)
+    phases = 2.0 * np.pi * np.arange(PHASES) / PHASES
+    R = gait.resistance(phases)
+    M = np.zeros((6, 6), dtype=R.dtype)
+    M[np.ix_(free, free)] = np.linalg.inv(R[:, free[:, None], free]).mean(axis=0)
+    return M
 
 
 def _of_part(gait: Gait, kind: str, index: tuple[int, ...]) -> Any:

@@ -3,9 +3,12 @@
 from __future__ import annotations
 
 import math
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from microswim.gait.units import is_dimensionless
+
+if TYPE_CHECKING:
+    from microswim.gait.gait import Gait
 
 #: Units in which people of the field read a quantity, from large to small.
 _READ_IN = {
@@ -120,3 +123,13 @@ def significant(value: float, digits: int = 4) -> str:
 def label(name: str, unit: str) -> str:
     """Axis label: ``u (µm/s)``; words of dimensionless swimmers are left out."""
     return name if is_dimensionless(unit) else f"{name} ({unit})"
+
+
+def origin(gait: Gait) -> tuple[str, ...]:
+    """Return what a gait says of where it comes from and how far off it is, a sentence each."""
+    info = gait.info
+    said = [*info.get("calibration", ()), *info.get("remarks", ())]
+    error = info.get("expected_error")
+    if isinstance(error, dict) and error.get("us") is not None:
+        said.append(f"expected error of u_s {100.0 * error['us']:.2g} %: {error['how']}")
+    return tuple(said)

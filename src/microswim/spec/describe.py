@@ -52,6 +52,8 @@ def to_tables(swimmer: Swimmer) -> dict[str, Any]:
     }
     if swimmer.region is not None:
         written["region"] = {"data": doors.go(doors.PACK_REGION, swimmer.region)}
+    if swimmer.calibration is not None:
+        written["calibration"] = swimmer.calibration.as_tables()
     return written
 
 

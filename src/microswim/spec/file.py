@@ -31,6 +31,7 @@ from microswim.swimmer.magnetism.applied_field import FIELDS as APPLIED_FIELDS
 from microswim.swimmer.magnetism.applied_field import AppliedField
 from microswim.swimmer.magnetism.magnet import Magnet
 from microswim.swimmer.motion import Motion
+from microswim.swimmer.provenance import Provenance
 from microswim.swimmer.swimmer import Swimmer
 
 #: Tables that a spec may come to hold, and where their numbers are given today.
@@ -258,6 +259,7 @@ def _build(spec: SpecTable, units: Literal["SI", "dimensionless"], trusted: Trus
         channel=None if spec.channel is None else Channel(**_given(spec.channel)),
         magnet=None if spec.magnet is None else Magnet(**_given(spec.magnet)),
         field=None if spec.field is None else _field(_given(spec.field)),
+        calibration=None if spec.calibration is None else Provenance(**_given(spec.calibration)),
     )
 
 

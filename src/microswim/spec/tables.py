@@ -234,6 +234,21 @@ class RegionTable(_Table):
     data: Annotated[str, About("Region", "a region calibration, as text")]
 
 
+class CalibrationTable(_Table):
+    """[calibration]: by what, where and when the coefficients or the region were found."""
+
+    reference: Literal["bem", "fem", "rft", "measurements"]
+    level: str = ""
+    date: str = ""
+    version: str = ""
+    law: str = ""
+    design: dict[str, Number] = {}
+    region: dict[str, list[Number]] = {}
+    found: dict[str, Number] = {}
+    matched: dict[str, Number] = {}
+    unmatched: dict[str, Number] = {}
+
+
 class SpecTable(_Table):
     """A whole spec file."""
 
@@ -250,6 +265,7 @@ class SpecTable(_Table):
     field: RotatingFieldTable | UniformFieldTable | OscillatingFieldTable = Field(
         default=None, discriminator="kind"
     )  # type: ignore[assignment]
+    calibration: CalibrationTable = None  # type: ignore[assignment]
 
 
 #: The kinds of each table, by its name.

@@ -77,10 +77,11 @@ def canonical(swimmer: Swimmer) -> dict[str, Any]:
     tables |= {name: _table(part) for name, part in around.items() if part is not None}
     if swimmer.field is not None:
         tables["field"] = {"kind": swimmer.field.kind, **_table(swimmer.field)}
+    made = swimmer.calibration
     return {
         part: {k: _quantity(f"{part}.{k}", v, units) for k, v in table.items()}
         for part, table in tables.items()
-    }
+    } | ({} if made is None else {"calibration": made.as_tables()})
 
 
 def units_of(swimmer: Swimmer) -> dict[str, tuple[str, float]]:

@@ -5,14 +5,14 @@ from __future__ import annotations
 import dataclasses
 from dataclasses import dataclass, fields, is_dataclass, replace
 from os import PathLike
-from typing import TYPE_CHECKING, Any, Literal, Protocol
+from typing import TYPE_CHECKING, Any, Literal
 
 import numpy as np
 
 from microswim import checks
 from microswim.errors import SpecError, nearest
 from microswim.gait import doors, portrait
-from microswim.swimmer import physical_sense
+from microswim.swimmer import physical_sense, provenance
 from microswim.swimmer.drag.coefficients import Coefficients, Unchosen
 from microswim.swimmer.drag.interaction import Interaction
 from microswim.swimmer.fields import numbers_of, set_item, without_other_names
@@ -24,6 +24,8 @@ from microswim.swimmer.gradient import gradient
 from microswim.swimmer.magnetism.applied_field import AppliedField
 from microswim.swimmer.magnetism.magnet import Magnet
 from microswim.swimmer.motion import Motion
+from microswim.swimmer.provenance import Provenance
+from microswim.swimmer.region import Region
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -33,39 +35,6 @@ if TYPE_CHECKING:
 PARTS = ("fluid", "body", "tail", "coefficients", "interaction", "motion")
 SURROUNDINGS = ("wall", "channel")
 DRIVE = ("magnet", "field")
-
-
-class Region(Protocol):
-    """A region calibration, as the swimmer that carries it sees it."""
-
-    @property
-    def low(self) -> dict[str, float]:
-        """Lower bound of each number that varies over the region, `high` the upper one."""
-        ...
-
-    @property
-    def high(self) -> dict[str, float]: ...
-
-    @property
-    def fixed(self) -> dict[str, float]:
-        """Numbers of the spec that all its designs share."""
-        ...
-
-    def gait(self, swimmer: Swimmer) -> Gait:
-        """Return the corrected gait of a design."""
-        ...
-
-    def parameters(self, swimmer: Swimmer) -> np.ndarray:
-        """Return the kernel parameters of one or many designs."""
-        ...
-
-    def solve(self, many: Swimmer, free: np.ndarray, phases: int) -> tuple[np.ndarray, ...]:
-        """Return twists, tail powers and drag times speed of many designs."""
-        ...
-
-    def expected_of_many(self, many: Swimmer, count: int) -> np.ndarray:
-        """Return the expected relative error of many designs, NaN outside the region."""
-        ...
 
 
 @checks.by_name
@@ -100,6 +69,9 @@ class Swimmer:
     field
         Magnetic field that it is in, `RotatingField`, `UniformField` or `OscillatingField`; none
         by default. A gait does not depend on magnet and field; what follows a path does.
+    calibration
+        Where its coefficients or its region come from, if it was calibrated; no part of what it
+        is, so that swimmers compare without it.
 
     Raises
     ------
@@ -130,6 +102,7 @@ class Swimmer:
     channel: Channel | None = None
     magnet: Magnet | None = None
     field: AppliedField | None = None
+    calibration: Provenance | None = dataclasses.field(default=None, repr=False, compare=False)
 
     def __post_init__(self) -> None:
         for name, kind in zip(PARTS, (Fluid, Body, Tail, Coefficients, Interaction, Motion)):
@@ -147,6 +120,8 @@ class Swimmer:
                 "and of interaction coefficients; leave out [coefficients] and [interaction], or "
                 "[region]"
             )
+        if self.calibration is not None:
+            self._check_part("calibration", Provenance)
         checks.choice("units", self.units, ("dimensionless", "SI"))
         if self.units != "SI" and self.magnet is not None and self.magnet.moment is None:
             raise SpecError("magnet.remanence: for a swimmer in SI; without units give the moment")
@@ -272,8 +247,11 @@ class Swimmer:
         if self.tail.settles and model not in ("auto", "elastic"):
             return self.settled.gait(model, **options)
         if model == "rft" and self.region is not None and not options:
-            return physical_sense.said_with(self, self.region.gait(self))
-        return physical_sense.said_with(self, doors.go(doors.MODELS[model], self, **options))
+            made = self.region.gait(self)
+        else:
+            made = doors.go(doors.MODELS[model], self, **options)
+        made = physical_sense.said_with(self, made)
+        return provenance.told(self, made) if model == "rft" else made
 
     def __str__(self) -> str:
         """Return a line for each part, with units."""

@@ -1,4 +1,4 @@
-"""Models by name: the atlas, and the cheapest model that is honest for a swimmer (`auto`)."""
+"""The cheapest model that is honest for a swimmer (`auto`)."""
 
 from __future__ import annotations
 
@@ -11,51 +11,13 @@ from microswim import checks
 from microswim.calibration.atlas import coordinates
 from microswim.calibration.atlas.atlas import shipped
 from microswim.calibration.atlas.expected import LEVELS, expected_error
-from microswim.errors import SpecError
+from microswim.calibration.atlas.gait import gait
 from microswim.gait import doors
 from microswim.gait.gait import Gait
 from microswim.swimmer.swimmer import Swimmer
 
 #: Mean velocities that an asked accuracy is about.
 MEANS = ("us", "os")
-
-
-def gait(swimmer: Swimmer) -> Gait:
-    """Gait by the atlas: resistive force theory corrected by boundary-element solves, shipped.
-
-    Parameters
-    ----------
-    swimmer
-        A rigid helix on a sphere or spheroid, in the range of `coordinates`; its law of local
-        resistance and its interaction coefficients do not count. Numbers may be complex.
-
-    Returns
-    -------
-    Gait
-        With ``model = "atlas"``.
-
-    Raises
-    ------
-    SpecError
-        If the atlas does not cover the swimmer.
-    """
-    missing, atlas = coordinates.outside(swimmer), shipped()
-    if atlas is None or missing:
-        why = "; ".join(missing) or "none comes with this build"
-        raise SpecError("model", "atlas", f"another one: the atlas does not cover this, {why}",
-                        'take "auto", "rft" or "bem"')  # fmt: skip
-    R, F, G, extra = atlas.matrices(swimmer)
-    sign = swimmer.tail.sign
-    drag = np.diag(np.array(swimmer.body.diagonal(swimmer.fluid.viscosity))).astype(R.dtype)
-    held = np.zeros(6, dtype=R.dtype)
-    drag[0, 0], drag[0, 3], held[0] = extra
-    fields = {"rate": swimmer.tail.rate, "free": swimmer.motion.mask, "units": swimmer.units}
-    made = Gait.from_rotation(
-        R, F, G, sign=sign, body_R=drag, body_F=held, model="atlas", info={}, **fields
-    )
-    if swimmer.motion.frequency_frame == "lab":
-        return made.in_lab_frame(swimmer.tail.rate, sign)
-    return made
 
 
 def auto(swimmer: Swimmer, accuracy: float | None = None, **options: Any) -> Gait:
@@ -111,6 +73,8 @@ def _not_atlas(swimmer: Swimmer) -> str:
     """Return in words why the atlas does not serve a swimmer; empty where it does."""
     if swimmer.region is not None:
         return "calibrated over a region"
+    if swimmer.calibration is not None and not swimmer.is_open:
+        return "rft, with the coefficients of its calibration"
     if not swimmer.is_open:
         return "rft, as the spec chooses its law or its coefficients"
     if shipped() is None:

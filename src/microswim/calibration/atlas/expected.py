@@ -8,11 +8,13 @@ import numpy as np
 
 from microswim.calibration.atlas import coordinates
 from microswim.calibration.atlas.atlas import shipped
+from microswim.calibration.atlas.gait import gait as atlas_gait
 from microswim.calibration.atlas.near import QUANTITIES, Misses
 from microswim.gait.gait import DEGREES_OF_FREEDOM, Gait
 from microswim.swimmer.drag.coefficients import Unchosen
 from microswim.swimmer.drag.interaction import Interaction
 from microswim.swimmer.geometry.tails import as_wave
+from microswim.swimmer.provenance import Provenance
 from microswim.swimmer.swimmer import Swimmer
 
 #: Largest difference of a level of the boundary elements from the finest, over the design range.
@@ -76,6 +78,11 @@ def _of_surrogate(swimmer: Swimmer, gait: Gait) -> tuple[list[Any], str]:
         known = {"mean.us": "us", "mean.os": "os", "amplitude.uq": "uq", "amplitude.or": "or"}
         errors = {known[name]: 2.0 * value for name, value in calibrated.items() if name in known}
         return [errors.get(n) for n in DEGREES_OF_FREEDOM], "twice the error left out, calibrated"
+    made = swimmer.calibration
+    if made is not None and not (made.away(swimmer) or made.changed(swimmer)):
+        return _promised(made, swimmer)
+    if atlas is not None and not coordinates.outside(swimmer):
+        return _from_atlas(swimmer, gait)
     law = swimmer.coefficients.law
     if swimmer.interaction != Interaction() or law == "constant":
         return [None] * 6, "not known: law or interaction coefficients are the user's own"
@@ -86,8 +93,7 @@ def _of_surrogate(swimmer: Swimmer, gait: Gait) -> tuple[list[Any], str]:
         _, z, _ = atlas.place(swimmer)
     if not np.all(np.isfinite(z)):
         return [None] * 6, "not measured without a wave"
-    where = "such designs" if not coordinates.outside(swimmer) else "the nearest designs measured"
-    how = f"within it {law} lies from boundary elements for 19 of 20 of {where}"
+    how = f"within it {law} lies from boundary elements for 19 of 20 of the nearest designs solved"
     return _relative(atlas.plain[law], swimmer, gait), how
 
 
@@ -102,6 +108,34 @@ def _of_elastic(swimmer: Swimmer, gait: Gait) -> tuple[list[Any], str]:
         return [None] * 6, "not measured for such elastic tails; compare with model bem"
     how = "largest difference from boundary elements on the same motion of the tail, 24 designs"
     return [ELASTIC.get(name) for name in DEGREES_OF_FREEDOM], how
+
+
+def _promised(made: Provenance, swimmer: Swimmer) -> tuple[list[Any], str]:
+    """Return what a calibration at one design left there, and the reference's own error."""
+    left = {**made.unmatched, **made.matched}
+    own = LEVELS.get(made.level, 0.0)
+    names = {"us": "mean.us", "uq": "amplitude.uq", "os": "mean.os", "or": "amplitude.or"}
+    errors = {n: abs(left[q]) + own for n, q in names.items() if q in left}
+    if swimmer.tail.is_rigid:  # both lateral directions turn with the tail
+        errors |= {a: errors[b] for a, b in (("ur", "uq"), ("oq", "or")) if b in errors}
+    how = f"left by the calibration at this design, by {made.by}"
+    return [errors.get(n) for n in DEGREES_OF_FREEDOM], how
+
+
+def _from_atlas(swimmer: Swimmer, gait: Gait) -> tuple[list[Any], str]:
+    """Return how far the surrogate lies from the atlas, and the atlas at most from the truth."""
+    better = atlas_gait(swimmer)
+    own, _ = _of_atlas(swimmer, better)
+    mean, theirs = (np.real(g.mean_velocity) for g in (gait, better))
+    size, other = (np.real(g.velocity_amplitude) for g in (gait, better))
+    axial = np.array(_ENTRY) % 2 == 0
+    off = np.abs(np.where(axial, mean - theirs, size - other))
+    over = np.abs(np.where(axial, mean, size))
+    doubt = np.array([np.nan if e is None else e for e in own]) * np.where(axial, theirs, other)
+    with np.errstate(divide="ignore", invalid="ignore"):
+        errors = (off + np.abs(doubt)) / over
+    how = "its difference from the atlas, whose own error is added; --model auto or atlas do better"
+    return [float(e) if np.isfinite(e) else None for e in errors], how
 
 
 def _of_elements(swimmer: Swimmer, gait: Gait) -> tuple[list[Any], str]:

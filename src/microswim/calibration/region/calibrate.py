@@ -14,6 +14,7 @@ from typing import Any, Literal
 import numpy as np
 
 from microswim import checks
+from microswim.calibration import record
 from microswim.calibration.region import kriging
 from microswim.calibration.region.correction import Correction, features, fixed_numbers, words
 from microswim.calibration.region.evaluate import SAMPLES
@@ -148,7 +149,8 @@ def calibrate_region(
         made = _correction(swimmer, region, solved, doubtful + unresolved, fitted, about)
     about["options"] = {k: getattr(v, "name", v) for k, v in options.items()}
     bare = replace(swimmer, coefficients=Unchosen(), interaction=Interaction(), region=None)
-    return RegionCalibration(swimmer=replace(bare, region=made))
+    told = replace(bare, region=made, calibration=record.of_region(made))
+    return RegionCalibration(swimmer=told)
 
 
 @dataclass

@@ -6,6 +6,7 @@ The C in ``c/`` mirrors motion line by line; here its placeholders are filled.
 from __future__ import annotations
 
 import re
+import textwrap
 from dataclasses import dataclass
 from functools import partial
 from hashlib import sha256
@@ -17,6 +18,7 @@ from microswim import __version__, checks
 from microswim.control.export.precision import FIGURES, PRECISIONS, check_range, single
 from microswim.control.stepper import Stepper
 from microswim.errors import SpecError
+from microswim.gait.readable import origin
 from microswim.gait.units import unit
 
 MEASURED = ("length", "time", "force", "torque", "field", "moment", "viscosity")
@@ -24,7 +26,7 @@ BANNER = """\
 /* {name}: a swimmer at low Reynolds number, written by microswim {version}.
 
    Model {model}, units {units}, spec digest sha256:{digest}
-{strain}
+{birth}{strain}
    CONVENTIONS
    Quaternion qw, qx, qy, qz: unit, turns body components into lab components (body to lab).
    Body frame s, q, r: right-handed, s along the tail away from the body; the swimmer leads with its
@@ -163,10 +165,18 @@ def _values(stepper: Stepper, name: str, spec: str) -> dict[str, str]:
         digest=digest,
         units=gait.units + " (" + ", ".join(f"{k} {v}" for k, v in units.items()) + ")",
         strain=_about_strain(stepper),
+        birth=_about_birth(stepper),
         hand=_about_hand(stepper),
         steps=_about_steps(stepper),
     )
     return values
+
+
+def _about_birth(stepper: Stepper) -> str:
+    """Return where the numbers come from, wrapped, with nothing that would end the comment."""
+    said = (" ".join(line.split()).replace("*/", "* /") for line in origin(stepper.gait))
+    indent = {"initial_indent": "   ", "subsequent_indent": "     "}
+    return "".join(textwrap.fill(line, 100, **indent) + "\n" for line in said)
 
 
 def _about_steps(stepper: Stepper) -> str:

@@ -120,4 +120,5 @@ def _calibrated(base: Swimmer, at: Swimmer, judged: Any) -> Swimmer:
     unknowns = [u for u, needs in names["unknown"].items() if free.get(needs, True)]
     asked = [q for q in names["asked"] if free[q.split(".")[1]] or "propulsion" in q]
     fit = calibrate(at, judged, unknowns, quantities=asked)
-    return replace(base, interaction=fit.swimmer.interaction)
+    found = fit.swimmer
+    return replace(base, interaction=found.interaction, calibration=found.calibration)

@@ -14,6 +14,7 @@ from matplotlib.figure import Figure
 
 from microswim import data
 from microswim.calibration.calibrate import calibrate
+from microswim.calibration.unknowns import usual
 from microswim.output.plots.style import (
     BLUE,
     GREY,
@@ -57,7 +58,8 @@ def from_reference(context: Context, tail: str, coefficients: str) -> np.ndarray
     """Inverse problem with the velocities of our reference."""
     start = swimmer(tail, coefficients)
     key = ("table3", tail, coefficients)
-    return context.once(key, lambda: calibrate(start, context.reference(start)).values)
+    names = usual(start)
+    return context.once(key, lambda: calibrate(start, context.reference(start), names).values)
 
 
 def ratios(context: Context, tail: str) -> np.ndarray:

@@ -15,6 +15,7 @@ import numpy as np
 from microswim import data
 from microswim.calibration.calibrate import calibrate
 from microswim.calibration.observations import Observation
+from microswim.calibration.unknowns import usual
 from microswim.studies.paper.fig2 import inferred, model
 from microswim.studies.paper.table2 import MICRO, SPECIMENS
 from microswim.studies.paper.table3 import PRINTED_CFD, printed
@@ -125,7 +126,8 @@ def table_3() -> list[Row]:
     for law, other in (("constant", "sbt"), ("sbt", "constant")):
         rows.append(_row_3("plane_wave", law, "paper", printed("plane_wave", law)))
         implied = Swimmer.preset(f"tabak/plane_wave-{other}").gait()
-        fit = calibrate(Swimmer.preset(f"tabak/plane_wave-{law}"), implied)
+        start = Swimmer.preset(f"tabak/plane_wave-{law}")
+        fit = calibrate(start, implied, usual(start))
         rows.append(_row_3("plane_wave", law, f"from the velocities of {other}", fit.values))
     return rows
 

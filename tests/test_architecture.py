@@ -195,3 +195,16 @@ def test_colours_of_figures_stand_in_the_one_palette():
         if colour.search(path.read_text(encoding="utf-8"))
     }
     assert found <= others
+
+
+def test_public_modules_show_their_own_names_alone():
+    """What an editor offers behind a dot is what a user may call."""
+    from microswim.control import environments
+
+    for module in (ms, ms.data, ms.io, ms.plots, ms.report, environments):
+        shown = set(dir(module))
+        assert shown == set(module.__all__)
+        for name in shown:
+            made = getattr(module, name)
+            home = made.__name__ if inspect.ismodule(made) else made.__module__
+            assert home.startswith("microswim"), name

@@ -107,7 +107,9 @@ def command(given: Given, as_json: bool, out: Path | None, force: bool, **asked:
     if as_json:
         print_json(report)
     else:
-        _print(report)
+        from microswim.cli._optimum import show
+
+        show(report, given.swimmer.units)
 
 
 def _one(asked: dict[str, Any]) -> dict[str, Any]:
@@ -215,70 +217,3 @@ def _robust(given: Given, over: Any, asked: dict[str, Any], out: Path | None) ->
         "yield_error": made.attrs["yield_error"],
         "sobol_indices": shares,
     }
-
-
-def _print(report: dict[str, Any]) -> None:
-    from rich.console import Console
-    from rich.table import Table
-
-    console = Console(soft_wrap=True)
-    if "front" in report:
-        names = [text.split(" ", 1)[1] for text in report["objectives"]]
-        shown = [*names, *(k for k in report["front"] if "." in k)]
-        table = Table(*shown, title=", ".join(report["objectives"]))
-        n = len(report["front"][shown[0]])
-        for i in sorted({round(j * (n - 1) / min(14, max(1, n - 1))) for j in range(min(15, n))}):
-            table.add_row(*(_short(report["front"][k][i]) for k in shown))
-        console.print(table)
-        console.print(f"{n} designs; --json or --out has them all")
-        return
-    console.print(f"{report['objective']}: {_short(report['value'])}")
-    table = Table("", "optimum", "% per %", "at bound", "± for 1 % loss")
-    for name, s in report["sensitivity"].items():
-        if s["varied"]:
-            table.add_row(
-                name,
-                *(_short(s[k]) for k in ("value", "elasticity")),
-                s["bound"] or "",
-                _short(s["one_percent_range"]),
-            )
-    console.print(table)
-    for name, value in report["values"].items():
-        if isinstance(value, str):
-            console.print(f"{name} = {value}")
-    held = [(k, s) for k, s in report["sensitivity"].items() if not s["varied"]][:5]
-    console.print("held, % per %: " + ", ".join(f"{k} {_short(s['elasticity'])}" for k, s in held))
-    for text, margin in report["margins"].items():
-        console.print(f"{text}: {'active' if abs(margin or 0) < 1e-5 else f'margin {margin:.0%}'}")
-    shown = ("swimming_speed", "mean_torque", "mean_power", "efficiency", "body_rate")
-    console.print(", ".join(f"{k} {_short(report['quantities'].get(k))}" for k in shown))
-    for line in _notes(report):
-        console.print(line)
-
-
-def _notes(report: dict[str, Any]) -> list[str]:
-    lines = []
-    if report["inside_calibrated_neighbourhood"] is None:
-        lines.append("not calibrated: --reference bem tells how far the surrogate is off")
-    elif report["inside_calibrated_neighbourhood"]:
-        lines.append(
-            f"calibrated here, expected error {100 * (report['expected_error'] or 0):.2g} %"
-        )
-    else:
-        lines.append("outside the calibrated neighbourhood: expect larger errors")
-    for i, r in enumerate(report["verification"], 1):
-        if "miss" in r:
-            lines.append(
-                f"round {i}: {r['surrogate']:.4g} by the surrogate, {r['reference']:.4g} by "
-                f"{r['model']}, {100 * r['miss']:.1f} % off{', agreed' if r['agreed'] else ''}"
-            )
-    if "yield" in report:
-        lines.append(f"yield {100 * report['yield']:.1f} ± {100 * report['yield_error']:.1f} %")
-        shares = sorted(report["sobol_indices"].items(), key=lambda item: -item[1]["total"])
-        blame = ", ".join(f"{k} {v['total']:.0%}" for k, v in shares)
-        lines.append(f"spread caused by: {blame}")
-    return lines
-
-
-def _short(value: Any) -> str:
-    return "" if value is None else value if isinstance(value, str) else f"{value:.4g}"

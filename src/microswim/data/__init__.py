@@ -24,6 +24,11 @@ _HERE = files(__name__)
 _MISSING = ("-", "")
 
 
+def __dir__() -> list[str]:
+    """Return what a user means to see, not what the module imports."""
+    return __all__
+
+
 @checks.given()
 def names() -> list[str]:
     """Names of all sets, in alphabetical order.

@@ -21,9 +21,16 @@ from microswim.control.environments.steer import LIMIT, SteerWorld
 from microswim.control.environments.world import World
 from microswim.errors import SpecError
 
+__all__ = ["ReachEnv", "ReachVectorEnv", "SteerEnv", "SteerVectorEnv"]
+
 KEYS = 2**63
 MOST = 1_000_000  # environments in a vector: 1.5 GB of paths and frames
 BEYOND = 1e9  # an action of this size is a mistake
+
+
+def __dir__() -> list[str]:
+    """Return what a user means to see, not what the module imports."""
+    return __all__
 
 
 def _spaces(world: type[World]) -> tuple[gym.spaces.Box, gym.spaces.Box]:

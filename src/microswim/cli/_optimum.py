@@ -1,0 +1,134 @@
+"""What ``microswim design`` says in a terminal: numbers in units that people read."""
+
+from __future__ import annotations
+
+import re
+from typing import Any
+
+from rich.console import Console
+from rich.table import Table
+
+from microswim.gait.quantities import QUANTITIES
+from microswim.gait.readable import quantity
+from microswim.gait.units import unit
+from microswim.spec.describe import unit_of
+from microswim.spec.units import NUMBER
+from microswim.studies.optimisation.limits import MEASURED_IN
+
+SHOWN = ("swimming_speed", "mean_torque", "mean_power", "efficiency", "body_rate")
+ROWS = 15  #: of a front
+
+
+class Said:
+    """Numbers of a design in the units of its swimmer.
+
+    Parameters
+    ----------
+    units
+        ``"SI"`` or ``"dimensionless"``.
+    """
+
+    def __init__(self, units: str) -> None:
+        self.units = units
+
+    def __call__(self, name: str, value: Any) -> str:
+        """A number of the spec, a quantity or an expression; nothing where there is none."""
+        if value is None or isinstance(value, str):
+            return value or ""
+        known = unit_of(name, self.units) if "." in name else self._unit(name)
+        return quantity(value, known) if known else f"{value:.4g}"
+
+    def _unit(self, name: str) -> str:
+        if name in QUANTITIES:
+            return unit(self.units, QUANTITIES[name].dimension)
+        return MEASURED_IN.get(name, "") if self.units == "SI" else ""
+
+    def limit(self, text: str) -> str:
+        """A constraint between a quantity and a number, the number with its unit."""
+        found = re.fullmatch(rf"([\w.\[\]]+) ?(<=|>=|<|>) ?({NUMBER})", text)
+        if found is None:
+            return text
+        name, sign, number = found.groups()
+        return f"{name} {sign} {self(name, float(number))}"
+
+
+def show(report: dict[str, Any], units: str) -> None:
+    """Print a front, or an optimum and what there is to know about it."""
+    console, said = Console(soft_wrap=True), Said(units)
+    if "front" in report:
+        _front(report, said, console)
+        return
+    wish, _, objective = report["objective"].partition(" ")
+    console.print(f"{wish} {objective}: {said(objective, report['value'])}")
+    table = Table("", "optimum", "% per %", "at bound", "± for 1 % loss")
+    for name, s in report["sensitivity"].items():
+        if s["varied"]:
+            place, room = said(name, s["value"]), said(name, s["one_percent_range"])
+            table.add_row(name, place, f"{s['elasticity']:.4g}", s["bound"] or "", room)
+    console.print(table)
+    for name, value in report["values"].items():
+        if isinstance(value, str):
+            console.print(f"{name} = {value}")
+    for line in (*_held(report), *_margins(report, said)):
+        console.print(line)
+    numbers = report["quantities"]
+    console.print(", ".join(f"{k} {said(k, numbers.get(k))}" for k in SHOWN))
+    for line in _notes(report, said, objective):
+        console.print(line)
+
+
+def _front(report: dict[str, Any], said: Said, console: Console) -> None:
+    names = [text.split(" ", 1)[1] for text in report["objectives"]]
+    shown = [*names, *(k for k in report["front"] if "." in k)]
+    table = Table(*shown, title=", ".join(report["objectives"]))
+    n = len(report["front"][shown[0]])
+    for i in sorted(
+        {round(j * (n - 1) / (ROWS - 1)) for j in range(ROWS)} if n > ROWS else range(n)
+    ):
+        table.add_row(*(said(k, report["front"][k][i]) for k in shown))
+    console.print(table)
+    console.print(f"{n} designs; --json or --out has them all")
+
+
+def _held(report: dict[str, Any]) -> list[str]:
+    """The numbers that did not vary: those that one can build, then the factors of a fit."""
+    held = {k: s["elasticity"] for k, s in report["sensitivity"].items() if not s["varied"]}
+    fitted = {k: v for k, v in held.items() if k.startswith("interaction.")}
+    built = {k: v for k, v in held.items() if k not in fitted}
+    return [
+        f"{what}, % per %: " + ", ".join(f"{k} {v:.4g}" for k, v in list(some.items())[:most])
+        for what, some, most in (("held", built, 5), ("fitted", fitted, 3))
+        if some
+    ]
+
+
+def _margins(report: dict[str, Any], said: Said) -> list[str]:
+    return [
+        f"{said.limit(text)}: {'active' if abs(margin or 0) < 1e-5 else f'margin {margin:.0%}'}"
+        for text, margin in report["margins"].items()
+    ]
+
+
+def _notes(report: dict[str, Any], said: Said, objective: str) -> list[str]:
+    lines = []
+    if report["inside_calibrated_neighbourhood"] is None:
+        lines.append("not calibrated: --reference bem tells how far the surrogate is off")
+    elif report["inside_calibrated_neighbourhood"]:
+        lines.append(
+            f"calibrated here, expected error {100 * (report['expected_error'] or 0):.2g} %"
+        )
+    else:
+        lines.append("outside the calibrated neighbourhood: expect larger errors")
+    for i, r in enumerate(report["verification"], 1):
+        if "miss" in r:
+            ours, theirs = (said(objective, r[who]) for who in ("surrogate", "reference"))
+            lines.append(
+                f"round {i}: {ours} by the surrogate, {theirs} by {r['model']}, "
+                f"{100 * r['miss']:.1f} % off{', agreed' if r['agreed'] else ''}"
+            )
+    if "yield" in report:
+        lines.append(f"yield {100 * report['yield']:.1f} ± {100 * report['yield_error']:.1f} %")
+        shares = sorted(report["sobol_indices"].items(), key=lambda item: -item[1]["total"])
+        blame = ", ".join(f"{k} {v['total']:.0%}" for k, v in shares)
+        lines.append(f"spread caused by: {blame}")
+    return lines

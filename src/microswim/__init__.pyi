@@ -71,6 +71,8 @@ from .swimmer.geometry.tails import PlaneWaveTail as PlaneWaveTail
 from .swimmer.magnetism.applied_field import OscillatingField as OscillatingField
 from .swimmer.magnetism.applied_field import RotatingField as RotatingField
 from .swimmer.magnetism.applied_field import UniformField as UniformField
+from .swimmer.magnetism.field_in_space import CoilField as CoilField
+from .swimmer.magnetism.field_in_space import DipoleField as DipoleField
 from .swimmer.magnetism.magnet import Magnet as Magnet
 from .swimmer.motion import Motion as Motion
 from .swimmer.swimmer import Swimmer as Swimmer

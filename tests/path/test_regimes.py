@@ -137,7 +137,7 @@ def test_on_a_rail_a_robot_slips_as_adler_says():
         ({"motion.free": ["us", "uq", "ur", "os"]}, [1.0], r"motion.free = .*\(oq, or held\)"),
         ({}, [], "a list of frequencies"),
         ({}, [0.0], r"frequency\[0\] = 0.0: must be a positive"),
-        ({}, ["fast"], "frequency = .*positive numbers"),
+        ({}, ["fast"], "frequency = .*finite numbers"),
     ],
 )
 def test_one_sentence_says_what_is_wrong(changes, frequency, words):

@@ -162,6 +162,7 @@ def read(
         One sentence.
     """
     from microswim.spec import presets
+    from microswim.spec.coils import beside
     from microswim.spec.file import from_dict, override
     from microswim.spec.text import read_text, toml
     from microswim.spec.toml import to_toml
@@ -178,6 +179,8 @@ def read(
     else:
         name, text = str(preset), presets.read(str(preset))
     tables = toml(text, str(spec or preset))
+    if spec is not None:
+        tables = beside(tables, spec.parent)
     swimmer = from_dict(tables, overrides, trust)
     tables = override(tables, overrides)
     if overrides:

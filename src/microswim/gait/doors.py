@@ -25,6 +25,7 @@ MODELS = {
 SETTLED = "microswim.models.elastic.gait:settled_swimmer"
 READ = "microswim.spec.file:read"
 WRITE = "microswim.spec.describe:to_text"
+READ_COILS = "microswim.spec.coils:read_coils"
 READ_VALUE = "microswim.spec.values:from_python"
 READ_PRESET = "microswim.spec.file:read_preset"
 POLY_DATA = "microswim.output.io.vtk:poly_data"

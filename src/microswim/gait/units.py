@@ -31,6 +31,7 @@ UNITS = {
     "drag of a point": ("Pa s m", "viscosity length"),
     "drag of spin": ("Pa s m^2", "viscosity length^2"),
     "volume": ("m^3", "length^3"),
+    "current": ("A", "current"),
     "field": ("T", "field"),
     "moment": ("A m^2", "torque/field"),
 }

@@ -18,6 +18,7 @@ from microswim.gait.held import warn_if_held
 from microswim.gait.stepping import integrate, pack
 from microswim.gait.units import unit
 from microswim.numerics.rigid_motion import ScrewMotion, multiply, rotation_matrix
+from microswim.path.in_space import follow
 from microswim.swimmer.magnetism.applied_field import AppliedField
 from microswim.swimmer.magnetism.magnet import vector_of
 
@@ -33,8 +34,6 @@ LOADS = ("force", "torque", "field", "flow", "moment")
     rate=checks.load,
     force=checks.load,
     torque=checks.load,
-    moment=checks.load,
-    field=checks.load,
     flow=checks.load,
     position=checks.series,
     quaternion=checks.series,
@@ -74,7 +73,8 @@ def trajectory(
         External force on the body's centre and torque, lab frame.
     moment, field
         Magnetic moment fixed in the body (body frame, constant) and field B in the lab frame:
-        torque ``m x B``. Also a `Magnet`, and a `RotatingField` or another field of a spec.
+        torque ``m x B``. Also a `Magnet`, and a `RotatingField` or another field of a spec; one
+        that depends on place pulls as well.
     flow
         Uniform background velocity, lab frame.
     position, quaternion, phase
@@ -107,8 +107,17 @@ def trajectory(
         raise SpecError("times", times, "finite and increasing")
     start = _start(position, quaternion, phase)
     moment = None if moment is None else vector_of(moment)
+    if isinstance(field, AppliedField) and not field.is_uniform:
+        _check_moment(moment)
+        warn_if_held(gait, moment)
+        further = {"force": force, "torque": torque, "flow": flow}
+        x, q, angle = _in_space(gait, t, rate, np.array(moment), field, further, start, max_step)
+        return _dataset(gait, t, x, q, angle)
     if isinstance(field, AppliedField):
         field = field.at
+    for name, given in (("moment", moment), ("field", field)):
+        if given is not None:
+            checks.load(name, given)
     loads = {"force": force, "torque": torque, "field": field, "flow": flow, "moment": moment}
     if callable(moment):
         raise SpecError("moment", "a function", "a constant vector (3,) fixed in the body")
@@ -121,6 +130,35 @@ def trajectory(
     else:
         x, q, angle = _driven(gait, t, gait.rate if rate is None else rate, loads, start, max_step)
     return _dataset(gait, t, x, q, angle)
+
+
+def _check_moment(moment: Any) -> None:
+    """Refuse what is no moment; a field that depends on place has nothing to act on without."""
+    checks.numbers("moment", () if moment is None else moment, 3, "three numbers, or a Magnet")
+
+
+def _in_space(
+    gait: Gait,
+    t: np.ndarray,
+    rate: Any,
+    moment: np.ndarray,
+    field: AppliedField,
+    further: dict[str, Any],
+    start: tuple[np.ndarray, ...],
+    max_step: float | None,
+) -> tuple[np.ndarray, ...]:
+    """Poses in a field that depends on place."""
+    speed = gait.rate if rate is None else rate
+
+    def at(time: float) -> float:
+        return float(_rate(speed, np.array([time]))[0])
+
+    def load(time: float) -> Any:
+        return [_load(k, v, np.array([time]))[0] for k, v in further.items()]
+
+    fastest = max(field.rate, abs(at(t[0])))
+    longest = max_step or (np.pi / 4.0 / fastest if fastest else np.inf)
+    return follow(gait, t, at, moment, field, load, start, longest)
 
 
 def _start(position: Any, quaternion: Any, phase: Any) -> tuple[np.ndarray, ...]:

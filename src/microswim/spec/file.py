@@ -11,6 +11,7 @@ import math
 import re
 from collections.abc import Iterator
 from os import PathLike
+from pathlib import Path
 from typing import Any, Literal
 
 from pydantic import BaseModel, ValidationError
@@ -18,6 +19,7 @@ from pydantic import BaseModel, ValidationError
 from microswim.errors import SpecError, nearest
 from microswim.gait import doors
 from microswim.spec import presets, text
+from microswim.spec.coils import beside
 from microswim.spec.tables import ALTERNATIVES, FIELDS, TABLES, TAGS, SpecTable
 from microswim.spec.trusted import Trusted
 from microswim.spec.units import DIMENSIONS, has_unit, to_si
@@ -27,8 +29,8 @@ from microswim.swimmer.fluid import Fluid
 from microswim.swimmer.geometry.bodies import SHAPES
 from microswim.swimmer.geometry.surroundings import Channel, Wall
 from microswim.swimmer.geometry.tails import TAILS
-from microswim.swimmer.magnetism.applied_field import FIELDS as APPLIED_FIELDS
 from microswim.swimmer.magnetism.applied_field import AppliedField
+from microswim.swimmer.magnetism.fields import FIELDS as APPLIED_FIELDS
 from microswim.swimmer.magnetism.magnet import Magnet
 from microswim.swimmer.motion import Motion
 from microswim.swimmer.provenance import Provenance
@@ -81,7 +83,7 @@ def read(
     SpecError
         One sentence: the field, its value, what is allowed, how to mend it.
     """
-    return from_dict(load(path), overrides, trust)
+    return from_dict(beside(load(path), Path(path).parent), overrides, trust)
 
 
 def load(path: str | PathLike[str]) -> dict[str, Any]:

@@ -5,7 +5,17 @@ from __future__ import annotations
 from typing import Annotated, Literal
 
 from microswim.spec.fields import About
-from microswim.spec.types import Angle, Frequency, Length, Moment, Number, Table, Tesla, Volume
+from microswim.spec.types import (
+    Angle,
+    Current,
+    Frequency,
+    Length,
+    Moment,
+    Number,
+    Table,
+    Tesla,
+    Volume,
+)
 
 
 class MagnetTable(Table):
@@ -37,8 +47,10 @@ class MagnetTable(Table):
     ] = 0.0
 
 
-_FIELD = About("Kind", "rotating | uniform | oscillating")
+_FIELD = About("Kind", "rotating | uniform | oscillating | dipole | coils")
 _STRENGTH = About("Strength", "of the field", usual=(0.0, 0.02))
+_AXIS = About("Axis", "that the field turns about, lab, [x, y, z]")
+_TURNS = About("Frequency", "turns of the field per time")
 _LINE = About("Direction", "in the lab, [x, y, z]")
 
 
@@ -47,10 +59,8 @@ class RotatingFieldTable(Table):
 
     kind: Annotated[Literal["rotating"], _FIELD]
     strength: Annotated[Tesla, _STRENGTH]
-    frequency: Annotated[Frequency, About("Frequency", "turns of the field per time")]
-    axis: Annotated[list[Number], About("Axis", "that the field turns about, lab, [x, y, z]")] = [
-        1.0, 0.0, 0.0
-    ]  # fmt: skip
+    frequency: Annotated[Frequency, _TURNS]
+    axis: Annotated[list[Number], _AXIS] = [1.0, 0.0, 0.0]
     cone: Annotated[
         Angle, About("Cone", "angle of the field out of its plane, towards the axis",
                      usual=(-80.0, 80.0))
@@ -72,3 +82,34 @@ class OscillatingFieldTable(Table):
     strength: Annotated[Tesla, _STRENGTH]
     frequency: Annotated[Frequency, About("Frequency", "cycles of the field per time")]
     direction: Annotated[list[Number], _LINE] = [1.0, 0.0, 0.0]
+
+
+class DipoleFieldTable(Table):
+    """[field] of kind "dipole": a permanent magnet beside the swimmer."""
+
+    kind: Annotated[Literal["dipole"], _FIELD]
+    moment: Annotated[list[Moment], About("Moment", "of the magnet that makes the field, lab")]
+    position: Annotated[list[Length], About("Place", "of that magnet in the lab, [x, y, z]")]
+    axis: Annotated[list[Number], _AXIS] = [1.0, 0.0, 0.0]
+    frequency: Annotated[Frequency, _TURNS] = 0.0
+
+
+class CoilFieldTable(Table):
+    """[field] of kind "coils": electromagnets by their calibration."""
+
+    kind: Annotated[Literal["coils"], _FIELD]
+    file: Annotated[str, About("File", "calibration of the coils, YAML")]
+    currents: Annotated[list[Current], About("Currents", "one for each coil, in its order")]
+    frequency: Annotated[Frequency, _TURNS] = 0.0
+    phases: Annotated[
+        list[Angle] | None, About("Phases", "by which each current is ahead, one for each coil")
+    ] = None
+
+
+FieldTable = (
+    RotatingFieldTable
+    | UniformFieldTable
+    | OscillatingFieldTable
+    | DipoleFieldTable
+    | CoilFieldTable
+)

@@ -14,12 +14,7 @@ from pydantic import Field, StrictBool
 from microswim.spec import fields
 from microswim.spec.body_tables import BodyTable
 from microswim.spec.fields import About
-from microswim.spec.magnetic_tables import (
-    MagnetTable,
-    OscillatingFieldTable,
-    RotatingFieldTable,
-    UniformFieldTable,
-)
+from microswim.spec.magnetic_tables import FieldTable, MagnetTable
 from microswim.spec.types import (
     Angle,
     Bending,
@@ -262,9 +257,7 @@ class SpecTable(_Table):
     wall: WallTable = None  # type: ignore[assignment]
     channel: ChannelTable = None  # type: ignore[assignment]
     magnet: MagnetTable = None  # type: ignore[assignment]
-    field: RotatingFieldTable | UniformFieldTable | OscillatingFieldTable = Field(
-        default=None, discriminator="kind"
-    )  # type: ignore[assignment]
+    field: FieldTable = Field(default=None, discriminator="kind")  # type: ignore[assignment]
     calibration: CalibrationTable = None  # type: ignore[assignment]
 
 

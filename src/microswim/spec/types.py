@@ -45,6 +45,7 @@ Angle = Annotated[float, _reads("angle"), Measures("angle")]
 Bending = Annotated[float, _reads("bending stiffness"), Measures("bending stiffness")]
 Volume = Annotated[float, _reads("volume"), Measures("volume")]
 Tesla = Annotated[float, _reads("field"), Measures("field")]
+Current = Annotated[float, _reads("current"), Measures("current")]
 Moment = Annotated[float, _reads("moment"), Measures("moment")]
 
 

@@ -76,6 +76,7 @@ DIMENSIONS = {
         Dimension("power", "1 fW"),
         Dimension("volume", "0.5 mm^3", 1e-36, 1e12),
         Dimension("field", "5 mT", 1e-12, 1e3),
+        Dimension("current", "2 A"),
         Dimension("moment", "2e-5 A m^2"),
     )
 }
@@ -136,6 +137,7 @@ SIZES = {
     "kg/m^3": {"kg/m^3": 1.0},
     "N m^2": {"N m^2": 1.0},
     "rad": {"rad": 1.0, "deg": math.pi / 180.0, "°": math.pi / 180.0},
+    "A": {"A": 1.0, "mA": 1e-3},
     "T": {"T": 1.0, "mT": 1e-3},
     "A m^2": {"A m^2": 1.0},
     "m^3": {"m^3": 1.0, "mm^3": 1e-9},

@@ -53,6 +53,9 @@ def swimmer_of(tables: Any) -> Swimmer:
             '"helix" or "plane_wave" here',
             "the studio runs no code from a spec",
         )
+    field = tables.get("field")
+    if isinstance(field, dict) and "file" in field:
+        raise SpecError("field.file: the studio reads no file that a spec names")
     swimmer = from_dict(tables)
     waves = float(swimmer.tail.number_of_waves)
     if not waves <= MOST_WAVES:
@@ -95,6 +98,7 @@ def units_of(swimmer: Swimmer) -> dict[str, tuple[str, float]]:
         "density": "kg/m^3",
         "frequency": "Hz",
         "field": "mT",
+        "current": "A",
         "moment": "A m^2",
         "volume": "m^3",
         "bending stiffness": "N m^2",

@@ -125,6 +125,8 @@ class Swimmer:
         checks.choice("units", self.units, ("dimensionless", "SI"))
         if self.units != "SI" and self.magnet is not None and self.magnet.moment is None:
             raise SpecError("magnet.remanence: for a swimmer in SI; without units give the moment")
+        if self.units != "SI" and self.field is not None and self.field.needs_si:
+            raise SpecError("field.kind", self.field.kind, '"rotating" or "uniform" without units')
         if self.motion.frequency_frame == "lab" and self.tail.surface_motion != "rigid":
             raise SpecError(
                 "motion.frequency_frame", "lab", '"body" for a tail that does not rotate rigidly'

@@ -17,21 +17,30 @@ from microswim.errors import SpecError
 
 
 class AppliedField(ABC):
-    """A magnetic field. Use `UniformField`, `RotatingField` or `OscillatingField`.
+    """A magnetic field. Use `RotatingField` or another of its kinds.
 
     Attributes
     ----------
     kind
         Word of the spec.
+    is_uniform
+        Whether it is the same everywhere.
+    needs_si
+        Whether it is one of SI alone, since the vacuum's permeability is in it.
     """
 
     kind: ClassVar[str]
-
-    strength: float
+    is_uniform: ClassVar[bool] = True
+    needs_si: ClassVar[bool] = False
 
     @abstractmethod
-    def at(self, times: Any) -> np.ndarray:
-        """Return B (..., 3) at the times, lab frame."""
+    def at(self, times: Any, places: Any = (0.0, 0.0, 0.0)) -> np.ndarray:
+        """Return B (..., 3) at times (...) and places (..., 3), lab frame."""
+
+    def gradient(self, times: Any, places: Any = (0.0, 0.0, 0.0)) -> np.ndarray:
+        """Return ``dB_i/dx_j`` (..., 3, 3); zero where the field does not depend on place."""
+        shape = np.broadcast_shapes(np.shape(times), np.shape(places)[:-1])
+        return np.zeros((*shape, 3, 3))
 
     @property
     def angular_velocity(self) -> np.ndarray:
@@ -75,10 +84,10 @@ class UniformField(AppliedField):
 
     def __post_init__(self) -> None:
         checks.positive("field.strength", self.strength)
-        object.__setattr__(self, "direction", _vector("field.direction", self.direction))
+        object.__setattr__(self, "direction", vector("field.direction", self.direction))
 
-    def at(self, times: Any) -> np.ndarray:
-        """Return B (..., 3) at the times."""
+    def at(self, times: Any, places: Any = (0.0, 0.0, 0.0)) -> np.ndarray:
+        """Return B (..., 3) at the times, the same everywhere."""
         return self.strength * unit(self.direction) * np.ones_like(times, float)[..., None]
 
 
@@ -129,12 +138,12 @@ class RotatingField(AppliedField):
             raise SpecError(
                 "field.frequency", self.frequency, "other than zero", 'or kind = "uniform"'
             )
-        object.__setattr__(self, "axis", _vector("field.axis", self.axis))
+        object.__setattr__(self, "axis", vector("field.axis", self.axis))
         most = 1.5707
         checks.number("field.cone", self.cone, "below a right angle (rad)", least=-most, most=most)
 
-    def at(self, times: Any) -> np.ndarray:
-        """Return B (..., 3) at the times."""
+    def at(self, times: Any, places: Any = (0.0, 0.0, 0.0)) -> np.ndarray:
+        """Return B (..., 3) at the times, the same everywhere."""
         angle = 2.0 * np.pi * self.frequency * np.asarray(times, float)[..., None]
         first, second = across(self.axis)
         round_it = np.cos(angle) * first + np.sin(angle) * second
@@ -187,10 +196,10 @@ class OscillatingField(AppliedField):
     def __post_init__(self) -> None:
         checks.positive("field.strength", self.strength)
         checks.positive("field.frequency", self.frequency)
-        object.__setattr__(self, "direction", _vector("field.direction", self.direction))
+        object.__setattr__(self, "direction", vector("field.direction", self.direction))
 
-    def at(self, times: Any) -> np.ndarray:
-        """Return B (..., 3) at the times."""
+    def at(self, times: Any, places: Any = (0.0, 0.0, 0.0)) -> np.ndarray:
+        """Return B (..., 3) at the times, the same everywhere."""
         angle = 2.0 * np.pi * self.frequency * np.asarray(times, float)[..., None]
         return self.strength * unit(self.direction) * np.cos(angle)
 
@@ -198,11 +207,6 @@ class OscillatingField(AppliedField):
     def rate(self) -> float:
         """How fast it changes (rad per time)."""
         return 2.0 * np.pi * self.frequency
-
-
-FIELDS: dict[str, type[AppliedField]] = {
-    f.kind: f for f in (RotatingField, UniformField, OscillatingField)
-}
 
 
 def unit(vector: Any) -> np.ndarray:
@@ -219,7 +223,8 @@ def across(axis: Any) -> tuple[np.ndarray, np.ndarray]:
     return first, np.cross(a, first)
 
 
-def _vector(field: str, value: Any) -> tuple[float, ...]:
+def vector(field: str, value: Any) -> tuple[float, ...]:
+    """Return a vector of the lab as three numbers; refuse what is none, or zero."""
     checks.numbers(field, value, 3, "three numbers [x, y, z]")
     vector = tuple(float(x) for x in value)
     if not any(vector):

@@ -1,0 +1,15 @@
+"""Every kind of field by the word of the spec: a new one is a class and a line here."""
+
+from __future__ import annotations
+
+from microswim.swimmer.magnetism.applied_field import (
+    AppliedField,
+    OscillatingField,
+    RotatingField,
+    UniformField,
+)
+from microswim.swimmer.magnetism.field_in_space import CoilField, DipoleField
+
+FIELDS: dict[str, type[AppliedField]] = {
+    f.kind: f for f in (RotatingField, UniformField, OscillatingField, DipoleField, CoilField)
+}

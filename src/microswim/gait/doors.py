@@ -23,6 +23,7 @@ MODELS = {
     "fem": "microswim.models.fem:channel_gait",
 }
 SETTLED = "microswim.models.elastic.gait:settled_swimmer"
+ISOLATED = "microswim.models.bem.isolated:resistance"
 READ = "microswim.spec.file:read"
 WRITE = "microswim.spec.describe:to_text"
 READ_COILS = "microswim.spec.coils:read_coils"

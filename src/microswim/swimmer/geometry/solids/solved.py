@@ -12,7 +12,7 @@ from typing import Any, Self
 
 import numpy as np
 
-from microswim.swimmer import doors
+from microswim.gait import doors
 from microswim.swimmer.fields import numbers_of, replaced, set_item
 from microswim.swimmer.geometry.body import Body
 

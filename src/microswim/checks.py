@@ -161,15 +161,6 @@ def load(field: str, value: Any) -> None:
         series(field, value, "made of finite numbers, or a function of times")
 
 
-def kept(values: Any, kind: Any = float) -> Any:
-    """Return an array of its own that nobody can write into, for a frozen object to hold."""
-    import numpy as np
-
-    own = np.array(values, dtype=kind)
-    own.flags.writeable = False
-    return own
-
-
 def instance(field: str, value: Any, kind: str) -> None:
     """Refuse what is not of a class, told by its name (its module may not be imported yet)."""
     if not any(kind == owner.__name__ for owner in type(value).__mro__):
@@ -243,12 +234,13 @@ def by_name(cls: Class) -> Class:
 
     @functools.wraps(made)
     def init(self: Any, *args: Any, **named: Any) -> None:
-        wrong = set(named) - takes.keys() or len(args) > len(by_place)
-        if wrong or set(by_place[: len(args)]) & named.keys():
-            raise _wrong_fields(cls.__name__, list(takes), needed, by_place, args, named)
-        if any(n not in named for n in needed if n not in by_place[: len(args)]):
-            raise _wrong_fields(cls.__name__, list(takes), needed, by_place, args, named)
-        made(self, *args, **named)
+        try:
+            made(self, *args, **named)
+        except TypeError:
+            wrong = _wrong_fields(cls.__name__, list(takes), needed, by_place, args, named)
+            if wrong is None:
+                raise
+            raise wrong from None
 
     cls.__init__ = init  # type: ignore[misc]
     return cls
@@ -256,8 +248,8 @@ def by_name(cls: Class) -> Class:
 
 def _wrong_fields(
     name: str, known: list[str], needed: list[str], by_place: list[str], args: tuple, named: dict
-) -> SpecError:
-    """Return what is wrong with a call of a dataclass."""
+) -> SpecError | None:
+    """Return what is wrong with a call of a dataclass, if anything is."""
     for field in named:
         if field not in known:
             it_has = f"it has {', '.join(known)}" if known else "it has none"
@@ -268,7 +260,7 @@ def _wrong_fields(
         example = ", ".join(f"{field}=..." for field in needed or known[:1])
         return SpecError(f"{name}: its fields are given by name, such as {name}({example})")
     missing = [n for n in needed if n not in named and n not in by_place[: len(args)]]
-    return SpecError(f"{name}: {', '.join(missing)} must be given")
+    return SpecError(f"{name}: {', '.join(missing)} must be given") if missing else None
 
 
 def given(**checked: Callable[[str, Any], None]) -> Callable[[Called], Called]:

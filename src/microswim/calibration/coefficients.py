@@ -14,9 +14,11 @@ from microswim import checks
 from microswim.calibration.calibration import Calibration
 from microswim.calibration.identifiability import Direction
 from microswim.calibration.observations import ASSUMED, Observation
+from microswim.numerics.array import kept, read_only
 
 
 @checks.by_name
+@read_only
 @dataclass(frozen=True, kw_only=True, eq=False)
 class CoefficientCalibration(Calibration):
     """Outcome of a calibration at one design, or at several that share their coefficients.
@@ -65,7 +67,8 @@ class CoefficientCalibration(Calibration):
     @cached_property
     def residuals(self) -> np.ndarray:
         """(measured - predicted) / sigma, entry by entry."""
-        return (values_of(self.observations) - self.predicted) / sigmas_of(self.observations)
+        missed = values_of(self.observations) - self.predicted
+        return kept(missed / sigmas_of(self.observations))
 
     @property
     def rank(self) -> int:

@@ -14,6 +14,7 @@ from microswim.errors import RenamedWarning, SpecError
 from microswim.gait.gait import DEGREES_OF_FREEDOM, Gait
 from microswim.gait.observed import observed, parse
 from microswim.gait.quantities import NUMBERS, OLD
+from microswim.numerics.array import read_only
 from microswim.swimmer.swimmer import Swimmer
 
 _ENTRY = {"mean_velocity": "such as mean.us", "velocity_amplitude": "such as amplitude.uq"}
@@ -24,6 +25,7 @@ ASSUMED = 0.01
 
 
 @checks.by_name
+@read_only
 @dataclass(frozen=True, kw_only=True, eq=False)
 class Observation:
     """A measured quantity of one swimmer.
@@ -65,7 +67,7 @@ class Observation:
         checks.instance("swimmer", self.swimmer, "Swimmer")
         self._check_name()
         checks.series(f"value of {self.quantity}", self.value, "finite numbers")
-        value = checks.kept(self.value)
+        value = np.asarray(self.value, dtype=float)
         if value.size == 0:
             raise SpecError(f"value of {self.quantity}", self.value, "finite numbers")
         if value.ndim:

@@ -27,6 +27,7 @@ from microswim.errors import MicroswimError, SpecError
 from microswim.gait import doors
 from microswim.gait.gait import Gait
 from microswim.jobs import references
+from microswim.numerics.array import read_only
 from microswim.spec.describe import unit_of
 from microswim.swimmer.swimmer import Swimmer
 from microswim.swimmer.variants import check_names
@@ -42,6 +43,7 @@ LIMITS = (0.05, 0.10)
 
 
 @checks.by_name
+@read_only
 @dataclass(frozen=True, kw_only=True, eq=False)
 class Validation:
     """Errors of a surrogate over a map.

@@ -19,12 +19,14 @@ from microswim.control import strain
 from microswim.errors import MicroswimError
 from microswim.gait.gait import Gait
 from microswim.gait.stepping import LOWER
+from microswim.numerics.array import read_only
 from microswim.numerics.fourier import series_of
 from microswim.swimmer.swimmer import Swimmer
 
 FINEST = 1024
 
 
+@read_only
 @dataclass(frozen=True, eq=False)
 class Response:
     """Fourier series in the phase, rows ``[mean, cos 1, sin 1, ...]``.

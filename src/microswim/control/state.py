@@ -9,9 +9,11 @@ import numpy as np
 
 from microswim import checks
 from microswim.errors import MicroswimError, SpecError
+from microswim.numerics.array import still_read_only
 
 
 @checks.by_name
+@still_read_only
 @dataclass(frozen=True, eq=False)
 class State:
     """Pose and phase of one swimmer or of many.

@@ -21,6 +21,7 @@ from microswim.errors import SpecError
 from microswim.gait.gait import Gait
 from microswim.gait.held import warn_if_held
 from microswim.gait.readable import origin
+from microswim.numerics.array import kept, still_read_only
 from microswim.swimmer.magnetism.magnet import vector_of
 from microswim.swimmer.swimmer import Swimmer
 
@@ -34,6 +35,7 @@ WIDEST = np.pi / 2.0
 
 
 @checks.by_name
+@still_read_only
 @dataclass(frozen=True, eq=False, repr=False)
 class Stepper:
     """Steps a swimmer, or thousands at once, from sample to sample.
@@ -91,8 +93,9 @@ class Stepper:
             checks.instance("swimmer", self.swimmer, "Swimmer")
         checks.truth("locked", self.locked)
         own = self.swimmer.magnet if self.swimmer is not None else None
-        object.__setattr__(self, "moment", vector_of(own if self.moment is None else self.moment))
-        checks.numbers("moment", self.moment, 3, "three finite numbers, in the body frame")
+        moment = vector_of(own if self.moment is None else self.moment)
+        checks.numbers("moment", moment, 3, "three finite numbers, in the body frame")
+        object.__setattr__(self, "moment", tuple(float(x) for x in moment))
         warn_if_held(self.gait, self.moment)
         checks.number("resolution", self.resolution, "4 or more steps per turn", least=4)
         allowed = "a whole number from 1 to 10000000"
@@ -134,12 +137,12 @@ class Stepper:
     @cached_property
     def magnet(self) -> np.ndarray:
         """Moment as an array, body frame (3,)."""
-        return np.array(self.moment, dtype=float)
+        return kept(self.moment, float)
 
     @cached_property
     def limits(self) -> np.ndarray:
         """What bounds an internal step, as `motion.internal_steps` reads it."""
-        return step_limits(self.response, self.resolution, self.magnet)
+        return kept(step_limits(self.response, self.resolution, self.magnet))
 
     @cached_property
     def _model(self) -> tuple[Any, ...]:

@@ -18,6 +18,7 @@ from microswim import checks
 from microswim.errors import MicroswimError
 from microswim.gait import doors, portrait
 from microswim.gait.one_pose import refusal
+from microswim.numerics.array import kept, read_only
 from microswim.numerics.fourier import (
     evaluate,
     half_range,
@@ -34,6 +35,7 @@ ALL_FREE = (True,) * 6
 
 
 @checks.by_name
+@read_only
 @dataclass(frozen=True, eq=False, repr=False)
 class Gait:
     """Resistance and propulsion of a swimmer over one period of its tail.
@@ -215,7 +217,8 @@ class Gait:
     @cached_property
     def velocity_series(self) -> np.ndarray:
         """Series of the velocity at the gait's own rate, shape (1 + 2 H, 6)."""
-        return series_of(self.velocity(2.0 * np.pi * np.arange(self.samples) / self.samples))
+        phases = 2.0 * np.pi * np.arange(self.samples) / self.samples
+        return kept(series_of(self.velocity(phases)))
 
     @property
     def mean_velocity(self) -> np.ndarray:
@@ -228,7 +231,7 @@ class Gait:
         size = np.abs(self.velocity_series).reshape(-1, 2, 3).max(axis=2)
         felt = np.flatnonzero((size > 1e-12 * size.max(axis=0)).any(axis=1))
         series = self.velocity_series[: 1 + 2 * ((felt.max(initial=0) + 1) // 2)]
-        return half_range(series)
+        return kept(half_range(series))
 
     def power(self, phase: Any) -> np.ndarray:
         """Power of the motor, ``rate (F_p . V + G rate)``: all that the fluid dissipates.

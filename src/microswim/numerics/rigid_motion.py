@@ -12,6 +12,7 @@ from typing import Any
 import numpy as np
 
 from microswim import checks
+from microswim.numerics.array import read_only
 from microswim.numerics.compiled import compiled
 
 
@@ -59,6 +60,7 @@ def multiply(a: np.ndarray, b: np.ndarray) -> np.ndarray:
 
 
 @checks.by_name
+@read_only
 @dataclass(frozen=True, eq=False)
 class ScrewMotion:
     """The rigid motion of a swimmer over one period: a turn about an axis and an advance along it.

@@ -19,7 +19,7 @@ from microswim.gait import doors
 from microswim.gait.gait import Gait
 from microswim.gait.steady_turning import SteadyTurning, Turned
 from microswim.gait.wobbling import Axisymmetric, closest
-from microswim.numerics.array import Array
+from microswim.numerics.array import Array, read_only
 from microswim.path.slipping import drift
 from microswim.swimmer.swimmer import Swimmer
 
@@ -35,6 +35,7 @@ STOKES = 0.5  #: Reynolds number from which a remark says that inertia is left o
 
 
 @checks.by_name
+@read_only
 @dataclass(frozen=True, eq=False)
 class Regimes:
     """What a magnetic robot does at each frequency of the field.

@@ -17,15 +17,22 @@ from microswim.gait.gait import Gait
 from microswim.gait.held import warn_if_held
 from microswim.gait.stepping import integrate, pack
 from microswim.gait.units import unit
+from microswim.numerics.array import sealed
 from microswim.numerics.rigid_motion import ScrewMotion, multiply, rotation_matrix
 from microswim.path.in_space import follow
 from microswim.swimmer.magnetism.applied_field import AppliedField
-from microswim.swimmer.magnetism.magnet import vector_of
+from microswim.swimmer.magnetism.magnet import Magnet, vector_of
 
 if TYPE_CHECKING:
     import xarray as xr
 
 LOADS = ("force", "torque", "field", "flow", "moment")
+
+
+def _moment(name: str, value: Any) -> None:
+    """Refuse what is neither a `Magnet` nor a load."""
+    if not isinstance(value, Magnet):
+        checks.load(name, value)
 
 
 @checks.given(
@@ -34,6 +41,7 @@ LOADS = ("force", "torque", "field", "flow", "moment")
     rate=checks.load,
     force=checks.load,
     torque=checks.load,
+    moment=_moment,
     flow=checks.load,
     position=checks.series,
     quaternion=checks.series,
@@ -275,16 +283,26 @@ def _dataset(gait: Gait, t: Any, x: Any, q: Any, angle: Any) -> xr.Dataset:
     import xarray as xr
 
     length, time = (unit(gait.units, kind) for kind in ("length", "time"))
-    return xr.Dataset(
-        {
-            "position": (("time", "axis"), x, {"units": length, "long_name": "body centre, lab"}),
-            "quaternion": (
-                ("time", "wxyz"),
-                q,
-                {"units": "1", "long_name": "attitude, body to lab"},
-            ),
-            "phase": ("time", np.asarray(angle), {"units": "rad"}),
-        },
-        coords={"time": ("time", t, {"units": time}), "axis": list("xyz"), "wxyz": list("wxyz")},
-        attrs={"model": gait.model, "units": gait.units},
+    return sealed(
+        xr.Dataset(
+            {
+                "position": (
+                    ("time", "axis"),
+                    x,
+                    {"units": length, "long_name": "body centre, lab"},
+                ),
+                "quaternion": (
+                    ("time", "wxyz"),
+                    q,
+                    {"units": "1", "long_name": "attitude, body to lab"},
+                ),
+                "phase": ("time", np.asarray(angle), {"units": "rad"}),
+            },
+            coords={
+                "time": ("time", t, {"units": time}),
+                "axis": list("xyz"),
+                "wxyz": list("wxyz"),
+            },
+            attrs={"model": gait.model, "units": gait.units},
+        )
     )

@@ -142,12 +142,12 @@ def calibrate_region(
         why = refused[0][1] if refused else "the region holds no more"
         raise MicroswimError(f"only {len(solved)} designs could be solved: {why}")
     about: dict[str, Any] = {"reference": reference, "solves": len(solved), "seed": seed}
+    about["options"] = {k: getattr(v, "name", v) for k, v in options.items()}
     with one_thread():
         solved, doubtful = set_aside(solved, fitted)
         about["set_aside"] = [_values_of(s.swimmer, region) for s in doubtful]
         about["refused"] = [_values_of(s, region) | {"reason": why} for s, why in refused]
         made = _correction(swimmer, region, solved, doubtful + unresolved, fitted, about)
-    about["options"] = {k: getattr(v, "name", v) for k, v in options.items()}
     bare = replace(swimmer, coefficients=Unchosen(), interaction=Interaction(), region=None)
     told = replace(bare, region=made, calibration=record.of_region(made))
     return RegionCalibration(swimmer=told)

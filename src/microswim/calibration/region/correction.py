@@ -18,6 +18,7 @@ from microswim.calibration.region.evaluate import HALF, helices, twists, waves
 from microswim.calibration.region.kriging import Surfaces
 from microswim.errors import SpecError
 from microswim.gait.gait import Gait
+from microswim.numerics.array import read_only
 from microswim.numerics.fourier import MIRROR_R
 from microswim.swimmer.geometry.tails import as_wave
 from microswim.swimmer.swimmer import Swimmer
@@ -74,6 +75,7 @@ def _number(swimmer: Swimmer, name: str) -> Any:
     return float("nan") if value is None else np.real(value)
 
 
+@read_only
 @dataclass(frozen=True, eq=False)
 class Correction:
     """Smooth corrections of R and F_p over a region of designs.

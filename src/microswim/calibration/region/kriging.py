@@ -19,6 +19,7 @@ from typing import Any
 import numpy as np
 
 from microswim.calibration.region.matern import matern
+from microswim.numerics.array import read_only
 from microswim.numerics.compiled import FAST, njit
 
 PHASORS = 3
@@ -36,6 +37,7 @@ def covariance(A: Any, NA: Any, B: Any, NB: Any, lengths: Any, phasors: Any, rea
     return matern(np.sum(d * d, axis=-1)) * wave
 
 
+@read_only
 @dataclass(frozen=True, eq=False)
 class Kriging:
     """One group of targets.
@@ -319,7 +321,7 @@ class Surfaces:
         cut = np.cumsum([0, *(c.shape[1] for c in columns)])
         mean = np.concatenate([interleaved(g.mean[None])[0] for g in self.groups])
         alpha = np.ascontiguousarray(np.concatenate(columns, axis=1).T)
-        return np.ascontiguousarray(first.Z.T), tips, lengths, phasors, cut, alpha, mean
+        return np.array(first.Z.T, order="C"), tips, lengths, phasors, cut, alpha, mean
 
 
 def interleaved(values: np.ndarray) -> np.ndarray:

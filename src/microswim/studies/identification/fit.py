@@ -49,6 +49,7 @@ LEAST = 1e-3  #: of the spec's own value, where what is unknown is a positive nu
     sigma_attitude=checks.above_zero("angle (rad)"),
     start=checks.mapping,
     starts=checks.at_least(1),
+    model_error=checks.truth,
     progress=checks.function,
 )
 @settled(True)  # thousands of gaits, one by one

@@ -10,10 +10,12 @@ from scipy.stats import t as student
 
 from microswim import checks
 from microswim.calibration.identifiability import Direction
+from microswim.numerics.array import read_only
 from microswim.swimmer.swimmer import Swimmer
 
 
 @checks.by_name
+@read_only
 @dataclass(frozen=True, kw_only=True, eq=False)
 class Identification:
     """Outcome of `identify_swimmer`.

@@ -12,12 +12,14 @@ import numpy as np
 
 from microswim import checks
 from microswim.errors import SpecError
+from microswim.numerics.array import kept, read_only
 from microswim.studies.identification.spectrum import power
 
 FEWEST = 12
 
 
 @checks.by_name
+@read_only
 @dataclass(frozen=True, kw_only=True, eq=False)
 class Track:
     """Track of the centre of a swimmer's body.
@@ -57,7 +59,7 @@ class Track:
             if isinstance(value, np.ndarray) and value.dtype.kind == "f" and np.isnan(value).any():
                 raise SpecError(f"track.{name}", "a hole", "finite numbers", "drop that row")
             checks.series(f"track.{name}", value)
-            object.__setattr__(self, name, checks.kept(value))
+            object.__setattr__(self, name, np.asarray(value, dtype=float))
         n = self.time.size
         if self.time.ndim != 1 or n < FEWEST or (np.diff(self.time) <= 0).any():
             raise SpecError("track.time", f"{n} times", f"at least {FEWEST} increasing times")
@@ -69,7 +71,7 @@ class Track:
             norm = np.linalg.norm(self.quaternion, axis=1, keepdims=True)
             if (np.abs(norm - 1.0) > 0.2).any():
                 raise SpecError("track.quaternion", "not unit", "unit quaternions wxyz")
-            object.__setattr__(self, "quaternion", checks.kept(self.quaternion / norm))
+            object.__setattr__(self, "quaternion", self.quaternion / norm)
 
     @property
     def dimensions(self) -> int:
@@ -86,7 +88,7 @@ class Track:
         """The path without its wobble: a polynomial of degree 4 through each coordinate."""
         x = 2.0 * (self.time - self.time[0]) / self.duration - 1.0
         basis = np.polynomial.legendre.legvander(x, 4)
-        return basis @ np.linalg.lstsq(basis, self.position, rcond=None)[0]
+        return kept(basis @ np.linalg.lstsq(basis, self.position, rcond=None)[0])
 
     @property
     def speed(self) -> float:

@@ -8,6 +8,7 @@ import numpy as np
 
 from microswim import checks
 from microswim.errors import MicroswimError, SpecError
+from microswim.numerics.array import sealed
 from microswim.numerics.compiled import settled
 from microswim.spec.describe import spec_json
 from microswim.studies.optimisation.merits import MERITS, of_many
@@ -102,12 +103,14 @@ def pareto(
 
     front: Any = xr.concat(tables, "design", data_vars="all", join="outer", coords="all")
     order = np.argsort(np.asarray(front[problem.objectives[0][0].text]), kind="stable")
-    return front.isel(design=order).assign_attrs(
-        objectives=[
-            f"{'maximize' if s > 0 else 'minimize'} {o.text}" for o, s in problem.objectives
-        ],
-        spec=spec_json(swimmer),
-        units=swimmer.units,
+    return sealed(
+        front.isel(design=order).assign_attrs(
+            objectives=[
+                f"{'maximize' if s > 0 else 'minimize'} {o.text}" for o, s in problem.objectives
+            ],
+            spec=spec_json(swimmer),
+            units=swimmer.units,
+        )
     )
 
 

@@ -15,6 +15,7 @@ from scipy.stats import norm, qmc
 
 from microswim import checks
 from microswim.errors import MicroswimError, SpecError
+from microswim.numerics.array import sealed
 from microswim.studies.optimisation.expressions import constraints, parse
 from microswim.studies.optimisation.limits import in_si
 from microswim.studies.optimisation.merits import MERITS, known, of_many
@@ -162,14 +163,16 @@ def robustness(
     share = float(good.mean())
     data = {name: ("sample", merits[name]) for name in MERITS if name in merits}
     data["good"] = ("sample", good)
-    return xr.Dataset(
-        data,
-        {name: ("sample", v) for name, v in numbers.items()},
-        {
-            "yield": share,
-            "yield_error": float(np.sqrt(share * (1.0 - share) / len(good))),
-            "subject_to": text,
-        },
+    return sealed(
+        xr.Dataset(
+            data,
+            {name: ("sample", v) for name, v in numbers.items()},
+            {
+                "yield": share,
+                "yield_error": float(np.sqrt(share * (1.0 - share) / len(good))),
+                "subject_to": text,
+            },
+        )
     )
 
 
@@ -249,8 +252,10 @@ def sobol_indices(
         raise SpecError("uncertain: some samples are no swimmers; tighten the spreads")
     found = sobol.analyze(space, values, calc_second_order=False, seed=seed)
     keys = {"first": "S1", "total": "ST", "first_error": "S1_conf", "total_error": "ST_conf"}
-    return xr.Dataset(
-        {name: ("name", np.asarray(found[key])) for name, key in keys.items()},
-        {"name": list(spreads)},
-        {"merit": merit, "variance": float(np.var(values)), "mean": float(np.mean(values))},
+    return sealed(
+        xr.Dataset(
+            {name: ("name", np.asarray(found[key])) for name, key in keys.items()},
+            {"name": list(spreads)},
+            {"merit": merit, "variance": float(np.var(values)), "mean": float(np.mean(values))},
+        )
     )

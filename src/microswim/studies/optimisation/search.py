@@ -18,6 +18,7 @@ from scipy.stats import qmc
 from microswim import checks
 from microswim.errors import MicroswimError, SpecError
 from microswim.gait.quantities import OLD, Named
+from microswim.numerics.array import read_only
 from microswim.numerics.plain import plain
 from microswim.spec.describe import describe
 from microswim.studies.optimisation.merits import of_gait
@@ -32,6 +33,7 @@ FEASIBLE = 1e-7  # relative margin that counts as holding
 
 
 @checks.by_name
+@read_only
 @dataclass(frozen=True, kw_only=True, eq=False)
 class Optimum:
     """The best design and what to know about it.

@@ -25,6 +25,7 @@ from microswim.gait.gait import DEGREES_OF_FREEDOM
 from microswim.jobs import cluster as clusters
 from microswim.jobs.lock import locked
 from microswim.jobs.processes import counted
+from microswim.numerics.array import sealed
 from microswim.spec.describe import spec_json
 from microswim.spec.values import all_from_python
 from microswim.studies.sweeps.engines import Rows, Task, solved
@@ -322,4 +323,4 @@ def _in_memory(job: Job, space: Space, engine: Engine, attributes: Any, progress
     for name, values in zip(space.names, space.values):
         dims = name if space.grid else "design"
         coords[name] = (dims, values, said(name, job.swimmer.units))
-    return xr.Dataset(data, coords, attributes)
+    return sealed(xr.Dataset(data, coords, attributes))

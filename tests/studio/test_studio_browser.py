@@ -340,7 +340,8 @@ def test_a_calibrated_region_shows_its_error_in_colour(page):
     region = {"tail.amplitude": (0.06, 0.12)}
     swimmer = ms.Swimmer.preset("tabak/helix")
     made = ms.calibrate_region(swimmer, region, "rft", solves=12, workers=0).swimmer
-    spec = {**tomllib.loads(presets.read("tabak/helix")), "region": {"data": pack(made.region)}}
+    spec = tomllib.loads(presets.read("tabak/helix")) | {"region": {"data": pack(made.region)}}
+    del spec["coefficients"]  # the region takes their place
     text = to_toml(spec, "calibrated").encode()
     page.set_input_files(
         "#file", files=[{"name": "calibrated.toml", "mimeType": "text/plain", "buffer": text}]
@@ -393,6 +394,12 @@ def test_a_value_may_bring_its_unit_and_a_refused_design_is_greyed(page):
     page.keyboard.press("Enter")
     page.wait_for_function("() => studio.store.design.tables.tail.length === '6.0 um'")
     assert settled(page)["tail"]["length"] == "6.0 um"
+    assert page.locator("#backwards").count() == 0
+    page.fill('input[aria-label="Frequency, value"]', "-70")
+    page.keyboard.press("Enter")
+    page.wait_for_selector("#backwards:has-text('tail first')")
+    page.click("#undo")
+    settled(page)
     page.fill(box, "6 furlongs")
     page.keyboard.press("Enter")
     page.wait_for_selector(".notice.error:has-text('known unit')")

@@ -76,6 +76,8 @@ def canonical(swimmer: Swimmer) -> dict[str, Any]:
     }
     if not any(map(any, swimmer.interaction.coupling)):
         del tables["interaction"]["coupling"]
+    if swimmer.region is not None:  # it takes their place
+        del tables["coefficients"], tables["interaction"]
     around = {"wall": swimmer.wall, "channel": swimmer.channel, "magnet": swimmer.magnet}
     tables |= {name: _table(part) for name, part in around.items() if part is not None}
     if swimmer.field is not None:

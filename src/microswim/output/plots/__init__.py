@@ -1,7 +1,8 @@
-"""Pictures of a run."""
+"""Pictures of a run, of a sweep over two numbers, of a front of designs."""
 
 import lazy_loader
 
 __getattr__, __dir__, __all__ = lazy_loader.attach(
-    __name__, submod_attrs={"run": ["trajectory", "velocity"]}
+    __name__,
+    submod_attrs={"design": ["design_map", "front"], "run": ["trajectory", "velocity"]},
 )

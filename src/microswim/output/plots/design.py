@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 import xarray as xr
 
+from microswim.errors import SpecError, nearest
 from microswim.gait.quantities import current
 from microswim.gait.units import unit
 from microswim.output.io.surface import surface
@@ -82,9 +83,31 @@ def design_map(
         result holds expected errors, their 5 % and 10 % lines are drawn as well.
     label
         Name of the colours.
+
+    Returns
+    -------
+    matplotlib.figure.Figure
+        Call its ``savefig``.
+
+    Raises
+    ------
+    SpecError
+        If the result does not vary over two numbers, or has no such variable.
+
+    Examples
+    --------
+    >>> import microswim as ms
+    >>> over = {"tail.amplitude": [0.05, 0.1, 0.15], "tail.waves": [1, 2, 3]}
+    >>> result = ms.sweep(ms.Swimmer.preset("tabak/helix"), over)
+    >>> ms.plots.design_map(result).axes[0].get_xlabel()
+    'tail.waves'
     """
     name, _, component = merit.partition(".")
+    if name not in result:
+        raise SpecError("merit", merit, "a variable of the result", nearest(name, map(str, result)))
     values = result[name].sel(component=component) if component else result[name]
+    if values.ndim != 2:
+        raise SpecError("result", f"over {', '.join(map(str, values.dims))}", "over two numbers")
     y, x = values.dims
     with look():
         figure = blank(WIDE, 3.4)
@@ -151,6 +174,21 @@ def front(result: xr.Dataset, swimmer: Swimmer, drawn: int = 4) -> Figure:
         The swimmer it varied.
     drawn
         How many designs to draw.
+
+    Returns
+    -------
+    matplotlib.figure.Figure
+        Call its ``savefig``.
+
+    Examples
+    --------
+    >>> import microswim as ms
+    >>> robot = ms.Swimmer.preset("tabak/helix")
+    >>> wishes = {"maximize": ["swimming_speed"], "minimize": ["mean_torque"]}
+    >>> small = {"population": 8, "generations": 2}
+    >>> front = ms.pareto(robot, {"tail.amplitude": (0.05, 0.15)}, **wishes, **small)
+    >>> len(ms.plots.front(front, robot).axes)
+    2
     """
     texts = [text.split(" ", 1)[1] for text in result.attrs["objectives"]]
     wanted = [

@@ -17,11 +17,12 @@ from microswim.errors import MicroswimError
 from microswim.models.elastic.plane import Balance, Base, Loads, balance
 from microswim.models.elastic.problem import Problem
 from microswim.models.elastic.rod import Rod, rod
+from microswim.numerics.fourier import evaluate, series_of
 
-#: Phases over half a period and curvatures of the rod, to begin with and at most.
-FIRST, MOST = (8, 12), (64, 96)
+#: Phases over half a period and curvatures of the rod, to begin with; their product, at most.
+FIRST, MOST = (8, 12), 2500
 #: Largest share that the last harmonics and curvatures may have.
-TOLERANCE = 1e-6
+TOLERANCE = 1e-5
 
 
 @dataclass(frozen=True, eq=False)
@@ -107,8 +108,9 @@ def settled(problem: Problem) -> Beat:
         return _still(problem)
     T, n = FIRST
     n = max(n, int(6 + 2 * problem.sperm_number))
-    while MOST[0] >= T and n <= MOST[1]:
-        beat = found(problem, T, n)
+    beat = None
+    while T * n <= MOST:
+        beat = (beat and _newton(_finer(beat, T, n))) or found(problem, T, n)
         in_time, along = beat.is_resolved
         if in_time and along:
             return beat
@@ -117,6 +119,19 @@ def settled(problem: Problem) -> Beat:
         f"the elastic tail bends too sharply to be resolved (sperm number "
         f"{problem.sperm_number:.3g}): stiffen it, drive it less, or slower"
     )
+
+
+def _finer(beat: Beat, T: int, n: int) -> Beat:
+    """The same beat at more phases, of more curvatures."""
+    shapes = rod(n, beat.problem.turning)
+    phase = np.pi * np.arange(T) / T
+    sense = np.array([1.0, -1.0, -1.0])[list(beat.problem.drag.free)]  # half a period on
+    q, V = (
+        evaluate(series_of(np.concatenate([x, sign * x])), phase)
+        for x, sign in ((beat.shape, -1.0), (beat.velocity, sense))
+    )
+    more = shapes.count - beat.rod.count
+    return replace(beat, rod=shapes, shape=np.pad(q, ((0, 0), (0, more))), velocity=V)
 
 
 def _still(problem: Problem) -> Beat:

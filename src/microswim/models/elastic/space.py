@@ -103,45 +103,45 @@ def balance_in_space(
     at = Pose(at.directors.astype(q.dtype), at.place.astype(q.dtype))
     S, t, n = rod.along, at.directors[:, 2], rod.count
     X = at.place + drag.offset * AXIS
-    phi, moved = _coordinates(rod, at)  # (m, 3 n, 3) each
+    phi, moved = _coordinates(rod, at)  # (m, 3, 3 n) each
     rigid_phi, rigid = _rigid(X, drag.free)
-    turn, shift = np.concatenate([rigid_phi, phi], 1), np.concatenate([rigid, moved], 1)
+    turn, shift = np.concatenate([rigid_phi, phi], 2), np.concatenate([rigid, moved], 2)
 
     whole = V[3:] + rate * AXIS
     v = V[:3] + np.cross(V[3:], X) + rate * np.cross(AXIS, at.place)
     W_t, W_n = (c * rod.weight + drag.tip * rod.end for c in (drag.tangential, drag.normal))
-    W_r = drag.spin * rod.weight
-    along = np.einsum("ja,ja->j", t, v)
-    f = W_n[:, None] * v + ((W_t - W_n) * along)[:, None] * t
-    m = (W_r * (t @ whole))[:, None] * t
-    residual = np.einsum("jia,ja->i", shift, f) + np.einsum("jia,ja->i", turn, m)
+    W_r, extra = drag.spin * rod.weight, W_t - W_n
+    along, spin = _dot(t, v), t @ whole
+    f = W_n[:, None] * v + (extra * along)[:, None] * t
+    m = (W_r * spin)[:, None] * t
+    residual = _flat(shift).T @ f.ravel() + _flat(turn).T @ m.ravel()
     free, count = list(drag.free), len(drag.free)
     own = drag.body[free]
-    K = np.repeat([1.0, 1.0, drag.twisting], n)
+    K = np.repeat(np.array([1.0, 1.0, drag.twisting]), n)
     residual[:count] += own @ V
     residual[count:] += K * q.ravel()
 
-    tangent, spun = (np.einsum("jia,ja->ji", c, t) for c in (shift, turn))
-    R = np.einsum("jia,j,jka->ik", shift, W_n, shift)
-    R += np.einsum("ji,j,jk->ik", tangent, W_t - W_n, tangent)
-    R += np.einsum("ji,j,jk->ik", spun, W_r, spun)
+    tangent, spun = (_dot(t[..., None], c) for c in (shift, turn))  # (m, f + 3 n)
+    R = _flat(shift).T @ _flat(W_n[:, None, None] * shift)
+    R += tangent.T @ (extra[:, None] * tangent) + spun.T @ (W_r[:, None] * spun)
     R[:count, :count] += own[:, free]
 
-    dt = np.cross(phi, t[:, None])
-    dv = np.cross(whole, moved)
-    d_along = np.einsum("jka,ja->jk", dt, v) + np.einsum("jka,ja->jk", dv, t)
-    df = W_n[:, None, None] * dv + (W_t - W_n)[:, None, None] * (
-        d_along[..., None] * t[:, None] + along[:, None, None] * dt
+    dt = _cross(phi, t[..., None])
+    dv = _cross(np.broadcast_to(whole[:, None], moved.shape), moved)
+    d_along = _dot(dt, v[..., None]) + _dot(dv, t[..., None])
+    df = W_n[:, None, None] * dv + (
+        (extra[:, None] * d_along)[:, None] * t[..., None] + (extra * along)[:, None, None] * dt
     )
-    dm = W_r[:, None, None] * ((dt @ whole)[..., None] * t[:, None])
-    dm += (W_r * (t @ whole))[:, None, None] * dt
-    G = np.einsum("jia,jka->ik", shift, df) + np.einsum("jia,jka->ik", turn, dm)
+    d_spin = _dot(dt, np.broadcast_to(whole[:, None], dt.shape))
+    dm = (W_r[:, None] * d_spin)[:, None] * t[..., None] + (W_r * spin)[:, None, None] * dt
+    G = _flat(shift).T @ _flat(df) + _flat(turn).T @ _flat(dm)
     N = S.T @ f
     M = S.T @ (np.cross(t, N) + m)
-    G[count:] += np.einsum("jia,jka->ik", phi, np.cross(dt, N[:, None]))
-    across = np.cross(at.directors, M[:, None])  # d_i x M, (m, 3, 3)
-    G[count:] += np.einsum("jp,jia,jka->ipk", rod.curvatures, across, phi).reshape(3 * n, 3 * n)
-    arms = np.cross(moved, f[:, None]).sum(axis=0).T  # torque of the drag as its points move
+    G[count:] += _flat(phi).T @ _flat(_cross(dt, N[..., None]))
+    for i in range(3):  # phi_k . (d_i x M) p_i
+        bent = _dot(np.cross(at.directors[:, i], M)[..., None], phi)
+        G[count + i * n : count + (i + 1) * n] += rod.curvatures.T @ bent
+    arms = _cross(moved, f[..., None]).sum(axis=0)  # torque of the drag as its points move
     turning = [name >= 3 for name in free]
     G[:count][turning] += arms[[name - 3 for name in free if name >= 3]]
     G[count:] += np.diag(K)
@@ -149,19 +149,36 @@ def balance_in_space(
 
 
 def _coordinates(rod: Rod, at: Pose) -> tuple[np.ndarray, np.ndarray]:
-    """``phi_k`` and ``X_k`` of each coordinate at the nodes, (m, 3 n, 3)."""
+    """``phi_k`` and ``X_k`` of each coordinate at the nodes, (m, 3, 3 n)."""
     m, n = rod.curvatures.shape
-    integrand = rod.curvatures[:, None, :, None] * at.directors[:, :, None]  # (m, 3, n, 3)
-    phi = (rod.along @ integrand.reshape(m, -1)).reshape(m, 3 * n, 3)
-    moved = rod.along @ np.cross(phi, at.directors[:, None, 2]).reshape(m, -1)
-    return phi, moved.reshape(m, 3 * n, 3)
+    directors = np.swapaxes(at.directors, 1, 2)[..., None]  # (m, 3, director, 1)
+    integrand = (directors * rod.curvatures[:, None, None]).reshape(m, 3, 3 * n)
+    phi = (rod.along @ integrand.reshape(m, -1)).reshape(m, 3, 3 * n)
+    speed = _cross(phi, at.directors[:, 2, :, None])
+    return phi, (rod.along @ speed.reshape(m, -1)).reshape(m, 3, 3 * n)
 
 
 def _rigid(X: np.ndarray, free: tuple[int, ...]) -> tuple[np.ndarray, np.ndarray]:
-    """The same of the body's free velocities, (m, f, 3)."""
+    """The same of the body's free velocities, (m, 3, f)."""
     m = len(X)
-    turn, shift = np.zeros((2, m, 6, 3), dtype=X.dtype)
-    turn[:, [3, 4, 5]] = np.eye(3)
-    shift[:, [0, 1, 2]] = np.eye(3)
-    shift[:, [3, 4, 5]] = np.cross(np.eye(3), X[:, None])
-    return turn[:, list(free)], shift[:, list(free)]
+    turn, shift = np.zeros((2, m, 3, 6), dtype=X.dtype)
+    turn[:, :, 3:] = np.eye(3)
+    shift[:, :, :3] = np.eye(3)
+    shift[:, :, 3:] = _cross(np.broadcast_to(np.eye(3), (m, 3, 3)), X[..., None])
+    return turn[..., list(free)], shift[..., list(free)]
+
+
+def _flat(a: np.ndarray) -> np.ndarray:
+    """Nodes and components in one row, (3 m, k)."""
+    return a.reshape(-1, a.shape[-1])
+
+
+def _dot(a: np.ndarray, b: np.ndarray) -> np.ndarray:
+    """Scalar product over the axis of components, the second."""
+    return (a * b).sum(axis=1)
+
+
+def _cross(a: np.ndarray, b: np.ndarray) -> np.ndarray:
+    """Vector product over the axis of components, the second."""
+    (x, y, z), (u, v, w) = np.moveaxis(a, 1, 0), np.moveaxis(b, 1, 0)
+    return np.stack([y * w - z * v, z * u - x * w, x * v - y * u], axis=1)

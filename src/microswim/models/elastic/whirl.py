@@ -25,8 +25,8 @@ from microswim.models.rft.gait import body_resistance
 from microswim.numerics.fourier import TURN_S
 from microswim.swimmer.swimmer import Swimmer
 
-FIRST, MOST, TOLERANCE = 10, 40, 1e-6
-STEPS = 40
+FIRST, MOST, TOLERANCE = 10, 40, 1e-5
+STEPS, SHORTEST = 40, 1e-4
 LEAST_SPIN = 1e-8  #: of the normal resistance, where a filament is given none
 FARTHEST = 0.7  #: largest change of a coordinate in a step
 
@@ -136,35 +136,34 @@ def whirl(swimmer: Swimmer) -> Whirl:
     """
     drag, tail = drag_in_space(swimmer), elastic_tail(swimmer)
     rate, n = float(np.sign(np.real(tail.rate))), FIRST
+    at = Whirl(drag, rod(n), tail.angle or 0.0, rate, np.zeros((3, n)), np.zeros(6), 0)
+    found = _sped_up(at) if rate else at
     while n <= MOST:
-        straight = Whirl(drag, rod(n), tail.angle or 0.0, rate, np.zeros((3, n)), np.zeros(6), 0)
-        if not rate:
-            return straight
-        found = _sped_up(straight)
-        size = np.abs(found.shape).max()
-        if np.abs(found.shape[:, -2:]).max() <= TOLERANCE * size:
+        if np.abs(found.shape[:, -2:]).max() <= TOLERANCE * np.abs(found.shape).max():
             return found
-        n += max(6, n // 3)
+        more = max(6, n // 3)
+        n += more
+        at = replace(found, rod=rod(n), shape=np.pad(found.shape, ((0, 0), (0, more))))
+        found = _settled(at) or _sped_up(replace(at, shape=0.0 * at.shape))
     raise MicroswimError("the turning tail bends too sharply to be resolved; stiffen it")
 
 
 def _sped_up(straight: Whirl) -> Whirl:
     """Turned slowly first, then faster and faster, as a motor that starts would turn it."""
-    drag, at, done = straight.drag, straight, 0.0
-    last = float(np.real(drag.normal))
-    step = min(1.0, 1.0 / last)  # up to a sperm number of 1 at once
+    drag, at = straight.drag, straight
+    share, faster, done = min(1.0, 1.0 / float(np.real(drag.normal))), 5.0, 0.0
     while done < 1.0:
-        share = min(1.0, done + step)
         found = _settled(replace(at, drag=_slowed(drag, share)))
         if found is None:
-            step /= 2.0
-            if step < 1e-3 * share:
+            faster **= 0.5
+            if faster < 1.02:
                 raise MicroswimError(
                     f"beyond {done:.0%} of its rate the turning tail settles to no shape that "
                     "turns as a whole: turn it slower or stiffen it"
                 )
-            continue
-        at, done, step = found, share, 4.0 * share
+        else:
+            at, done = found, share
+        share = min(1.0, faster * done) if done else share / faster
     return at
 
 
@@ -175,14 +174,16 @@ def _slowed(drag: DragInSpace, share: float) -> DragInSpace:
 
 def _settled(at: Whirl) -> Whirl | None:
     """Implicit steps in phase, each longer than the last, down to Newton's method."""
-    step, last = 0.1, np.inf
+    step, last = 10.0, np.inf
     for _ in range(STEPS):
         change = _change(at, at.balance, step)
         size = np.abs(change[len(at.drag.free) :]).max()
         if not size <= FARTHEST:
             step /= 4.0
+            if step < SHORTEST:
+                return None
             continue
-        at, step = _moved(at, change), 4.0 * step
+        at, step = _moved(at, change), 16.0 * step
         small = step > 1e3 and size <= 1e-9 * max(1.0, np.abs(at.shape).max())
         if small and (last <= 1e-7 or not np.iscomplexobj(change)):
             return at

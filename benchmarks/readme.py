@@ -42,7 +42,7 @@ def accurate():
     """How accurate: base case, one design, a region."""
     known = [rows("accuracy-bem.md", name) for name in ("u_s, six degrees of freedom", "Omega_s")]
     off = [max(abs(100 * (float(r[3]) / float(r[1]) - 1)), 0.01) for r in known]
-    atlas = rows("decisions/atlas.md", "all in the range (611)")
+    speed, turning = (rows("accuracy-atlas.md", name) for name in ("u_s", "Omega_s"))
     plain = ms.Swimmer.preset("tabak/helix").gait().mean_velocity[0] / float(known[0][1])
     one = rows("accuracy.md", "Lighthill, with spin", "grid")
     tube = rows("accuracy-fem.md", "largest difference")
@@ -60,9 +60,9 @@ def accurate():
         ),
         (
             "as it comes, helical tails (`--model auto`: the atlas)",
-            "611 reference solves over its range, each left out",
-            f"u_s {atlas[1]} median, {atlas[2]} at 95 %; body rate {atlas[4]}, {atlas[5]}; "
-            "[where](docs/decisions/atlas.md)",
+            "154 designs drawn afterwards over its range",
+            f"u_s {speed[1]} median, {speed[4]} at 99 %; body rate {turning[1]}, {turning[4]}; "
+            "[where](docs/accuracy-atlas.md)",
         ),
         (
             "plain resistive force theory (Lighthill's coefficients), base case",

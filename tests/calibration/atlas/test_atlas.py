@@ -1,5 +1,6 @@
 """The atlas: laws that hold whatever it was fitted to, the truth, and what it says of its error."""
 
+import json
 import warnings
 from dataclasses import replace
 
@@ -7,7 +8,7 @@ import numpy as np
 import pytest
 
 import microswim as ms
-from microswim.calibration.atlas import campaign, coordinates, text
+from microswim.calibration.atlas import campaign, coordinates, solves, text
 from microswim.calibration.atlas.atlas import shipped
 from microswim.calibration.atlas.choice import auto
 from microswim.calibration.atlas.expected import expected_error
@@ -171,6 +172,28 @@ def test_accuracy_takes_the_cheapest_that_holds_it():
     assert "atlas" in tight.info["remarks"][-1]
     with pytest.raises(SpecError, match="accuracy"):
         auto(ROBOT, 2.0)
+
+
+def test_solves_in_a_file_come_back(tmp_path):
+    """Of a design by its six numbers; what was refused, or cut off at the end, does not count."""
+    x = [0.6, 0.2, 1.5, 5.0, 1.0, 0.1]
+    swimmer = campaign.design(x)
+    gait = swimmer.gait("bem", level="coarse")
+
+    def pairs(name):
+        return getattr(gait, f"{name}_series").astype(complex).view(float).ravel().tolist()
+
+    line = {"i": 0, "x": x, "gait": {n: pairs(n) for n in solves.SERIES}, "asym": 1e-5}
+    line["shape"] = [len(gait.resistance_series), True]
+    refused = {"i": 1, "x": x, "why": "big head"}
+    path = tmp_path / "solves.jsonl"
+    path.write_text("\n".join([*map(json.dumps, (line, refused)), '{"i": 2, "x']), "utf-8")
+    (found,) = solves.read(path, campaign.design)
+    assert found.swimmer == swimmer
+    assert np.allclose(found.gait.velocity(0.4), gait.velocity(0.4), rtol=1e-12)
+    path.write_text("hello\n" + json.dumps(refused), "utf-8")
+    with pytest.raises(SpecError, match="line 1 is no solve"):
+        solves.read(path, campaign.design)
 
 
 def test_quantile_is_that_of_the_weights():

@@ -26,6 +26,7 @@ from microswim.numerics.fourier import MIRROR_R
 from microswim.swimmer.swimmer import Swimmer
 
 FILE = "helix.npz"
+SOME = 32  #: designs side by side: more would not fit the processor's memory
 SHARES = slice(10, 13)  #: corrections of the force on the body alone
 
 
@@ -51,11 +52,12 @@ class Group:
     alpha: np.ndarray
     mean: np.ndarray
 
-    def __call__(self, z: np.ndarray, waves: np.ndarray) -> np.ndarray:
-        """Return corrections (k, m) at designs, complex ones as pairs, in plain NumPy."""
-        r2 = sum(((z[:, None, f] - self.Z[:, f]) / h) ** 2 for f, h in enumerate(self.lengths))
-        k = matern.written(r2)
-        turn = 2.0 * np.pi * (waves[:, None] - self.N)
+    def __call__(self, squares: np.ndarray, turn: np.ndarray) -> np.ndarray:
+        """Return corrections (k, m), complex ones as pairs, in plain NumPy.
+
+        squares : of the differences of coordinates to the designs (k, n, f); turn : of the tip.
+        """
+        k = matern.written(squares @ self.lengths**-2.0)
         even, odd = 1.0, 0.0
         for m, a in enumerate(self.phasors, 1):
             if a > 0:
@@ -65,7 +67,7 @@ class Group:
         a, b = np.real(self.alpha), np.imag(self.alpha)
         real = (k * even) @ a - (k * odd) @ b + np.real(self.mean)
         imag = (k * even) @ b + (k * odd) @ a + np.imag(self.mean)
-        return np.stack([real, imag], axis=-1).reshape(len(z), -1)
+        return np.stack([real, imag], axis=-1).reshape(len(k), -1)
 
 
 @dataclass(frozen=True, eq=False)
@@ -106,9 +108,15 @@ class Atlas:
     def corrections(self, x: np.ndarray, z: np.ndarray, waves: np.ndarray) -> np.ndarray:
         """Return the corrections y (25, ...) of designs."""
         rows, N = np.atleast_2d(z), np.atleast_1d(waves)
-        y = np.concatenate([g(rows, N) for g in self.groups], axis=1)
+        y = np.concatenate([self._some(rows[i : i + SOME], N[i : i + SOME])
+                            for i in range(0, len(rows), SOME)])  # fmt: skip
         scale = np.exp(np.tensordot(self.exponents, coordinates.powers(x), axes=1))
         return y.T.reshape(scale.shape) * scale
+
+    def _some(self, z: np.ndarray, waves: np.ndarray) -> np.ndarray:
+        first = self.groups[0]
+        squares, turn = (z[:, None] - first.Z) ** 2, 2.0 * np.pi * (waves[:, None] - first.N)
+        return np.concatenate([group(squares, turn) for group in self.groups], axis=1)
 
     def matrices(self, swimmer: Swimmer) -> tuple[Any, ...]:
         """Return R (6, 6, ...), F_p (6, ...), G at phase 0 and the body's share (3, ...).

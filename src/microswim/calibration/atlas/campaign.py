@@ -2,7 +2,8 @@
 
 Scrambled Sobol points over the logarithms of the numbers, denser towards the edges and a tenth
 beyond them, where no neighbour helps from outside: any first so many of them are a good design.
-Solves are kept in a folder as they come; run again with more, the campaign goes on.
+Solves are kept in a folder as they come; run again with more, the campaign goes on. Solves of
+elsewhere are taken up from files (`solves`): ``make atlas ATLAS_ARGS="--designs 0 --solves FILE"``.
 """
 
 from __future__ import annotations
@@ -13,8 +14,8 @@ from typing import Any
 
 import numpy as np
 
-from microswim.calibration.atlas import coordinates
-from microswim.calibration.atlas.atlas import FILE
+from microswim.calibration.atlas import coordinates, solves
+from microswim.calibration.atlas.atlas import FILE, shipped
 from microswim.calibration.atlas.fit import fit
 from microswim.calibration.atlas.text import pack
 from microswim.calibration.region.calibrate import ASYMMETRY
@@ -99,11 +100,16 @@ def main() -> None:
     """Solve the campaign and write the atlas that comes with the package."""
     parser = argparse.ArgumentParser(description="Solve and fit the atlas.")
     parser.add_argument("folder", type=Path, help="where solves are kept")
-    parser.add_argument("--designs", type=int, default=4096, help="how many are drawn")
+    parser.add_argument("--designs", type=int, default=4096, help="how many are drawn; 0: none")
     parser.add_argument("--workers", type=int, default=None, help="processes; all cores by default")
+    parser.add_argument("--solves", type=Path, nargs="*", help="files of solves to take up too")
+    parser.add_argument("--kernels", action="store_true", help="find the kernels anew (minutes)")
     asked = parser.parse_args()
-    solved = solve(asked.designs, asked.folder, workers=asked.workers)
-    made = fit(solved, {"reference": "bem", "level": LEVEL, "designs": asked.designs})
+    solved = solve(asked.designs, asked.folder, workers=asked.workers) if asked.designs else []
+    for path in asked.solves or ():
+        solved += solves.read(path, design)
+    former = None if asked.kernels else shipped()
+    made = fit(solved, {"reference": "bem", "level": LEVEL, "designs": asked.designs}, former)
     Path(__file__).with_name(FILE).write_bytes(pack(made))
     for i, name in enumerate(("u_s", "lateral u", "Omega_s", "lateral Omega")):
         median, most = np.quantile(made.misses.missed[:, i], [0.5, 0.99])

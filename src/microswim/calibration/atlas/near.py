@@ -8,12 +8,13 @@ Gaussian in scaled coordinates. No distribution is assumed: errors have heavier 
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import cached_property
 from typing import Any
 
 import numpy as np
 
 SHARE = 0.95  #: of the designs that lie within the expected error
-WIDTH = 0.9  #: of the Gaussian, in spreads of the coordinates
+WIDTH = 0.5  #: of the Gaussian, in spreads of the coordinates
 QUANTITIES = ("us", "u_lateral", "os", "o_lateral")
 
 
@@ -37,33 +38,48 @@ class Misses:
 
     def __call__(self, z: np.ndarray) -> np.ndarray:
         """Return the error to expect at designs z (m, f), shape (m, 4)."""
-        return self.factor * np.array([self._around(row, self.spots, self.missed) for row in z])
+        return self.factor * np.array([self._around(row) for row in z])
 
-    def _around(self, z: Any, spots: np.ndarray, missed: np.ndarray) -> np.ndarray:
-        far = np.sum((spots - z) ** 2, axis=1) / (2.0 * WIDTH**2)
+    @cached_property
+    def _orders(self) -> list[np.ndarray]:
+        return [ranked(column) for column in self.missed.T]
+
+    def _around(self, z: Any, without: int | None = None) -> np.ndarray:
+        far = np.sum((self.spots - z) ** 2, axis=1) / (2.0 * WIDTH**2)
+        if without is not None:
+            far[without] = np.inf
         weight = np.exp(far.min() - far)
-        return np.array([quantile(column, weight) for column in missed.T])
+        columns = zip(self.missed.T, self._orders)
+        return np.array([quantile(column, weight, order=order) for column, order in columns])
 
     def left_out(self) -> np.ndarray:
         """Return what the rule says at each design from all others, (n, 4)."""
-        keep = ~np.eye(len(self.spots), dtype=bool)
-        each = (self._around(z, self.spots[k], self.missed[k]) for z, k in zip(self.spots, keep))
-        return self.factor * np.array(list(each))
+        return self.factor * np.array([self._around(z, i) for i, z in enumerate(self.spots)])
 
     def held(self) -> np.ndarray:
         """Return the share of designs within the error that all others let expect, (4,)."""
         return np.mean(self.missed <= self.left_out(), axis=0)
 
 
-def quantile(values: np.ndarray, weight: np.ndarray, share: float = SHARE) -> float:
-    """Return the weighted quantile of values; NaN ones do not count."""
-    known = np.isfinite(values)
-    order = np.argsort(values[known])
-    total = np.cumsum(weight[known][order])
-    if not len(total):
+def ranked(values: np.ndarray) -> np.ndarray:
+    """Return the places of values from small to large; NaN ones do not count."""
+    order = np.argsort(values)
+    return order[: np.count_nonzero(np.isfinite(values))]
+
+
+def quantile(
+    values: np.ndarray, weight: np.ndarray, share: float = SHARE, order: Any = None
+) -> float:
+    """Return the weighted quantile of values; NaN ones do not count.
+
+    order : what `ranked` says of the values, where it is known.
+    """
+    order = ranked(values) if order is None else order
+    if not len(order):
         return float("nan")
+    total = np.cumsum(weight[order])
     at = min(int(np.searchsorted(total, share * total[-1])), len(order) - 1)
-    return float(values[known][order][at])
+    return float(values[order[at]])
 
 
 def measured(spots: np.ndarray, missed: np.ndarray) -> Misses:

@@ -1,6 +1,6 @@
 """What no swimmer in a real fluid would be like: refused where it cannot be, else said in words.
 
-Drag takes power from every motion [Kim & Karrila, Microhydrodynamics, 1991, Section 5.2], so the
+Drag takes power from every motion [Kim and Karrila 1991, Section 5.2], so the
 resistance of a body, and of a whole swimmer, is positive definite. Interaction coefficients below
 zero are not resistances; the paper's plane wave has one about r (its Table 3), which makes up for a
 coupling that the model lacks, and only then, with the whole still definite, such a swimmer passes.

@@ -11,12 +11,12 @@ import click
 from microswim.cli import _files
 from microswim.cli._options import (
     Given,
+    auto_option,
     example,
     force_option,
     json_option,
     level_option,
     leveled,
-    model_option,
     print_json,
     swimmer_options,
 )
@@ -86,7 +86,7 @@ if TYPE_CHECKING:
     show_default=True,
     help="Numbers of the C; float for a processor without double.",
 )
-@model_option
+@auto_option
 @level_option
 @click.option(
     "--out",

@@ -11,12 +11,12 @@ import click
 
 from microswim.cli._options import (
     Given,
+    auto_option,
     change,
     example,
     json_option,
     level_option,
     leveled,
-    model_option,
     print_json,
     swimmer_options,
 )
@@ -44,7 +44,7 @@ from microswim.errors import MicroswimError, SpecError
     type=click.Path(path_type=Path),
     help="A list of designs instead: CSV, a column for each dotted name.",
 )
-@model_option
+@auto_option
 @level_option
 @click.option(
     "--option",

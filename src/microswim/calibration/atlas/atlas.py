@@ -10,7 +10,7 @@ a correction (a lateral force grows with b) off it. All of it is analytic: compl
 from __future__ import annotations
 
 from dataclasses import dataclass, field, replace
-from functools import cache
+from functools import cache, cached_property
 from importlib.resources import files
 from typing import Any
 
@@ -20,13 +20,13 @@ from microswim.calibration.atlas import coordinates
 from microswim.calibration.atlas.near import Misses
 from microswim.calibration.region import body_flow as shaded
 from microswim.calibration.region import positive_definite as blocks
-from microswim.calibration.region.matern import matern
+from microswim.calibration.region.matern import matern_of_arrays
 from microswim.models.rft.plane_wave import fill_nodes
 from microswim.numerics.fourier import MIRROR_R
 from microswim.swimmer.swimmer import Swimmer
 
 FILE = "helix.npz"
-SOME = 32  #: designs side by side: more would not fit the processor's memory
+SOME = 16  #: designs side by side: more would not fit the processor's memory
 SHARES = slice(10, 13)  #: corrections of the force on the body alone
 
 
@@ -52,22 +52,36 @@ class Group:
     alpha: np.ndarray
     mean: np.ndarray
 
-    def __call__(self, squares: np.ndarray, turn: np.ndarray) -> np.ndarray:
-        """Return corrections (k, m), complex ones as pairs, in plain NumPy.
-
-        squares : of the differences of coordinates to the designs (k, n, f); turn : of the tip.
-        """
-        k = matern.written(squares @ self.lengths**-2.0)
+    def __call__(self, z: np.ndarray, waves: np.ndarray) -> np.ndarray:
+        """Return corrections (k, m) at designs, complex ones as pairs, in plain NumPy."""
+        k = matern_of_arrays(self._distance(z))
         even, odd = 1.0, 0.0
         for m, a in enumerate(self.phasors, 1):
             if a > 0:
-                even, odd = even + a * np.cos(m * turn), odd - a * np.sin(m * turn)
+                own, theirs = (np.exp(2j * np.pi * m * N) for N in (self.N, np.real(waves)))
+                dN = 2.0 * np.pi * m * (waves - np.real(waves))  # of a complex step
+                c, s = np.cos(dN), np.sin(dN)
+                cos, sin = (c * theirs.real - s * theirs.imag), (s * theirs.real + c * theirs.imag)
+                even = even + a * (np.outer(cos, own.real) + np.outer(sin, own.imag))
+                odd = odd - a * (np.outer(sin, own.real) - np.outer(cos, own.imag))
         if not np.iscomplexobj(self.alpha):
             return (k * even) @ self.alpha + self.mean
         a, b = np.real(self.alpha), np.imag(self.alpha)
         real = (k * even) @ a - (k * odd) @ b + np.real(self.mean)
         imag = (k * even) @ b + (k * odd) @ a + np.imag(self.mean)
         return np.stack([real, imag], axis=-1).reshape(len(k), -1)
+
+    @cached_property
+    def _scaled(self) -> tuple[np.ndarray, np.ndarray]:
+        own = self.Z / self.lengths
+        return np.ascontiguousarray(own.T), np.sum(own * own, axis=1)
+
+    def _distance(self, z: np.ndarray) -> np.ndarray:
+        """Return the squared distances (k, n), by the products of the coordinates."""
+        own, squares = self._scaled
+        x = z / self.lengths
+        r2 = np.sum(x * x, axis=1)[:, None] + squares - 2.0 * (x @ own)
+        return np.where(np.real(r2) < 0.0, 0.0 * r2, r2)
 
 
 @dataclass(frozen=True, eq=False)
@@ -108,15 +122,12 @@ class Atlas:
     def corrections(self, x: np.ndarray, z: np.ndarray, waves: np.ndarray) -> np.ndarray:
         """Return the corrections y (25, ...) of designs."""
         rows, N = np.atleast_2d(z), np.atleast_1d(waves)
-        y = np.concatenate([self._some(rows[i : i + SOME], N[i : i + SOME])
-                            for i in range(0, len(rows), SOME)])  # fmt: skip
+        y = np.concatenate([
+            np.concatenate([g(rows[i : i + SOME], N[i : i + SOME]) for g in self.groups], axis=1)
+            for i in range(0, len(rows), SOME)
+        ])  # fmt: skip
         scale = np.exp(np.tensordot(self.exponents, coordinates.powers(x), axes=1))
         return y.T.reshape(scale.shape) * scale
-
-    def _some(self, z: np.ndarray, waves: np.ndarray) -> np.ndarray:
-        first = self.groups[0]
-        squares, turn = (z[:, None] - first.Z) ** 2, 2.0 * np.pi * (waves[:, None] - first.N)
-        return np.concatenate([group(squares, turn) for group in self.groups], axis=1)
 
     def matrices(self, swimmer: Swimmer) -> tuple[Any, ...]:
         """Return R (6, 6, ...), F_p (6, ...), G at phase 0 and the body's share (3, ...).

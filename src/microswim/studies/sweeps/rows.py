@@ -13,6 +13,7 @@ from typing import Any
 
 import numpy as np
 
+from microswim.calibration.atlas.everywhere import everywhere
 from microswim.errors import MachineError, MicroswimError, SpecError
 from microswim.gait.quantities import QUANTITIES, Basis
 from microswim.jobs.worker import in_words
@@ -20,6 +21,9 @@ from microswim.numerics.compiled import much, settled
 from microswim.studies.sweeps.layout import DONE, FAILED, NUMBERS, VECTORS, blank
 from microswim.swimmer.swimmer import Swimmer
 from microswim.swimmer.variants import vary
+
+#: Models that answer many designs side by side.
+BATCHED = ("rft", "auto", "atlas")
 
 
 @dataclass(frozen=True)
@@ -62,10 +66,10 @@ def solve_rows(job: Job, columns: Mapping[str, np.ndarray]) -> dict[str, np.ndar
 def _solved(job: Job, columns: Mapping[str, np.ndarray]) -> dict[str, np.ndarray]:
     out = blank(len(next(iter(columns.values()))))
     left: Iterable[int] = range(len(out["status"]))
-    if job.model == "rft" and not job.options:
+    if job.model in BATCHED and not job.options:
         for choices, rows in groups(columns):
             numbers = {k: v[rows] for k, v in columns.items() if k not in choices}
-            _solve_batched(job.swimmer, choices, numbers, out, rows)
+            _solve_batched(job, choices, numbers, out, rows)
         left = np.flatnonzero(out["status"] != DONE).tolist()
     for i in left:
         _solve_one(job, {name: column[i] for name, column in columns.items()}, out, i)
@@ -73,7 +77,7 @@ def _solved(job: Job, columns: Mapping[str, np.ndarray]) -> dict[str, np.ndarray
 
 
 def _solve_batched(
-    swimmer: Swimmer, choices: dict[str, Any], numbers: Any, out: dict[str, np.ndarray], rows: Any
+    job: Job, choices: dict[str, Any], numbers: Any, out: dict[str, np.ndarray], rows: Any
 ) -> None:
     """Rows of equal choices by the batched kernel; what it cannot solve is left to one by one."""
     from microswim.models.rft.batch import evaluate, expected_errors
@@ -81,7 +85,7 @@ def _solve_batched(
     if not numbers:
         return
     try:
-        swimmer = vary(swimmer, choices)
+        swimmer = _by_model(vary(job.swimmer, choices), job.model, numbers)
         results = evaluate(swimmer, numbers)
     except SpecError:
         return
@@ -92,6 +96,16 @@ def _solve_batched(
         if name in out:
             out[name][rows[good]] = values[good]
     out["status"][rows[good]] = DONE
+
+
+def _by_model(swimmer: Swimmer, model: str, numbers: Any) -> Swimmer:
+    """Return the swimmer that answers batches by a model: with the atlas, where it serves."""
+    own = any(name.startswith(("interaction.", "coefficients.")) for name in numbers)
+    found = None if own or model == "rft" else everywhere(swimmer)
+    in_lab = model == "auto" and swimmer.motion.frequency_frame == "lab"
+    if found is None and (model == "atlas" or in_lab):
+        raise SpecError("model", model, "one by one, each with its reason")
+    return found or swimmer
 
 
 def _solve_one(job: Job, values: dict[str, Any], out: dict[str, np.ndarray], row: int) -> None:
@@ -133,7 +147,9 @@ def outputs(gait: Any) -> dict[str, Any]:
     found = {
         name: QUANTITIES[name].of(basis) for name in (*VECTORS, *NUMBERS) if name in QUANTITIES
     }
-    return found | {"expected_error": gait.info.get("expected_error", np.nan)}
+    error = gait.info.get("expected_error", np.nan)
+    error = error["us"] if isinstance(error, dict) else error
+    return found | {"expected_error": np.nan if error is None else error}
 
 
 def groups(columns: Mapping[str, np.ndarray]) -> list[tuple[dict[str, Any], np.ndarray]]:

@@ -37,7 +37,7 @@ from microswim.studies.sweeps.layout import (
     blank,
     said,
 )
-from microswim.studies.sweeps.rows import Job
+from microswim.studies.sweeps.rows import BATCHED, Job
 from microswim.studies.sweeps.space import Space
 from microswim.studies.sweeps.store import SweepStore
 from microswim.swimmer.swimmer import Swimmer
@@ -48,6 +48,8 @@ if TYPE_CHECKING:
 
 BLOCK = {
     "rft": 65536,
+    "auto": 65536,
+    "atlas": 65536,
     "elastic": 64,
     "custom": 64,
     "bem": 64,
@@ -91,7 +93,9 @@ def sweep(
         mappings of dotted names to values, or a table with such columns. Values are numbers or,
         for choices such as ``tail.handedness`` and ``tail.kind``, words.
     model
-        ``"rft"`` (batched kernel), ``"elastic"``, ``"bem"`` or ``"fem"``.
+        ``"rft"`` (batched kernel), ``"auto"`` (the atlas where it covers a design and nobody chose
+        a law or coefficients, else ``"rft"``; each with its expected error), ``"atlas"``,
+        ``"elastic"``, ``"bem"`` or ``"fem"``.
     out
         Zarr store to write as results come; killed at any moment it loses at most the solves in
         flight.
@@ -150,7 +154,7 @@ def sweep(
     job = Job(swimmer, model, options, space.size)
     attributes = _provenance(job, space)
 
-    here = model == "rft" and workers is None  # its kernel uses all cores itself
+    here = model in BATCHED and workers is None  # its kernel uses all cores itself
 
     def engine(tasks: Iterable[Task]) -> Iterator[tuple[Task, Rows]]:
         if scheduler is not None or cluster is not None:
@@ -212,7 +216,7 @@ def _digest(space: Space) -> str:
 
 def _tasks(job: Job, space: Space, rows: np.ndarray) -> Iterator[Task]:
     """Rows of a block as tasks: together for the batched kernel, else one by one."""
-    if job.model != "rft" or not job.swimmer.tail.in_batches:
+    if job.model not in BATCHED or not job.swimmer.tail.in_batches:
         yield from (Task(space, int(i), int(i) + 1) for i in rows)
     elif len(rows):
         yield Task(space, int(rows[0]), int(rows[-1]) + 1)

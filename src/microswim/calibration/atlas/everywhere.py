@@ -1,0 +1,68 @@
+"""The atlas in place of a region calibration: many designs side by side, for sweeps."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field, replace
+
+import numpy as np
+
+from microswim.calibration.atlas import coordinates
+from microswim.calibration.atlas.atlas import Atlas, shipped
+from microswim.calibration.atlas.gait import gait as atlas_gait
+from microswim.calibration.region import body_flow as shaded
+from microswim.calibration.region.evaluate import twists
+from microswim.gait.gait import Gait
+from microswim.swimmer.swimmer import Swimmer
+
+
+@dataclass(frozen=True, eq=False)
+class Everywhere:
+    """What a swimmer asks of a region (`swimmer.region.Region`), answered by the atlas.
+
+    Its range is that of `coordinates`; a design outside is NaN.
+    """
+
+    atlas: Atlas
+    low: dict[str, float] = field(default_factory=dict)
+    high: dict[str, float] = field(default_factory=dict)
+    fixed: dict[str, float] = field(default_factory=dict)
+
+    def gait(self, swimmer: Swimmer) -> Gait:
+        """Return the gait of a design by the atlas."""
+        return atlas_gait(replace(swimmer, region=None))
+
+    @staticmethod
+    def parameters(swimmer: Swimmer) -> np.ndarray:
+        """Return the kernel parameters of one or many designs."""
+        return shaded.parameters(swimmer)
+
+    def solve(self, many: Swimmer, free: np.ndarray, phases: int) -> tuple[np.ndarray, ...]:
+        """Return twists (n, 1, 6), tail powers and drag times speed (n, 1), per unit rate."""
+        R, F, G, extra = (np.moveaxis(x, -1, 0) for x in self.atlas.matrices(many))
+        R, F = (np.ascontiguousarray(x[:, None]) for x in (R, F))
+        V = twists(R, F, free)
+        V[~coordinates.inside(coordinates.numbers(many))] = np.nan
+        power = G[:, None] + np.einsum("nmi,nmi->nm", F, V)
+        drag = extra[:, None, 0] * V[..., 0] + extra[:, None, 1] * V[..., 3] + extra[:, None, 2]
+        return V, power, drag * V[..., 0]
+
+    def expected_of_many(self, many: Swimmer, count: int) -> np.ndarray:
+        """Return the expected relative error of u_s (count,), NaN outside the range."""
+        x, z, _ = self.atlas.place(many)
+        x = np.broadcast_to(x.reshape(6, -1), (6, count))
+        z = np.broadcast_to(np.atleast_2d(z), (count, z.shape[-1]))
+        out, rows = np.full(count, np.nan), np.flatnonzero(coordinates.inside(x))
+        out[rows] = self.atlas.misses(z[rows])[:, 0]
+        return out
+
+
+def everywhere(swimmer: Swimmer) -> Swimmer | None:
+    """Return a swimmer whose batches the atlas answers; None where `auto` would not take it.
+
+    Also for a motor whose rate is that in the lab, which batches do not know.
+    """
+    atlas = shipped()
+    serves = swimmer.region is None and swimmer.is_open and not coordinates.unlike(swimmer)
+    if atlas is None or not serves or swimmer.motion.frequency_frame != "body":
+        return None
+    return replace(swimmer, region=Everywhere(atlas))

@@ -1,0 +1,85 @@
+"""Many designs by the atlas are those one by one, in batches and in sweeps, and say their error."""
+
+import json
+
+import numpy as np
+import pytest
+from click.testing import CliRunner
+
+import microswim as ms
+from microswim.calibration.atlas.everywhere import everywhere
+from microswim.cli import main
+from microswim.models.rft.batch import expected_errors
+
+TAIL = ms.HelicalTail(length=2.0, amplitude=0.1, waves=3, radius=0.05, handedness="right")
+ROBOT = ms.Swimmer(body=ms.Sphere(radius=0.5), tail=TAIL, fluid=ms.Fluid(viscosity=100.0))
+VALUES = {"tail.amplitude": np.array([0.06, 0.1, 0.14]), "body.radius": np.array([0.4, 3.0, 0.6])}
+
+
+def test_a_batch_is_its_gaits_and_nan_outside():
+    many = everywhere(ROBOT)
+    found, errors = ms.evaluate(many, VALUES), expected_errors(many, VALUES)
+    assert np.isnan(found["mean_velocity"][1]).all()
+    assert np.isnan(errors[1])
+    for i in (0, 2):
+        gait = ROBOT.with_({n: float(v[i]) for n, v in VALUES.items()}).gait("auto")
+        assert gait.model == "atlas"
+        assert found["mean_velocity"][i] == pytest.approx(gait.mean_velocity, rel=1e-7, abs=1e-12)
+        for name in ("mean_power", "efficiency", "swimming_speed"):
+            assert found[name][i] == pytest.approx(ms.summary(gait)[name], rel=1e-7)
+        assert errors[i] == pytest.approx(gait.info["expected_error"]["us"], rel=1e-7)
+
+
+def test_a_sweep_takes_each_design_by_the_model_that_serves_it():
+    made = ms.sweep(ROBOT, {n: v.tolist() for n, v in VALUES.items()}, "auto")
+    for i, amplitude in enumerate(VALUES["tail.amplitude"]):
+        for j, radius in enumerate(VALUES["body.radius"]):
+            one = ROBOT.with_({"tail.amplitude": float(amplitude), "body.radius": float(radius)})
+            gait = one.gait("auto")
+            assert gait.model == ("rft" if radius == 3.0 else "atlas")
+            speed, error = made.swimming_speed.values[i, j], made.expected_error.values[i, j]
+            assert speed == pytest.approx(ms.summary(gait)["swimming_speed"], rel=1e-7)
+            assert error == pytest.approx(gait.info["expected_error"]["us"], rel=1e-7)
+
+
+def test_the_atlas_alone_says_why_it_does_not_serve():
+    made = ms.sweep(ROBOT, {"body.radius": [0.5, 3.0]}, "atlas")
+    assert made.status.values.tolist() == [1, 2]
+    assert "body radius" in str(made.reason.values[1])
+
+
+@pytest.mark.parametrize(
+    "change",
+    [
+        {"interaction.translation[0]": 1.2},
+        {"coefficients.tip": True},
+        {"motion.frequency_frame": "lab"},
+    ],
+)
+def test_what_the_atlas_does_not_answer_in_batches_is_left(change):
+    assert everywhere(ROBOT.with_(change)) is None
+    made = ms.sweep(ROBOT.with_(change), {"tail.amplitude": [0.08, 0.1]}, "auto")
+    for i, b in enumerate((0.08, 0.1)):
+        gait = ROBOT.with_({**change, "tail.amplitude": b}).gait("auto")
+        speed = ms.summary(gait)["swimming_speed"]
+        assert made.swimming_speed.values[i] == pytest.approx(speed, rel=1e-7)
+
+
+def test_commands_take_it_without_being_asked(tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+
+    def run(*arguments):
+        result = CliRunner().invoke(main, list(arguments))
+        assert result.exit_code == 0, result.output
+        return result.output
+
+    run("new", "robot.toml")
+    run("sweep", "robot.toml", "--over", "tail.amplitude=0.08:0.12:3", "--out", "a.zarr")
+    import xarray as xr
+
+    made = xr.open_zarr("a.zarr", chunks=None)
+    assert made.attrs["model"] == "auto"
+    assert np.all(made.expected_error.values < 0.1)
+    found = json.loads(run("export", "robot.toml", "--format", "c", "--json"))
+    assert found["model"] == "atlas"
+    assert "expected error of u_s" in (tmp_path / "robot.h").read_text("utf-8")

@@ -14,7 +14,7 @@ import numpy as np
 
 import microswim as ms
 from microswim.gait.steady_turning import SteadyTurning
-from microswim.path.regimes import mobility_of
+from microswim.gait.step_out import mobility_of
 
 ROBOTS, SEED = 14, 5
 

@@ -28,6 +28,7 @@ from microswim.numerics.complex_step import STEP, derivative_from
 from microswim.numerics.fourier import half_range, series_of
 from microswim.numerics.gauss_newton import gauss_newton
 from microswim.swimmer.fields import lifted
+from microswim.swimmer.magnetism.drive import drive_of
 from microswim.swimmer.swimmer import Swimmer
 
 ONE_STEP = 0.02  #: seconds of all gaits for one observation and one unknown as Python
@@ -151,14 +152,14 @@ class _Problem:
 
     def predict(self, values: Iterable[Any]) -> np.ndarray:
         """All observed quantities for the unknowns' values (numbers, real or complex)."""
-        made: dict[int, tuple[Gait, Any]] = {}
+        made: dict[int, tuple[Gait, Any, Any]] = {}
         out = []
         for o in self.observations:
             if id(o.swimmer) not in made:
                 one = lift(o.swimmer, self.unknowns, values)
-                made[id(o.swimmer)] = surrogate(one), one.body_length
-            gait, length = made[id(o.swimmer)]
-            value = observe.observed(gait, o.quantity, o.phase, body_length=length)
+                made[id(o.swimmer)] = surrogate(one), one.body_length, drive_of(one)
+            gait, length, drive = made[id(o.swimmer)]
+            value = observe.observed(gait, o.quantity, o.phase, body_length=length, drive=drive)
             out.append(np.atleast_1d(value))
         return np.concatenate(out)
 

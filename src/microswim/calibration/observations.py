@@ -11,10 +11,12 @@ import numpy as np
 
 from microswim import checks
 from microswim.errors import RenamedWarning, SpecError
+from microswim.gait.driven import DRIVEN
 from microswim.gait.gait import DEGREES_OF_FREEDOM, Gait
 from microswim.gait.observed import observed, parse
 from microswim.gait.quantities import NUMBERS, OLD
 from microswim.numerics.array import read_only
+from microswim.swimmer.magnetism.drive import drive_of
 from microswim.swimmer.swimmer import Swimmer
 
 _ENTRY = {"mean_velocity": "such as mean.us", "velocity_amplitude": "such as amplitude.uq"}
@@ -86,7 +88,7 @@ class Observation:
     def _check_name(self) -> None:
         """Keep the name of today; say what changed its meaning, refuse what is no number."""
         kind, index = parse(self.quantity)
-        if not index and kind not in NUMBERS:
+        if not index and kind not in (*NUMBERS, *DRIVEN):
             raise SpecError("quantity", kind, "one number", f"name an entry, {_ENTRY[kind]}")
         if kind == "body_rate":
             warnings.warn(
@@ -128,7 +130,8 @@ def from_reference(
     The uncertainty of each is 1 % of its value, or of its natural scale where it nearly cancels.
     """
     names = tuple(quantities) or usual_quantities(swimmer)
-    found = [(name, float(np.real(observed(gait, name)))) for name in names]
+    drive = drive_of(swimmer)
+    found = [(name, float(np.real(observed(gait, name, drive=drive)))) for name in names]
     return [Observation(swimmer=swimmer, quantity=name, value=value) for name, value in found]
 
 

@@ -20,10 +20,12 @@ import numpy as np
 
 from microswim import checks
 from microswim.errors import SpecError
+from microswim.gait.driven import DRIVEN
 from microswim.gait.gait import DEGREES_OF_FREEDOM, Gait
 from microswim.gait.quantities import QUANTITIES, Basis, current
 from microswim.gait.units import unit
 
+ALL = QUANTITIES | DRIVEN
 ENTRIES = {  #: kinds of entries, with how many degrees of freedom each names
     **dict.fromkeys(("mean", "amplitude", "velocity", "propulsion", "tail_propulsion"), 1),
     **dict.fromkeys(("resistance", "tail_resistance", "body_resistance", "mobility"), 2),
@@ -42,7 +44,7 @@ def parse(quantity: str) -> tuple[str, tuple[int, ...]]:
         If there is no such quantity.
     """
     kind, *names = current(str(quantity)).split(".")
-    wanted = 0 if kind in QUANTITIES else ENTRIES.get(kind, -1)
+    wanted = 0 if kind in ALL else ENTRIES.get(kind, -1)
     if len(names) != wanted or any(name not in DEGREES_OF_FREEDOM for name in names):
         allowed = "such as mean.us, amplitude.uq, swimming_speed, body_rate, resistance.us.os"
         raise SpecError("quantity", quantity, allowed)
@@ -58,8 +60,8 @@ def unit_of(quantity: str, units: str) -> str:
     ('rad/s', 'm/s')
     """
     kind, index = parse(quantity)
-    if kind in QUANTITIES:
-        return unit(units, QUANTITIES[kind].dimension)
+    if kind in ALL:
+        return unit(units, ALL[kind].dimension)
     if kind in ("mean", "amplitude", "velocity"):
         return unit(units, "speed" if index[0] < 3 else "rate")
     return ""
@@ -68,7 +70,9 @@ def unit_of(quantity: str, units: str) -> str:
 @checks.given(
     gait=checks.gait, quantity=checks.text, phase=checks.series, body_length=checks.numeric
 )
-def observed(gait: Gait, quantity: str, phase: Any = None, *, body_length: Any = None) -> Any:
+def observed(
+    gait: Gait, quantity: str, phase: Any = None, *, body_length: Any = None, drive: Any = None
+) -> Any:
     """Return the value of a quantity, from a gait of any model.
 
     Parameters
@@ -82,6 +86,8 @@ def observed(gait: Gait, quantity: str, phase: Any = None, *, body_length: Any =
         Phases of a time series (``velocity.*`` alone).
     body_length
         Length of the body along s, for what is counted in body lengths.
+    drive
+        Magnet and rotating field, ``(moment, strength, cone)``, for ``"step_out"`` and the like.
 
     Returns
     -------
@@ -101,8 +107,8 @@ def observed(gait: Gait, quantity: str, phase: Any = None, *, body_length: Any =
     [-0.39, 0.39]
     """
     kind, index = parse(quantity)
-    if kind in QUANTITIES:
-        return QUANTITIES[kind].of(Basis(gait, body_length))
+    if kind in ALL:
+        return ALL[kind].of(Basis(gait, body_length, drive))
     if kind == "mean":
         return gait.mean_velocity[index]
     if kind == "amplitude":
@@ -136,7 +142,7 @@ def _of_part(gait: Gait, kind: str, index: tuple[int, ...]) -> Any:
     return part[index]
 
 
-def output(gait: Gait, name: str) -> Any:
+def output(gait: Gait, name: str, drive: Any = None) -> Any:
     """Return a number or array of a gait by name: a quantity, or what the gait itself holds.
 
     Raises
@@ -149,7 +155,7 @@ def output(gait: Gait, name: str) -> Any:
         if not callable(value) and not isinstance(value, (str, dict)):
             return value
     try:
-        return observed(gait, name)
+        return observed(gait, name, drive=drive)
     except SpecError:
         allowed = "a number of a gait, such as mean_velocity or efficiency"
         raise SpecError("output", name, allowed) from None

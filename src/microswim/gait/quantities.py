@@ -18,6 +18,7 @@ from microswim import checks
 from microswim.errors import SpecError, renamed
 from microswim.gait.gait import Gait
 from microswim.gait.screw import screw
+from microswim.gait.step_out import Drive, fastest, onset
 from microswim.numerics.plain import plain
 from microswim.numerics.rigid_motion import ScrewMotion
 
@@ -60,14 +61,15 @@ def magnitude(x: Any) -> Any:
     return np.where(np.real(x) < 0, -x, x)[()]
 
 
-def _ratio(a: Any, b: Any) -> Any:
+def ratio(a: Any, b: Any) -> Any:
+    """Return a over b, NaN or infinite where b is zero."""
     with np.errstate(all="ignore"):
         return np.divide(a, b)
 
 
 def _turns(b: Any) -> Any:
     moving = np.real(b.rate) != 0
-    return np.where(moving, _ratio(b.mean_velocity[..., 3], magnitude(b.rate)), 0.0)[()]
+    return np.where(moving, ratio(b.mean_velocity[..., 3], magnitude(b.rate)), 0.0)[()]
 
 
 _LIST = (
@@ -186,25 +188,25 @@ _LIST = (
         "speed_per_torque",
         "speed per torque",
         "swimming speed over the size of the mean torque",
-        lambda b: _ratio(b.swimming_speed, magnitude(b.mean_torque)),
+        lambda b: ratio(b.swimming_speed, magnitude(b.mean_torque)),
     ),
     Quantity(
         "speed_per_power",
         "speed per power",
         "swimming speed over mean power",
-        lambda b: _ratio(b.swimming_speed, b.mean_power),
+        lambda b: ratio(b.swimming_speed, b.mean_power),
     ),
     Quantity(
         "distance_per_cycle",
         "length",
         "net displacement along the screw axis in a period",
-        lambda b: _ratio(2.0 * np.pi * b.swimming_speed, magnitude(b.rate)),
+        lambda b: ratio(2.0 * np.pi * b.swimming_speed, magnitude(b.rate)),
     ),
     Quantity(
         "energy_per_distance",
         "force",
         "mean power over swimming speed",
-        lambda b: _ratio(b.mean_power, b.swimming_speed),
+        lambda b: ratio(b.mean_power, b.swimming_speed),
     ),
     Quantity(
         "body_length",
@@ -216,7 +218,7 @@ _LIST = (
         "body_lengths_per_time",
         "frequency",
         "swimming speed over body length",
-        lambda b: _ratio(b.swimming_speed, b.body_length),
+        lambda b: ratio(b.swimming_speed, b.body_length),
     ),
 )
 QUANTITIES = {q.name: q for q in _LIST}
@@ -243,10 +245,12 @@ class Basis:
         Of any model; its series may be complex.
     body_length
         Length of the body along s, for what is counted in body lengths.
+    drive
+        Magnet and rotating field, for step-out and the like.
     """
 
-    def __init__(self, gait: Gait, body_length: Any = None) -> None:
-        self.gait, self._length = gait, body_length
+    def __init__(self, gait: Gait, body_length: Any = None, drive: Drive | None = None) -> None:
+        self.gait, self._length, self._drive = gait, body_length, drive
 
     def __getattr__(self, name: str) -> Any:
         """Return a number that the gait itself states."""
@@ -276,6 +280,22 @@ class Basis:
     def efficiency(self) -> Any:
         """Return Eq. (24); NaN if the model did not tell the body's share."""
         return np.nan if self.gait.body_resistance_series is None else self.gait.efficiency
+
+    @cached_property
+    def fastest(self) -> tuple[Any, Any]:
+        return fastest(self.gait, self._driven)
+
+    @cached_property
+    def onset(self) -> Any:
+        return onset(self.gait, self._driven)
+
+    @property
+    def _driven(self) -> Drive:
+        if self._drive is None:
+            raise SpecError(
+                "quantity: this one needs a swimmer with [magnet] and a rotating [field]"
+            )
+        return self._drive
 
     @property
     def body_length(self) -> Any:

@@ -18,6 +18,7 @@ from microswim.errors import SpecError
 from microswim.gait import doors
 from microswim.gait.gait import Gait
 from microswim.gait.steady_turning import SteadyTurning, Turned
+from microswim.gait.step_out import mobility_of
 from microswim.gait.wobbling import Axisymmetric, closest
 from microswim.numerics.array import Array, read_only
 from microswim.path.slipping import drift
@@ -221,14 +222,6 @@ def steady_turning(swimmer: Swimmer, gait: Gait) -> SteadyTurning:
     sense = float(np.sign(applied.frequency))  # type: ignore[attr-defined]
     cone = sense * applied.cone  # type: ignore[attr-defined]
     return SteadyTurning(mobility_of(gait), magnet.vector, applied.strength, cone)
-
-
-def mobility_of(gait: Gait) -> Array:
-    """Return the twist by torque (6, 3) of a robot without force, its motor still at phase 0."""
-    free = np.flatnonzero(gait.free)
-    M = np.zeros((6, 6))
-    M[np.ix_(free, free)] = np.linalg.inv(np.real(gait.resistance(0.0))[np.ix_(free, free)])
-    return M[:, 3:]
 
 
 def _frequencies(values: Any) -> Array:

@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, Any
 from microswim.gait.observed import output
 from microswim.numerics.complex_step import STEP, derivative_from
 from microswim.swimmer.fields import lifted
+from microswim.swimmer.magnetism.drive import drive_of
 
 if TYPE_CHECKING:
     from microswim.swimmer.swimmer import Swimmer
@@ -18,6 +19,7 @@ def gradient(swimmer: Swimmer, name: str = "mean_velocity", wrt: Any = None) -> 
     out = {}
     for path in paths:
         values = {path: swimmer.numbers.get(path, 0.0) + 1j * STEP}
-        value = output(lifted(swimmer, values).gait(), name)
+        one = lifted(swimmer, values)
+        value = output(one.gait(), name, drive_of(one))
         out[path] = derivative_from(value)
     return out

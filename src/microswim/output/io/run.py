@@ -17,6 +17,7 @@ import numpy as np
 from microswim import __version__, checks
 from microswim.errors import SpecError
 from microswim.gait import quantities
+from microswim.gait.driven import driven
 from microswim.gait.gait import DEGREES_OF_FREEDOM, Gait
 from microswim.gait.observed import observed
 from microswim.gait.units import UNITS
@@ -24,6 +25,7 @@ from microswim.gait.units import unit as unit
 from microswim.numerics.files import write
 from microswim.path.trajectory import trajectory
 from microswim.swimmer import physical_sense
+from microswim.swimmer.magnetism.drive import drive_of
 from microswim.swimmer.swimmer import Swimmer
 
 if TYPE_CHECKING:
@@ -58,7 +60,7 @@ def numbers(swimmer: Swimmer, gait: Gait) -> dict[str, Any]:
     """
     if physical_sense.stands_still(swimmer):  # held or free, nothing else moves: no rounding left
         gait = replace(gait, free=physical_sense.ABOUT_S)
-    found = quantities.numbers(gait, swimmer.body_length)
+    found = quantities.numbers(gait, swimmer.body_length) | driven(gait, drive_of(swimmer))
     return {
         "model": gait.model,
         "units": gait.units,

@@ -11,6 +11,7 @@ import re
 from typing import Any
 
 from microswim.errors import SpecError
+from microswim.gait.driven import DRIVEN
 from microswim.gait.quantities import NUMBERS, OLD, QUANTITIES
 from microswim.gait.units import unit
 from microswim.spec.tables import FIELDS
@@ -20,9 +21,9 @@ from microswim.swimmer.swimmer import Swimmer
 
 #: SI units of the merits that have one, by their names of today and of before.
 MEASURED_IN = {
-    name: unit("SI", QUANTITIES[name].dimension)
-    for name in NUMBERS
-    if QUANTITIES[name].dimension != "number"
+    name: unit("SI", (QUANTITIES | DRIVEN)[name].dimension)
+    for name in (*NUMBERS, *DRIVEN)
+    if (QUANTITIES | DRIVEN)[name].dimension != "number"
 } | {"arc_length": "m", "tail_length": "m"}
 MEASURED_IN |= {old: MEASURED_IN[new] for old, new in OLD.items()}
 _SIGNS = re.compile(r"(<=|>=|<|>)")

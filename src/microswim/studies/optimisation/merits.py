@@ -5,16 +5,19 @@ The quantities of a gait that the batched kernel knows, and what the shape of th
 
 from __future__ import annotations
 
+import warnings
 from collections.abc import Mapping
 from types import SimpleNamespace
 from typing import Any
 
 import numpy as np
 
+from microswim.gait.driven import DRIVEN
 from microswim.gait.gait import Gait
 from microswim.gait.quantities import NUMBERS, OLD, QUANTITIES, Basis
 from microswim.swimmer.fields import ALTERNATIVES, both_of_the_wave, in_terms_of, lifted
 from microswim.swimmer.geometry.tails import WaveTail
+from microswim.swimmer.magnetism.drive import drive_of
 from microswim.swimmer.swimmer import Swimmer
 
 MERITS = {name: QUANTITIES[name].meaning for name in NUMBERS if QUANTITIES[name].of_many}
@@ -33,7 +36,8 @@ def known(swimmer: Swimmer) -> set[str]:
     """Return the names an expression about this swimmer may use: merits, numbers of the spec."""
     shape = set(GEOMETRY) if isinstance(swimmer.tail, WaveTail) else set()
     both = set(ALTERNATIVES) if shape else set()
-    return set(MERITS) | set(OLD) | shape | both | set(swimmer.numbers)
+    driven = set(DRIVEN) if drive_of(swimmer) is not None else set()
+    return set(MERITS) | driven | set(OLD) | shape | both | set(swimmer.numbers)
 
 
 def of_gait(swimmer: Swimmer, gait: Gait, names: Any = None) -> dict[str, Any]:
@@ -48,13 +52,20 @@ def of_gait(swimmer: Swimmer, gait: Gait, names: Any = None) -> dict[str, Any]:
     names
         Which are wanted, for speed; all by default.
     """
-    return _values(Basis(gait, swimmer.body_length), names) | _geometry(swimmer)
+    basis = Basis(gait, swimmer.body_length, drive_of(swimmer))
+    turns = drive_of(swimmer) is not None and (names is not None or all(gait.free[3:]))
+    driven = [n for n in DRIVEN if names is None or n in names] if turns else []
+    found = _values(basis, names) | {name: DRIVEN[name].of(basis) for name in driven}
+    return found | _geometry(swimmer)
 
 
 def of_many(
-    swimmer: Swimmer, numbers: Mapping[str, Any], tolerance: float = 1e-8
+    swimmer: Swimmer, numbers: Mapping[str, Any], tolerance: float = 1e-8, names: Any = None
 ) -> dict[str, Any]:
-    """Return the merits of n designs by the batched kernel; NaN where a design makes no sense."""
+    """Return the merits of n designs by the batched kernel; NaN where a design makes no sense.
+
+    Step-out and the like, one design after the other, if `names` or the swimmer's drive ask.
+    """
     from microswim.models.rft.batch import evaluate
 
     arrays = {name: np.asarray(v, dtype=float) for name, v in numbers.items()}
@@ -66,8 +77,23 @@ def of_many(
     basis = SimpleNamespace(**found, rate=rate, body_length=many.body_length)
     with np.errstate(all="ignore"):
         out = _values(basis) | _geometry(many)
+    if drive_of(swimmer) is not None and (names is None or set(DRIVEN) & set(names)):
+        out |= _driven(swimmer, arrays, np.isfinite(found["mean_power"]))
     n = len(found["mean_power"])
     return {name: np.broadcast_to(value, (n,)) for name, value in out.items()}
+
+
+def _driven(swimmer: Swimmer, arrays: Mapping[str, Any], good: np.ndarray) -> dict[str, Any]:
+    """Return what a rotating field does with each design that is one."""
+    out = {name: np.full(len(good), np.nan) for name in DRIVEN}
+    with warnings.catch_warnings(), np.errstate(all="ignore"):
+        warnings.simplefilter("ignore")
+        for i in np.flatnonzero(good):
+            one = lifted(swimmer, {name: float(values[i]) for name, values in arrays.items()})
+            basis = Basis(one.gait(), drive=drive_of(one))
+            for name, quantity in DRIVEN.items():
+                out[name][i] = quantity.of(basis)
+    return out
 
 
 def _values(basis: Any, names: Any = None) -> dict[str, Any]:

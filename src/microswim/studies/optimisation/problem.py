@@ -134,7 +134,7 @@ class Problem:
 
     def many(self, x: np.ndarray, tolerance: float = COARSE) -> tuple[np.ndarray, np.ndarray]:
         """Objectives (n, o), all to be made large, and margins (n, m); -inf where impossible."""
-        values = of_many(self.swimmer, self.numbers(x), tolerance)
+        values = of_many(self.swimmer, self.numbers(x), tolerance, self.needs)
         n = len(x)
         goals = [np.broadcast_to(s * o(values), (n,)) for o, s in self.objectives]
         margins = [np.broadcast_to(c.margin(values), (n,)) for c in self.limits]

@@ -146,6 +146,7 @@ def _region(given: Given, output: Path | None, options: dict, asked: dict) -> tu
 
 def _coefficients(given: Given, output: Any, options: dict, asked: dict) -> tuple[dict, dict]:
     from microswim.calibration.calibrate import calibrate
+    from microswim.spec.describe import to_tables
 
     data = _data(given, options, asked)
     from microswim.cli._over import bounds
@@ -165,6 +166,10 @@ def _coefficients(given: Given, output: Any, options: dict, asked: dict) -> tupl
     for name in ("normal", "tangential"):
         if hasattr(law, name):
             tables["coefficients"] = tables.get("coefficients", {}) | {name: getattr(law, name)}
+    written = to_tables(fit.swimmer)
+    fitted = {name.partition(".")[0] for name in fit.names if name in fit.swimmer.numbers}
+    for part in fitted - {"interaction", "coefficients"}:  # a moment, a length: its whole table
+        tables[part] = written[part]
     return fit.as_dict(), tables | _record(fit)
 
 

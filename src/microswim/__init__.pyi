@@ -59,6 +59,7 @@ from .swimmer.geometry.bodies import NoBody as NoBody
 from .swimmer.geometry.bodies import Sphere as Sphere
 from .swimmer.geometry.bodies import Spheroid as Spheroid
 from .swimmer.geometry.custom_tail import CustomTail as CustomTail
+from .swimmer.geometry.hook import Hook as Hook
 from .swimmer.geometry.solids.box import Box as Box
 from .swimmer.geometry.solids.round import Capsule as Capsule
 from .swimmer.geometry.solids.round import Cylinder as Cylinder

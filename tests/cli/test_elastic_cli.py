@@ -80,6 +80,8 @@ def test_a_new_spec_runs(tmp_path):
     ('motion.line_element="apparent"', '"arc" for an elastic tail'),
     ("tail.bending=1e-9", "too sharply"),
     ('coefficients={law = "lighthill"}', "wavelength"),
+    ("hook={stiffness = 1.0, length = 0.1}", "the hook is the hinge"),
+    ("hook={stiffness = 1.0}", "hook.length: missing"),
 ])  # fmt: skip
 def test_what_cannot_be_is_refused_in_a_sentence(spec, change, sentence):
     found = run("run", spec, "--set", change)

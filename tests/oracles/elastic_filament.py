@@ -8,17 +8,20 @@ import numpy as np
 from scipy.integrate import solve_ivp
 
 
-def thrust(sperm_number, base="clamped", drive="heave"):
+def thrust(sperm_number, base="clamped", drive="heave", hook=None):
     """Mean thrust on the held base of a filament of length 1, per amplitude squared.
 
     In units of ``(c_n - c_t) w``. With ``y = Re Y(x) exp(i t)`` and ``Y = sum_j a_j exp(k_j x)``,
     ``k^4 = -i Sp^4``, the force along x, away from the base, is
-    ``(c_n - c_t) int y_x y_t dx``, of which thrust is the opposite.
+    ``(c_n - c_t) int y_x y_t dx``, of which thrust is the opposite. With a hook, of so much moment
+    per angle over B / L, the base's slope lags the drive's by ``y_xx / hook``.
     """
     k = sperm_number * np.exp(1j * (-np.pi / 8 + np.pi / 2 * np.arange(4)))
     tip = np.exp(k)
     place, slope = (1, 0) if drive == "heave" else (0, 1)
     second = k if base == "clamped" else k**2
+    if hook is not None:
+        second = k - k**2 / hook
     rows = [np.ones(4), second, k**2 * tip, k**3 * tip]
     a = np.linalg.solve(np.array(rows), [place, slope, 0, 0])
     x, w = np.polynomial.legendre.leggauss(80)

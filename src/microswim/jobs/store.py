@@ -41,7 +41,7 @@ def place(folder: Path, swimmer: Swimmer, model: str, options: dict[str, Any]) -
     seen = [swimmer.body, swimmer.tail, swimmer.fluid, swimmer.motion, swimmer.wall]
     seen += [swimmer.channel, model, sorted(options.items()), __version__, version(model)]
     if swimmer.tail.settles:
-        seen += [version("elastic")]
+        seen += [version("elastic"), swimmer.hook]
     if model in ("rft", "elastic") or swimmer.tail.settles:
         seen += [swimmer.coefficients, swimmer.interaction]
         if swimmer.region is not None:

@@ -27,6 +27,7 @@ from microswim.swimmer.drag.coefficients import LAWS, Unchosen
 from microswim.swimmer.drag.interaction import Interaction
 from microswim.swimmer.fluid import Fluid
 from microswim.swimmer.geometry.bodies import SHAPES
+from microswim.swimmer.geometry.hook import Hook
 from microswim.swimmer.geometry.surroundings import Channel, Wall
 from microswim.swimmer.geometry.tails import TAILS
 from microswim.swimmer.magnetism.applied_field import AppliedField
@@ -41,7 +42,6 @@ ELSEWHERE = {
     "gravity": "a force is given in Python: trajectory(..., force=...)",
     "flow": "a flow is given in Python: trajectory(..., flow=...)",
     "noise": "a diffusion is given in Python: trajectory(..., diffusion=...)",
-    "hook": "the tail is joined to the body rigidly",
 }
 #: The kinds of the tables that have several.
 KINDS: dict[str, Any] = {"body": SHAPES, "tail": TAILS, "field": APPLIED_FIELDS}
@@ -54,8 +54,7 @@ SYNONYMS = {
     "tail.rate": "tail.frequency", "tail.omega": "tail.frequency", "tail.rpm": "tail.frequency",
     "body.diameter": "body.radius (half of it)", "body.axes": "body.semi_axes",
     "fluid.mu": "fluid.viscosity", "fluid.nu": "fluid.kinematic_viscosity",
-    "fluid.rho": "fluid.density",
-    "magnet.Br": "magnet.remanence", "field.B": "field.strength",
+    "fluid.rho": "fluid.density", "magnet.Br": "magnet.remanence", "field.B": "field.strength",
     "field.amplitude": "field.strength", "field.rate": "field.frequency",
     "wall.gap": "wall.distance", "channel.radius": "channel.diameter",
 }  # fmt: skip
@@ -257,6 +256,7 @@ def _build(spec: SpecTable, units: Literal["SI", "dimensionless"], trusted: Trus
         motion=Motion(**_given(spec.motion)),
         units=units,
         region=None if spec.region is None else doors.go(doors.UNPACK_REGION, spec.region.data),
+        hook=None if spec.hook is None else Hook(**_given(spec.hook)),
         wall=None if spec.wall is None else Wall(**_given(spec.wall)),
         channel=None if spec.channel is None else Channel(**_given(spec.channel)),
         magnet=None if spec.magnet is None else Magnet(**_given(spec.magnet)),

@@ -133,6 +133,13 @@ class ElasticTable(_TailTable):
     ] = None
 
 
+class HookTable(_Table):
+    """[hook]: between body and elastic tail."""
+
+    stiffness: Annotated[Bending, About("Hook's stiffness", "bending stiffness of the hook, E I")]
+    length: Annotated[Length, About("Hook's length", "short against the tail")]
+
+
 class CoefficientsTable(_Table):
     """[coefficients]"""
 
@@ -254,6 +261,7 @@ class SpecTable(_Table):
     interaction: InteractionTable = InteractionTable()
     motion: MotionTable = MotionTable()
     region: RegionTable = None  # type: ignore[assignment]
+    hook: HookTable = None  # type: ignore[assignment]
     wall: WallTable = None  # type: ignore[assignment]
     channel: ChannelTable = None  # type: ignore[assignment]
     magnet: MagnetTable = None  # type: ignore[assignment]

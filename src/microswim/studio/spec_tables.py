@@ -79,6 +79,7 @@ def canonical(swimmer: Swimmer) -> dict[str, Any]:
     if swimmer.region is not None:  # it takes their place
         del tables["coefficients"], tables["interaction"]
     around = {"wall": swimmer.wall, "channel": swimmer.channel, "magnet": swimmer.magnet}
+    around["hook"] = swimmer.hook
     tables |= {name: _table(part) for name, part in around.items() if part is not None}
     if swimmer.field is not None:
         tables["field"] = {"kind": swimmer.field.kind, **_table(swimmer.field)}

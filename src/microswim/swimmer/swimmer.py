@@ -18,6 +18,7 @@ from microswim.swimmer.drag.interaction import Interaction
 from microswim.swimmer.fields import numbers_of, set_item, without_other_names
 from microswim.swimmer.fluid import Fluid
 from microswim.swimmer.geometry.body import Body
+from microswim.swimmer.geometry.hook import Hook
 from microswim.swimmer.geometry.surroundings import Channel, Wall
 from microswim.swimmer.geometry.tails import Tail
 from microswim.swimmer.gradient import gradient
@@ -69,6 +70,8 @@ class Swimmer:
     field
         Magnetic field that it is in, `RotatingField`, `UniformField` or `OscillatingField`; none
         by default. A gait does not depend on magnet and field; what follows a path does.
+    hook
+        `Hook` between body and elastic tail; none by default.
     calibration
         Where its coefficients or its region come from, if it was calibrated; no part of what it
         is, so that swimmers compare without it.
@@ -102,14 +105,18 @@ class Swimmer:
     channel: Channel | None = None
     magnet: Magnet | None = None
     field: AppliedField | None = None
+    hook: Hook | None = None
     calibration: Provenance | None = dataclasses.field(default=None, repr=False, compare=False)
 
     def __post_init__(self) -> None:
         for name, kind in zip(PARTS, (Fluid, Body, Tail, Coefficients, Interaction, Motion)):
             self._check_part(name, kind)
-        for name, kind in zip((*SURROUNDINGS, *DRIVE), (Wall, Channel, Magnet, AppliedField)):
+        others = (Wall, Channel, Magnet, AppliedField, Hook)
+        for name, kind in zip((*SURROUNDINGS, *DRIVE, "hook"), others):
             if getattr(self, name) is not None:
                 self._check_part(name, kind)
+        if self.hook is not None:
+            self.hook.check(self.tail)
         if self.wall is not None and self.channel is not None:
             raise SpecError("wall, channel: one of them bounds the fluid; remove the other")
         if self.region is not None and not callable(getattr(self.region, "gait", None)):
@@ -128,9 +135,8 @@ class Swimmer:
         if self.units != "SI" and self.field is not None and self.field.needs_si:
             raise SpecError("field.kind", self.field.kind, '"rotating" or "uniform" without units')
         if self.motion.frequency_frame == "lab" and self.tail.surface_motion != "rigid":
-            raise SpecError(
-                "motion.frequency_frame", "lab", '"body" for a tail that does not rotate rigidly'
-            )
+            allowed = '"body" for a tail that does not rotate rigidly'
+            raise SpecError("motion.frequency_frame", "lab", allowed)
 
     def _check_part(self, name: str, kind: type) -> None:
         if not isinstance(getattr(self, name), kind):
@@ -140,7 +146,7 @@ class Swimmer:
     @property
     def parts(self) -> tuple[str, ...]:
         """Names of the parts it has, as the tables of a spec file."""
-        others = SURROUNDINGS + DRIVE
+        others = (*SURROUNDINGS, *DRIVE, "hook")
         return PARTS + tuple(n for n in others if getattr(self, n) is not None)
 
     @property

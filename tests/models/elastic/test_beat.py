@@ -49,6 +49,15 @@ def test_small_amplitude_does_not_know_the_tangential_drag(ratio):
     assert found == pytest.approx(thrust(4.0), rel=3e-4)
 
 
+@pytest.mark.parametrize("drive", ["heave", "pivot"])
+@pytest.mark.parametrize("turning", [0.1, 1.0, 30.0])
+def test_a_hook_gives_way_as_its_stiffness_says(drive, turning):
+    one = swimmer(3.0, 0.002, drive=drive)
+    hook = ms.Hook(stiffness=turning * one.numbers["tail.bending"] * 0.05, length=0.05)
+    found = held_thrust(replace(one, hook=hook), 0.002)
+    assert found == pytest.approx(thrust(3.0, drive=drive, hook=turning), rel=3e-4, abs=1e-5)
+
+
 def test_the_closed_form_is_left_with_the_square_of_the_amplitude():
     truth = thrust(8.0, "hinged")
     off = [held_thrust(swimmer(8.0, y, base="hinged"), y) - truth for y in (0.02, 0.01)]
@@ -222,7 +231,8 @@ def test_units_do_not_matter():
 
 def test_the_gait_is_that_of_the_settled_tail():
     """Sums at the rod's own nodes, and those of any tail with that centreline."""
-    one = swimmer(3.0, 0.2, body=ms.Sphere(radius=0.2), motion=ms.Motion())
+    hook = ms.Hook(stiffness=0.5, length=0.05)
+    one = swimmer(3.0, 0.2, body=ms.Sphere(radius=0.2), motion=ms.Motion(), hook=hook)
     ours, other = one.gait("elastic"), one.settled.gait("rft")
     phases = np.linspace(0.0, RATE, 9)
     np.testing.assert_allclose(ours.velocity(phases), other.velocity(phases), atol=1e-9)

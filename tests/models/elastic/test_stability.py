@@ -1,5 +1,7 @@
 """Thresholds of straight filaments against those of books, and laws of drag."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
@@ -45,6 +47,13 @@ def test_a_free_body_gives_way():
     )
     assert small < huge
     assert huge == pytest.approx(37.695, rel=1e-3)
+
+
+def test_a_hook_buckles_under_its_stiffness_over_the_length_of_a_stiff_tail():
+    """``F L theta = (B_h / l_h) theta``."""
+    one = swimmer().with_({"tail.bending": 1e3})
+    hooked = replace(one, hook=ms.Hook(stiffness=0.02, length=0.1))
+    assert ms.stability(hooked, "end").load == pytest.approx(0.2 / 1.0, rel=1e-3)
 
 
 def test_an_unknown_load_is_refused():

@@ -104,6 +104,7 @@ def _of_elastic(swimmer: Swimmer, gait: Gait) -> tuple[list[Any], str]:
     inside = all(low <= np.real(x) <= high for x, (low, high) in zip(place, LIKE))
     round_body = len(set(swimmer.body.semi_axes3)) == 1
     open_ = isinstance(swimmer.coefficients, Unchosen) and swimmer.interaction == Interaction()
+    open_ = open_ and swimmer.hook is None
     if not (inside and round_body and open_ and all(gait.free)):
         return [None] * 6, "not measured for such elastic tails; compare with model bem"
     how = "largest difference from boundary elements on the same motion of the tail, 24 designs"

@@ -87,6 +87,8 @@ def problem(swimmer: Swimmer) -> Problem:
         free=tuple(np.flatnonzero(mask).tolist()),
     )
     turning = 0.0 if tail.base == "hinged" else None
+    if swimmer.hook is not None:
+        turning = swimmer.hook.turning * L / tail.bending
     return Problem(drag, (tail.amplitude or 0.0) / L, tail.angle or 0.0, turning)
 
 

@@ -25,7 +25,7 @@ def of_swimmer(swimmer: Swimmer) -> tuple[str, Rows]:
     rows += [("drag", _drag(swimmer)), ("motion", _motion(swimmer))]
     rows += [
         (name, f"{getattr(swimmer, name)}")
-        for name in ("wall", "channel")
+        for name in ("wall", "channel", "hook")
         if getattr(swimmer, name) is not None
     ]
     return f"Swimmer, {swimmer.units}", rows

@@ -1,6 +1,7 @@
 """A gait beside a wall holds at one pose: its velocity is given, a path along it is not."""
 
 import json
+from dataclasses import replace
 from functools import cache
 
 import numpy as np
@@ -33,7 +34,7 @@ def test_every_door_to_a_path_is_shut_with_a_sentence(tmp_path):
         lambda: ms.trajectory(beside, [0.0, 1.0]),
         lambda: ms.trajectory(beside, [0.0, 1.0], force=[1.0, 0, 0]),
         lambda: ms.Stepper(beside),
-        lambda: ms.io.dataset(swimmer(), beside),
+        lambda: ms.io.dataset(swimmer(), beside, periods=3),
         lambda: ms.c_model(ms.Stepper(beside)),
         lambda: ms.export_fmu(ms.Stepper(beside), tmp_path / "x.fmu"),
     ):
@@ -62,15 +63,34 @@ def test_the_command_says_so_and_writes_no_path(tmp_path):
     assert len(found["mean_velocity"]) == 6
     shown = CliRunner().invoke(main, args)
     assert "holds at this pose" in " ".join(shown.stdout.split())
-    done = CliRunner().invoke(main, [*args, "--out", str(tmp_path / "new")])
-    assert (done.exit_code, done.stderr.count("\n")) == (2, 1)
-    assert "wall would turn" in done.stderr
+    done = CliRunner().invoke(main, [*args, "--out", str(tmp_path / "run")])
+    assert done.exit_code == 0
+    assert "no path was drawn" in done.stderr
+    written = {p.name for p in (tmp_path / "run").iterdir()}
+    assert written == {"report.html", "velocity.png", "run.nc", "spec.toml"}
+    assert "position" not in ms.io.load(tmp_path / "run" / "run.nc")
     done = CliRunner().invoke(
         main, ["export", *args[1:], "--format", "c", "--out", str(tmp_path / "new")]
     )
     assert done.exit_code == 2
     assert "wall would turn" in done.stderr
     assert not (tmp_path / "new").exists()
+
+
+@pytest.mark.parametrize("around", [{"wall": ms.Wall(0.9)}, {"channel": ms.Channel(
+    diameter=3.0, length=9.0, position=(0.0, 0.2, 0.0))}], ids=["wall", "channel"])  # fmt: skip
+def test_the_surrogate_has_no_path_either_where_its_boundary_would_turn(around):
+    """It knows no boundary, and a path in free fluid is none beside one."""
+    swimmer = replace(ms.Swimmer.preset("tabak/helix"), **around)
+    beside = swimmer.gait()
+    assert beside.one_pose == next(iter(around))
+    with pytest.raises(ms.SpecError, match="would turn with"):
+        ms.trajectory(beside, [0.0, 1.0])
+    assert beside.mean_velocity == pytest.approx(
+        ms.Swimmer.preset("tabak/helix").gait().mean_velocity, rel=1e-12
+    )
+    slides = swimmer.with_({"motion.free": ("us",)}).gait()
+    assert slides.one_pose == ""
 
 
 def test_a_swimmer_that_slides_along_its_wall_has_a_path():

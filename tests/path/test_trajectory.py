@@ -184,3 +184,22 @@ def test_senseless_arguments_are_refused(helix, arguments, words):
     arguments = {"times": [0.0, 1.0], **arguments}
     with pytest.raises(ms.SpecError, match=words):
         ms.trajectory(helix, **arguments)
+
+
+@pytest.mark.parametrize(
+    ("loads", "says"),
+    [
+        ({"torque": (0.0, 1e29, 0.0)}, "steps are more"),
+        ({"torque": (0.0, 1e31, 0.0)}, "torque"),
+        ({"force": (1e300, 0.0, 0.0)}, "force"),
+        ({"field": (1e308, 0, 0), "moment": (0, 1.0, 0)}, "field"),
+        ({"rate": 1e25, "force": (0.0, 1.0, 0.0)}, "steps are more"),
+        ({"rate": 1e308, "force": (0.0, 1.0, 0.0)}, "rate"),
+        ({"force": lambda t: 1e40 * np.ones((t.size, 3))}, "force"),
+        ({"max_step": 1e-12}, "steps are more"),
+    ],
+)
+def test_a_path_that_would_never_end_is_refused_at_once(loads, says):
+    gait = ms.Swimmer.preset("tabak/helix").gait()
+    with pytest.raises(ms.SpecError, match=says):
+        ms.trajectory(gait, np.linspace(0.0, 10.0, 11), **loads)

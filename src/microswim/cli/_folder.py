@@ -80,13 +80,14 @@ def write(
 
     write_file(folder / "spec.toml", run.attrs["spec"])
     io.save(run, folder / "run.nc")
-    io.save(run, folder / "trajectory.csv")
-    vtk.write_swimmer(folder, swimmer, run)
+    figures = [("velocity", plots.velocity(run), _VELOCITY_CAPTION)]
+    if "position" in run:
+        io.save(run, folder / "trajectory.csv")
+        vtk.write_swimmer(folder, swimmer, run)
+        path = ("trajectory", plots.trajectory(run, swimmer), _path_caption(run))
+        figures.insert(0, path)
     pictures = []
-    for stem, figure, caption in (
-        ("trajectory", plots.trajectory(run, swimmer), _path_caption(run)),
-        ("velocity", plots.velocity(run), _VELOCITY_CAPTION),
-    ):
+    for stem, figure, caption in figures:
         pictures.append((caption, report.png(figure)))
         write_file(folder / f"{stem}.png", pictures[-1][1])
     page = report.page(run, name, tables, pictures, lead)
@@ -114,4 +115,7 @@ def say_where(folder: Path) -> None:
     click.echo(f"written to {folder}/", err=True)
     width = max(map(len, FILES))
     for name, meaning in FILES.items():
-        click.echo(f"  {name:<{width}}  {meaning}", err=True)
+        if (folder / name).exists():
+            click.echo(f"  {name:<{width}}  {meaning}", err=True)
+    if not (folder / "trajectory.csv").exists():
+        click.echo("  no path was drawn: beside what turns with it the gait has none", err=True)

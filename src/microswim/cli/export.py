@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
+from microswim import checks
 from microswim.cli import _files
 from microswim.cli._options import (
     Given,
@@ -21,6 +22,7 @@ from microswim.cli._options import (
     swimmer_options,
 )
 from microswim.errors import SpecError
+from microswim.gait.one_pose import refusal
 from microswim.numerics.files import scratch
 
 if TYPE_CHECKING:
@@ -67,13 +69,13 @@ if TYPE_CHECKING:
 )
 @click.option(
     "--steps",
-    type=int,
+    type=click.IntRange(1, 10_000_000),
     metavar="N",
     help="Internal steps of every step, for a fixed time; by default as many as it takes.",
 )
 @click.option(
     "--most-steps",
-    type=int,
+    type=click.IntRange(1, 10_000_000),
     default=100_000,
     show_default=True,
     metavar="N",
@@ -120,8 +122,9 @@ def command(
     """
     from microswim.cli._progress import bar
     from microswim.control.export import compiler
-    from microswim.control.export.cmodel import c_model
+    from microswim.control.export.cmodel import c_model, check_name
     from microswim.control.stepper import Stepper
+    from microswim.swimmer.physical_sense import turning
 
     name = name or _identifier(given.name)
     if precision == "float" and kind == "fmu":
@@ -132,6 +135,11 @@ def command(
     elif out.suffix in (".c", ".h", ".fmu"):
         raise SpecError("--out", str(out), "a folder", "header and source are written into it")
     _files.check_files("--out", out, files, force)
+    boundary = turning(given.swimmer)
+    if boundary:
+        raise refusal(boundary)
+    check_name(name)
+    checks.number("--resolution", resolution, "4 or more steps per turn", least=4)
     own = None if moment is None else _moment(moment, given.swimmer.units)
     options: dict[str, Any] = {"moment": own, "locked": locked}
     options |= {"resolution": resolution, "steps": steps, "most_steps": most_steps}

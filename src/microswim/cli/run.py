@@ -64,7 +64,6 @@ def command(
 
     if out is not None:
         _folder.check(out, force)
-        _check_path(given.swimmer, model)
     from microswim.calibration.atlas.expected import expected_error
     from microswim.output.io import run as io
     from microswim.output.report import html as report
@@ -108,13 +107,3 @@ def _record(swimmer: Swimmer) -> dict[str, Any] | None:
     if made is None:
         return None
     return made.as_tables() | {"away": made.away(swimmer), "changed": made.changed(swimmer)}
-
-
-def _check_path(swimmer: Swimmer, model: str) -> None:
-    """Refuse the files of a path beside a wall that would turn with the swimmer."""
-    from microswim.gait.one_pose import refusal
-
-    around = {"bem": ("wall", swimmer.wall), "fem": ("channel", swimmer.channel)}
-    name, boundary = around.get(model, ("", None))
-    if boundary is not None and not boundary.stays(swimmer.motion.mask):
-        raise refusal(name)

@@ -26,6 +26,7 @@ from microswim.swimmer.magnetism.magnet import Magnet, vector_of
 if TYPE_CHECKING:
     import xarray as xr
 
+MOST_STEPS = 5e6  #: of a path; they take some seconds, and memory for the loads
 LOADS = ("force", "torque", "field", "flow", "moment")
 
 
@@ -99,7 +100,8 @@ def trajectory(
     Raises
     ------
     SpecError
-        If an argument has the wrong shape or is not finite, or the gait holds at one pose.
+        If an argument has the wrong shape or is not finite, the loads turn the swimmer so fast that
+        the path would never end, or the gait holds at one pose.
 
     Examples
     --------
@@ -187,7 +189,7 @@ def _load(name: str, load: Any, times: np.ndarray) -> np.ndarray:
         return np.zeros((1, 3))
     values = np.asarray(load(times) if callable(load) else load, dtype=float)
     shape = (times.size, 3) if callable(load) else (3,)
-    if values.shape != shape or not np.isfinite(values).all():
+    if values.shape != shape or not (np.abs(values) <= checks.LARGEST).all():
         raise SpecError(name, load, "finite, a vector (3,) or a function of times (n,) to (n, 3)")
     return values.reshape(-1, 3)
 
@@ -230,8 +232,7 @@ def _driven(
     sampled = {k: _load(k, v, coarse) for k, v in loads.items()}
     speeds = _rate(rate, coarse)
     h = max_step or _longest_step(gait, speeds, sampled)
-    counts = np.ceil(np.diff(t, prepend=t[0]) / h - 1e-9).astype(np.int64)
-    counts[1:] = np.maximum(counts[1:], 1)
+    counts = _counts(t, h)
     halves = _half_steps(t, counts)
     values = {k: _load(k, v, halves) for k, v in loads.items()}
     n = max(len(v) for v in values.values())
@@ -243,9 +244,27 @@ def _driven(
     )
 
 
+def _counts(t: np.ndarray, h: float) -> np.ndarray:
+    """Steps of at most h up to each time, one at least.
+
+    Raises
+    ------
+    SpecError
+        If they are more than would end.
+    """
+    steps = np.ceil(np.diff(t, prepend=t[0]) / h - 1e-9)
+    if not steps.sum() <= MOST_STEPS:
+        few = "loads and rate are too large for this time, or the time too long for them"
+        raise SpecError(f"times: {steps.sum():.3g} steps are more than {MOST_STEPS:g}; {few}")
+    counts = steps.astype(np.int64)
+    counts[1:] = np.maximum(counts[1:], 1)
+    return counts
+
+
 def _rate(rate: Any, times: np.ndarray) -> np.ndarray:
     values = np.asarray(rate(times) if callable(rate) else [rate], dtype=float)
-    if values.shape != ((times.size,) if callable(rate) else (1,)) or not np.isfinite(values).all():
+    shape = (times.size,) if callable(rate) else (1,)
+    if values.shape != shape or not (np.abs(values) <= checks.LARGEST).all():
         raise SpecError("rate", rate, "a finite number or a function of times (n,) to (n,)")
     return values
 

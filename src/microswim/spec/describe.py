@@ -44,7 +44,7 @@ def to_tables(swimmer: Swimmer) -> dict[str, Any]:
     tables = describe(swimmer)
     units = tables.pop("units")
     law = swimmer.coefficients
-    if isinstance(law, Unchosen) and law.is_open:
+    if isinstance(law, Unchosen) and law.is_usual:
         del tables["coefficients"]  # nobody chose a law, and the file shall not
     written: dict[str, Any] = {
         part: {name: _written(unit_of(f"{part}.{name}", units), v) for name, v in table.items()}

@@ -124,6 +124,15 @@ def stands_still(swimmer: Swimmer) -> bool:
     return alone and swimmer.tail.is_rigid and swimmer.tail.surface_motion == "rigid"
 
 
+def turning(swimmer: Swimmer) -> str:
+    """Return what bounds the fluid and would turn with it along a path: ``"wall"``, ``"channel"``.
+
+    Nothing where there is no boundary, or one that stays where it is, seen from the swimmer.
+    """
+    around, free = {"wall": swimmer.wall, "channel": swimmer.channel}, swimmer.motion.mask
+    return next((k for k, v in around.items() if v is not None and not v.stays(free)), "")
+
+
 def _of_motion(swimmer: Swimmer) -> list[str]:
     if not stands_still(swimmer):
         return []

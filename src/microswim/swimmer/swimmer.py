@@ -121,7 +121,8 @@ class Swimmer:
             raise SpecError("wall, channel: one of them bounds the fluid; remove the other")
         if self.region is not None and not callable(getattr(self.region, "gait", None)):
             raise SpecError("region", self.region, "a region calibration", "see calibrate_region")
-        if self.region is not None and not self.is_open:
+        plain = self.coefficients.is_usual and self.interaction == Interaction()
+        if self.region is not None and not plain:
             raise SpecError(
                 "region: corrections over a region take the place of the law of local resistance "
                 "and of interaction coefficients; leave out [coefficients] and [interaction], or "
@@ -153,7 +154,7 @@ class Swimmer:
     def is_open(self) -> bool:
         """Whether nobody chose a law of local resistance or coefficients for the surrogate."""
         law = self.coefficients
-        return isinstance(law, Unchosen) and law.is_open and self.interaction == Interaction()
+        return isinstance(law, Unchosen) and law.is_usual and self.interaction == Interaction()
 
     @property
     def body_length(self) -> Any:

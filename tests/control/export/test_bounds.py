@@ -447,7 +447,7 @@ def test_a_moment_takes_units(tmp_path, text):
         (("--moment", "0, 1 mT, 0"), "--moment"),
         (("--moment", "0, 1 A m^2"), "--moment"),
         (("--steps", "0"), "steps"),
-        (("--most-steps", "1000000000000"), "most_steps"),
+        (("--most-steps", "1000000000000"), "most-steps"),
         (("--format", "fmu", "--precision", "float"), "--precision"),
     ],
 )

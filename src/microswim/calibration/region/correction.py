@@ -18,8 +18,10 @@ from microswim.calibration.region.evaluate import HALF, helices, twists, waves
 from microswim.calibration.region.kriging import Surfaces
 from microswim.errors import SpecError
 from microswim.gait.gait import Gait
+from microswim.gait.one_pose import remark
 from microswim.numerics.array import read_only
 from microswim.numerics.fourier import MIRROR_R
+from microswim.swimmer import physical_sense
 from microswim.swimmer.geometry.tails import as_wave
 from microswim.swimmer.swimmer import Swimmer
 
@@ -216,6 +218,9 @@ class Correction:
             "outside": missing,
             "reference": self.about.get("reference", "bem"),
         }
+        turning = physical_sense.turning(swimmer)
+        if turning:
+            info |= {"one_pose": turning, "remarks": [remark(turning)]}
         common = {"rate": swimmer.tail.rate, "free": swimmer.motion.mask, "units": swimmer.units}
         common |= {"model": "rft", "info": info}
         drag = np.diag(np.array(swimmer.body.diagonal(swimmer.fluid.viscosity)))

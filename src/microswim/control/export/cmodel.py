@@ -11,6 +11,7 @@ from dataclasses import dataclass
 from functools import partial
 from hashlib import sha256
 from importlib.resources import files
+from typing import Any
 
 import numpy as np
 
@@ -104,10 +105,7 @@ def c_model(
     >>> "int robot_step(" in ms.c_model(stepper, "robot").header
     True
     """
-    if not re.fullmatch(r"[A-Za-z][A-Za-z0-9_]{0,40}", name):
-        raise SpecError("name", name, "letters, digits and underscores, a letter first")
-    if reserved(name):
-        raise SpecError("name", name, "no word of C", f'take another, such as "{name}_robot"')
+    check_name(name)
     checks.choice("precision", precision, PRECISIONS)
     if not np.isrealobj(stepper.response.twist):
         raise SpecError("the gait holds numbers that are not real; check the swimmer")
@@ -121,6 +119,20 @@ def c_model(
         header, source = single(header), single(source)
         values |= {k: single(values[k]) for k in FIGURES}
     return CModel(name, filled(header, values), filled(source, values), values["banner"])
+
+
+def check_name(name: str) -> None:
+    """Refuse what no model in C can be called.
+
+    Raises
+    ------
+    SpecError
+        If the name is no C identifier, or a word of C.
+    """
+    if not re.fullmatch(r"[A-Za-z][A-Za-z0-9_]{0,40}", name):
+        raise SpecError("name", name, "letters, digits and underscores, a letter first")
+    if reserved(name):
+        raise SpecError("name", name, "no word of C", f'take another, such as "{name}_robot"')
 
 
 def reserved(name: str) -> bool:
@@ -175,7 +187,7 @@ def _values(stepper: Stepper, name: str, spec: str) -> dict[str, str]:
 def _about_birth(stepper: Stepper) -> str:
     """Return where the numbers come from, wrapped, with nothing that would end the comment."""
     said = (" ".join(line.split()).replace("*/", "* /") for line in origin(stepper.gait))
-    indent = {"initial_indent": "   ", "subsequent_indent": "     "}
+    indent: dict[str, Any] = {"initial_indent": "   ", "subsequent_indent": "     "}
     return "".join(textwrap.fill(line, 100, **indent) + "\n" for line in said)
 
 

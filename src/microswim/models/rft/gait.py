@@ -25,6 +25,7 @@ import numpy as np
 from microswim import checks
 from microswim.errors import SpecError
 from microswim.gait.gait import Gait
+from microswim.gait.one_pose import remark
 from microswim.models.rft.helix import FEWEST_WAVES, helix_tail, ramp_nodes
 from microswim.models.rft.plane_wave import wave_phases
 from microswim.models.rft.segment import (
@@ -175,7 +176,10 @@ def _about(swimmer: Swimmer) -> dict[str, Any]:
     around = [name for name in swimmer.parts if name in SURROUNDINGS]
     heard = "its coefficients may, when they were calibrated there"
     boundaries = [f"the surrogate itself knows no {name}; {heard}" for name in around]
-    return {"remarks": [*physical_sense.remarks_on_drag(swimmer), *boundaries]}
+    turning = physical_sense.turning(swimmer)
+    boundaries += [remark(turning)] if turning else []
+    held = {"one_pose": turning} if turning else {}
+    return {"remarks": [*physical_sense.remarks_on_drag(swimmer), *boundaries], **held}
 
 
 def series_over_period(

@@ -134,7 +134,7 @@ def dataset(
         ``velocity`` (phase, dof) and ``power`` (phase) over one period; ``position`` (time,
         axis), ``quaternion`` (time, wxyz), ``motor_phase`` (time); the numbers of `numbers`; the
         gait's series; attributes ``microswim_version``, ``created``, ``model``, ``units``,
-        ``spec``.
+        ``spec``. Without a path where the gait holds at one pose (`Gait.one_pose`).
 
     Raises
     ------
@@ -150,25 +150,30 @@ def dataset(
     (('time', 'axis'), 'length/time')
     """
     known = numbers(swimmer, gait) if known is None else known
+    if gait.one_pose:  # no path is followed from it
+        if periods is not None or loads:
+            gait.check_path()
+        return _about(_over_the_period(gait).merge(_scalars(known)), gait, 0.0, spec)
     if periods is None:
         periods = enough_periods(swimmer, gait, known["swimming_speed"])
     if not 0 < periods <= 1e5:
         raise SpecError("periods", periods, "above 0 and at most 100000")
     times = np.linspace(0.0, periods * _period(gait), max(2, round(periods * SAMPLES) + 1))
     run = trajectory(gait, times, **loads).rename(phase="motor_phase")
-    return (
-        run.merge(_over_the_period(gait))
-        .merge(_scalars(known))
-        .assign_attrs(
-            title="Swimming of a micro-swimmer",
-            source=f"microswim {__version__}, model {gait.model}",
-            microswim_version=__version__,
-            created=datetime.now(UTC).isoformat(timespec="seconds"),
-            model=gait.model,
-            units=gait.units,
-            periods=float(periods),
-            spec=spec,
-        )
+    return _about(run.merge(_over_the_period(gait)).merge(_scalars(known)), gait, periods, spec)
+
+
+def _about(run: xr.Dataset, gait: Gait, periods: float, spec: str) -> xr.Dataset:
+    """Return a run with its birthplace."""
+    return run.assign_attrs(
+        title="Swimming of a micro-swimmer",
+        source=f"microswim {__version__}, model {gait.model}",
+        microswim_version=__version__,
+        created=datetime.now(UTC).isoformat(timespec="seconds"),
+        model=gait.model,
+        units=gait.units,
+        periods=float(periods),
+        spec=spec,
     )
 
 
@@ -176,6 +181,21 @@ def over_the_period(gait: Gait) -> xr.Dataset:
     """Return velocity and power over one period of a gait, with its numbers."""
     known = quantities.numbers(gait) | {"units": gait.units}
     return _over_the_period(gait).merge(_scalars(known)).assign_attrs(units=gait.units)
+
+
+#: Units of the series, of a swimmer without units and in SI: per unit velocity, rotation and rate.
+_SERIES = (
+    {
+        "resistance_series": "force, torque per velocity, rotation",
+        "propulsion_series": "force, torque per rate",
+        "activity_series": "power per squared rate",
+    },
+    {
+        "resistance_series": "N s/m, N s/rad; N m s/m, N m s/rad",
+        "propulsion_series": "N s/rad, N m s/rad",
+        "activity_series": "W s^2/rad^2",
+    },
+)
 
 
 def _over_the_period(gait: Gait) -> xr.Dataset:
@@ -194,8 +214,9 @@ def _over_the_period(gait: Gait) -> xr.Dataset:
         "propulsion_series": (("term_p", "dof"), gait.propulsion_series),
         "activity_series": ("term_a", gait.activity_series),
     }
-    for name in ("resistance_series", "propulsion_series", "activity_series"):
-        variables[name] += ({"long_name": f"{name[:-7]}: [mean, cos 1, sin 1, cos 2, ...]"},)
+    for name, units in _SERIES[gait.units == "SI"].items():
+        about = f"{name[:-7]}: [mean, cos 1, sin 1, cos 2, ...]"
+        variables[name] += ({"units": units, "long_name": about},)
     names = list(DEGREES_OF_FREEDOM)
     phases = ("phase", phase, {"units": "rad", "long_name": "phase of the tail"})
     return xr.Dataset(variables, coords={"phase": phases, "dof": names, "dof_column": names})

@@ -64,6 +64,11 @@ class Coefficients(ABC):
         checks.truth("coefficients.spin", self.spin)
         checks.truth("coefficients.tip", self.tip)
 
+    @property
+    def is_usual(self) -> bool:
+        """Whether it is what a swimmer has where nothing is said."""
+        return False
+
     @abstractmethod
     def pair(self, tail: Tail, viscosity: Any) -> tuple[Any, Any]:
         """``(c_t, c_n)``: force per unit length and velocity, along and across the filament."""
@@ -101,6 +106,10 @@ class Lighthill(Coefficients):
     law: ClassVar[str] = "lighthill"
     thickest: ClassVar[float] = 0.5
 
+    @property
+    def is_usual(self) -> bool:
+        return self.spin and not self.tip
+
     def pair(self, tail: Tail, viscosity: Any) -> tuple[Any, Any]:
         """``(c_t, c_n)``.
 
@@ -133,11 +142,6 @@ class Unchosen(Lighthill):
         """``(c_t, c_n)`` by Lighthill's law, which needs a wave; without one by Cox's."""
         law = Cox() if tail.wavelength_along_s is None else super()
         return law.pair(tail, viscosity)
-
-    @property
-    def is_open(self) -> bool:
-        """Whether all is as it comes: nobody chose spin or tip either."""
-        return self.spin and not self.tip
 
 
 def _warn_lighthill(epsilon: Any, meaningless: Any) -> None:

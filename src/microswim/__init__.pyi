@@ -32,6 +32,7 @@ from .output import report as report
 from .path.regimes import Regimes as Regimes
 from .path.regimes import regimes as regimes
 from .path.trajectory import trajectory as trajectory
+from .spec.beat import read_waveform as read_waveform
 from .studies.identification.fit import identify_swimmer as identify_swimmer
 from .studies.identification.result import Identification as Identification
 from .studies.identification.track import Track as Track
@@ -69,6 +70,8 @@ from .swimmer.geometry.surroundings import Wall as Wall
 from .swimmer.geometry.tails import ElasticTail as ElasticTail
 from .swimmer.geometry.tails import HelicalTail as HelicalTail
 from .swimmer.geometry.tails import PlaneWaveTail as PlaneWaveTail
+from .swimmer.geometry.tails import WaveformTail as WaveformTail
+from .swimmer.geometry.waveform import Waveform as Waveform
 from .swimmer.magnetism.applied_field import OscillatingField as OscillatingField
 from .swimmer.magnetism.applied_field import RotatingField as RotatingField
 from .swimmer.magnetism.applied_field import UniformField as UniformField

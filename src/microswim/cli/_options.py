@@ -162,8 +162,9 @@ def read(
         One sentence.
     """
     from microswim.spec import presets
-    from microswim.spec.coils import beside
+    from microswim.spec.describe import to_text
     from microswim.spec.file import from_dict, override
+    from microswim.spec.named_files import beside
     from microswim.spec.text import read_text, toml
     from microswim.spec.toml import to_toml
 
@@ -178,13 +179,13 @@ def read(
         text = read_text(spec, mend=f'"microswim new {spec}" writes one to start from')
     else:
         name, text = str(preset), presets.read(str(preset))
-    tables = toml(text, str(spec or preset))
-    if spec is not None:
-        tables = beside(tables, spec.parent)
+    tables = beside(toml(text, str(spec or preset)), spec.parent if spec else Path())
     swimmer = from_dict(tables, overrides, trust)
     tables = override(tables, overrides)
     if overrides:
         text = to_toml(tables, f"{name}, with --set {' '.join(changes)}")
+    if tables.get("tail", {}).get("file"):  # the beat itself, so that the text stands alone
+        text = to_text(swimmer)
     return Given(name, tables, text, swimmer)
 
 

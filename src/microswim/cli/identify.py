@@ -10,7 +10,7 @@ from typing import Any
 
 import click
 
-from microswim.cli import _files
+from microswim.cli import _files, _waveform
 from microswim.cli._options import (
     Given,
     example,
@@ -27,6 +27,7 @@ from microswim.numerics.files import fresh
 EXAMPLES = example(
     "microswim identify spots.csv --fps 25 --pixel 0.11um --out cells",
     "microswim identify track.csv sperm.toml",
+    "microswim identify beat.csv --out beat",
     "microswim identify track.csv --preset tabak/helix --unknown tail.amplitude",
     "microswim identify track.csv sperm.toml --sigma 50nm --json",
 )
@@ -78,10 +79,20 @@ def command(
     Without a SPEC: speed, curvilinear and straight-line velocity, turning, wobble and mean squared
     displacement of every cell, with 95 % intervals. With a SPEC or --preset, which says what is
     known of the swimmer: wave shape and rate, with uncertainty.
+
+    A beat that was traced frame by frame, a table with time or frame, s, x, y (or the tangent
+    angle) in the frame of the head, is fitted by smooth modes; tail.kind = "waveform" takes it.
     """
+    from microswim.spec.beat import is_beat
     from microswim.studies.identification.tracks import read_tracks
 
     units = "SI" if given is None else given.swimmer.units
+    if tracks.is_file() and is_beat(tracks):
+        if given is not None:
+            raise SpecError(
+                f"{tracks}: a beat; it needs no SPEC here, the SPEC names it: tail.file"
+            )
+        return _waveform.identify(tracks, pixel, fps, out, force, as_json)
     read = read_tracks(tracks, units=units, pixel=pixel, fps=fps, track=list(only) or None)
     names = _pictures(list(read))
     if out is not None:
@@ -96,10 +107,10 @@ def command(
         result = {"swimmer": given.name, "units": units, **first, "cells": rows, "notes": said}
     if as_json:
         print_json(result)
-        return
+        return None
     for sentence in said:
         click.echo(f"note: {sentence}", err=True)
-    _print(rows, units, given is not None)
+    return _print(rows, units, given is not None)
 
 
 def _left_out(read: Any) -> list[str]:

@@ -7,7 +7,6 @@ names the coils, each coil's ``Source_List`` its sources, each with ``A_Coeff``,
 
 from __future__ import annotations
 
-from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -17,15 +16,6 @@ from microswim.spec.text import read_text
 from microswim.swimmer.magnetism.multipole import Coil, Source
 
 MOST_ORDER = 30
-
-
-def beside(tables: dict[str, Any], folder: Path) -> dict[str, Any]:
-    """Return the tables with the file that ``field.file`` names looked for beside the spec."""
-    field = tables.get("field")
-    name = field.get("file") if isinstance(field, dict) else None
-    if not isinstance(name, str) or Path(name).is_absolute():
-        return tables
-    return tables | {"field": {**field, "file": str(folder / name)}}  # type: ignore[dict-item]
 
 
 def read_coils(file: str) -> tuple[Coil, ...]:

@@ -18,8 +18,8 @@ from pydantic import BaseModel, ValidationError
 
 from microswim.errors import SpecError, nearest
 from microswim.gait import doors
-from microswim.spec import presets, text
-from microswim.spec.coils import beside
+from microswim.spec import beat, presets, text
+from microswim.spec.named_files import beside
 from microswim.spec.tables import ALTERNATIVES, FIELDS, TABLES, TAGS, SpecTable
 from microswim.spec.trusted import Trusted
 from microswim.spec.units import DIMENSIONS, has_unit, to_si
@@ -30,7 +30,6 @@ from microswim.swimmer.geometry.bodies import SHAPES
 from microswim.swimmer.geometry.hook import Hook
 from microswim.swimmer.geometry.surroundings import Channel, Wall
 from microswim.swimmer.geometry.tails import TAILS
-from microswim.swimmer.magnetism.applied_field import AppliedField
 from microswim.swimmer.magnetism.fields import FIELDS as APPLIED_FIELDS
 from microswim.swimmer.magnetism.magnet import Magnet
 from microswim.swimmer.motion import Motion
@@ -239,6 +238,9 @@ def _build(spec: SpecTable, units: Literal["SI", "dimensionless"], trusted: Trus
     body, tail, law = (_given(t) for t in (spec.body, spec.tail, spec.coefficients))
     if spec.tail.kind == "custom":
         tail["shape"] = trusted.function("tail.shape", tail["shape"])
+    elif spec.tail.kind == "waveform":
+        tail = beat.tail_fields(tail, units)
+    applied = _given(spec.field) if spec.field is not None else {}
     chosen = bool(law)
     name = law.pop("law", "lighthill")
     if name == "constant" and not {"normal", "tangential"} <= law.keys():
@@ -260,13 +262,9 @@ def _build(spec: SpecTable, units: Literal["SI", "dimensionless"], trusted: Trus
         wall=None if spec.wall is None else Wall(**_given(spec.wall)),
         channel=None if spec.channel is None else Channel(**_given(spec.channel)),
         magnet=None if spec.magnet is None else Magnet(**_given(spec.magnet)),
-        field=None if spec.field is None else _field(_given(spec.field)),
+        field=APPLIED_FIELDS[applied.pop("kind")](**applied) if applied else None,
         calibration=None if spec.calibration is None else Provenance(**_given(spec.calibration)),
     )
-
-
-def _field(given: dict[str, Any]) -> AppliedField:
-    return APPLIED_FIELDS[given.pop("kind")](**given)
 
 
 def _given(table: BaseModel) -> dict[str, Any]:

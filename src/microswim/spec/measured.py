@@ -135,6 +135,12 @@ def _known(
     return places, {name: parts[i][1] for name, i in places.items()}
 
 
+def name_of(title: str, known: Mapping[str, tuple[str, ...]]) -> str:
+    """Return the name that a title means, empty if it is not known."""
+    word = _parts(title.strip().strip("\ufeff"), known)[0]
+    return next((name for name, words in known.items() if word in words), "")
+
+
 def _parts(title: str, known: Mapping[str, tuple[str, ...]]) -> tuple[str, str | None]:
     """Name in lower case and unit of a title."""
     words = {word for words in known.values() for word in words}

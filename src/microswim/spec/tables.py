@@ -43,7 +43,7 @@ class FluidTable(_Table):
     ] = 0.0
 
 
-_KIND = About("Kind", "helix | plane_wave | elastic | custom")
+_KIND = About("Kind", "helix | plane_wave | elastic | waveform | custom")
 _SECTIONS = Literal["perpendicular", "sheared"]
 _SURFACE = Literal["rigid", "translating", "bending"]
 
@@ -107,6 +107,35 @@ class CustomTable(_TailTable):
     shape: Annotated[str, About("Centreline", "module:function of a file given to --trust")]
     breaks: Annotated[list[Number], About("Breaks", "fractions of the length with kinks")] = []
     sign: Annotated[Number, About("Sense", "+1 or -1, of a rigid tail's turning")] = 1.0
+    tolerance: Annotated[
+        Number, About("Tolerance", "how exactly the centreline is followed; 0: to rounding")
+    ] = 0.0
+
+
+class WaveformTable(_TailTable):
+    """[tail] of kind "waveform": a beat as it was filmed, by its file or by its modes."""
+
+    kind: Annotated[Literal["waveform"], _KIND]
+    length: Annotated[Length | None, About("Length", "along the filament")] = None  # type: ignore[assignment]
+    frequency: Annotated[Frequency | None, About("Frequency", "beats; found in the file")] = None  # type: ignore[assignment]
+    file: Annotated[
+        str | None, About("File", "table of the beat: t or frame, s, x, y, or t, s, angle")
+    ] = None
+    pixel: Annotated[Length | None, About("Pixel", "its size, where the file has pixels")] = None
+    fps: Annotated[Frequency | None, About("Frame rate", "where the file counts frames")] = None
+    mode_count: Annotated[
+        Number | None, About("Modes along s", "of the fit; found by cross-validation")
+    ] = None
+    harmonics: Annotated[
+        Number | None, About("Harmonics", "of the fit; found by cross-validation")
+    ] = None
+    modes: Annotated[
+        list[list[Number]] | None,
+        About("Modes", "in place of file: a row for each, mean, cosine, sine, ... of the angle"),
+    ] = None
+    tolerance: Annotated[Number, About("Tolerance", "how exactly the centreline is followed")] = (
+        1e-7
+    )
 
 
 class ElasticTable(_TailTable):
@@ -256,7 +285,9 @@ class SpecTable(_Table):
 
     fluid: FluidTable
     body: BodyTable = Field(discriminator="shape")
-    tail: HelixTable | PlaneWaveTable | ElasticTable | CustomTable = Field(discriminator="kind")
+    tail: HelixTable | PlaneWaveTable | ElasticTable | WaveformTable | CustomTable = Field(
+        discriminator="kind"
+    )
     coefficients: CoefficientsTable = CoefficientsTable()
     interaction: InteractionTable = InteractionTable()
     motion: MotionTable = MotionTable()

@@ -53,9 +53,9 @@ def swimmer_of(tables: Any) -> Swimmer:
             '"helix" or "plane_wave" here',
             "the studio runs no code from a spec",
         )
-    field = tables.get("field")
-    if isinstance(field, dict) and "file" in field:
-        raise SpecError("field.file: the studio reads no file that a spec names")
+    named = next((n for n, t in tables.items() if isinstance(t, dict) and "file" in t), None)
+    if named is not None:
+        raise SpecError(f"{named}.file: the studio reads no file that a spec names")
     swimmer = from_dict(tables)
     waves = float(swimmer.tail.number_of_waves)
     if not waves <= MOST_WAVES:

@@ -119,6 +119,7 @@ def test_the_error_of_the_model_is_in_the_intervals(monkeypatch, counted):
 
 
 @pytest.mark.slow
+@pytest.mark.filterwarnings("ignore::microswim.swimmer.drag.coefficients.ValidityWarning")
 @pytest.mark.parametrize("kind", ["plane_wave", "helix"])
 def test_intervals_hold_over_random_designs(kind):
     """A hundred random designs each, waves in the image and helices with attitude, found anew."""

@@ -128,7 +128,7 @@ def _check_heeded(names: Any) -> None:
 
 def as_python(swimmer: Swimmer, designs: int) -> float:
     """Return how many seconds so many designs take as Python, side by side."""
-    return designs * SECONDS[swimmer.tail.kind]
+    return designs * SECONDS[swimmer.tail.kind if swimmer.tail.in_batches else "custom"]
 
 
 def expected_errors(swimmer: Swimmer, values: dict[str, Any]) -> np.ndarray:

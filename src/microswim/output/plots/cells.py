@@ -1,4 +1,4 @@
-"""Pictures of filmed cells: the track with its averaged path, and its mean squared displacement."""
+"""Pictures of filmed cells: a track with its averaged path and displacement; a beat and its fit."""
 
 from __future__ import annotations
 
@@ -38,6 +38,61 @@ def cell(track: np.ndarray, found: Any, unit: str, time: str) -> Figure:
         _displacement(right, found, unit, time)
         figure.suptitle(f"track {found.name}", fontsize=8, x=0.02, ha="left")
         return figure
+
+
+def beat(found: Any, unit: str) -> Figure:
+    """Draw a filmed beat with its fit, and the modes of its tangent angle along the filament.
+
+    Parameters
+    ----------
+    found
+        What `read_waveform` found.
+    unit
+        ``"m"``, or empty for numbers without units.
+
+    Returns
+    -------
+    matplotlib.figure.Figure
+        Up to ten frames: points as filmed, lines as fitted.
+    """
+    with look():
+        figure = blank(WIDE, 3.0)
+        left, right = figure.subplots(1, 2)
+        _frames(left, found, unit)
+        _angles(right, found, unit)
+        return figure
+
+
+def _frames(axes: Axes, found: Any, unit: str) -> None:
+    points, angle = found.beat, found.beat.angle is not None
+    factor, shown = prefixed(found.length, unit)
+    frames = points.frames
+    for t in frames[:: max(len(frames) // 10, 1)]:
+        here = np.flatnonzero(points.time == t)
+        here = here[np.argsort(points.s[here])]
+        s = factor * points.s[here]
+        filmed, fitted = found.filmed[here], found.fitted[here]
+        x, y = (s, filmed[:, 0]) if angle else (factor * filmed).T
+        axes.plot(x, y, ".", color=GREY, ms=2.0)
+        x, y = (s, fitted[:, 0]) if angle else (factor * fitted).T
+        axes.plot(x, y, color=ORANGE, lw=0.9)
+    if angle:
+        axes.set(xlabel=label("s", shown), ylabel="tangent angle (rad)")
+    else:
+        axes.set(aspect="equal", xlabel=label("s, along the head", shown), ylabel=label("q", shown))
+    axes.set_title("points as filmed, lines as fitted", loc="left")
+
+
+def _angles(axes: Axes, found: Any, unit: str) -> None:
+    factor, shown = prefixed(found.length, unit)
+    s = np.linspace(0.0, found.length, 200)
+    angle = found.tail(radius=0.01 * found.length).angle(s[:, None], np.arange(64) * np.pi / 32)
+    power = np.fft.rfft(angle, axis=1) / 64
+    axes.plot(factor * s, power[:, 0].real, color=GREY, lw=1.2, ls="--", label="mean")
+    for h in range(1, found.modes.shape[1] // 2 + 1):
+        axes.plot(factor * s, 2.0 * np.abs(power[:, h]), label=f"harmonic {h}")
+    axes.set(xlabel=label("s", shown), ylabel="amplitude of the tangent angle (rad)")
+    axes.legend()
 
 
 def _path(axes: Axes, track: np.ndarray, path: np.ndarray, unit: str) -> None:

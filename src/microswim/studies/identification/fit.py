@@ -116,6 +116,7 @@ def identify_swimmer(
     for name, value in (("sigma", sigma), ("sigma_attitude", sigma_attitude)):
         if value is not None:
             checks.positive(name, value)
+    checks.truth("model_error", model_error)
     checks.count("starts", starts)
     names = tuple(unknowns)
     if WAVES in names and WAVES not in swimmer.numbers and "tail.wavelength" in swimmer.numbers:

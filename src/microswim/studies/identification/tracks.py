@@ -16,17 +16,15 @@ import numpy as np
 
 from microswim import checks
 from microswim.errors import SpecError, nearest
-from microswim.spec import measured
-from microswim.spec.measured import FRAME, PIXEL, Table
+from microswim.spec import film, measured
+from microswim.spec.measured import Table
 from microswim.spec.text import LARGEST_TABLE, read_text
-from microswim.spec.units import DIMENSIONS, to_si
 from microswim.studies.identification.track import FEWEST, Track
 from microswim.studies.identification.track_xml import table_of_xml
 
 #: What a column may be called, in lower case.
 KNOWN = {
-    "time": ("time", "t", "position_t", "timestamp"),
-    "frame": ("frame", "frames", "frame number", "frame_number", "slice", "frameid"),
+    "time": film.TIME, "frame": film.FRAMES,
     "x": ("x", "position_x", "pos_x", "x position", "x_position", "centroid_x"),
     "y": ("y", "position_y", "pos_y", "y position", "y_position", "centroid_y"),
     "z": ("z", "position_z", "pos_z", "z position", "z_position", "centroid_z"),
@@ -35,8 +33,6 @@ KNOWN = {
               "track_number"),
 }  # fmt: skip
 ATTITUDE = ("w", "i", "j", "k")
-NO_LENGTH = "give --pixel, such as --pixel 0.11um, or a unit in the header, {title} (um)"
-NO_TIME = "give a unit in the header, {title} (s), or --fps if it counts frames"
 
 
 @dataclass(frozen=True, eq=False)
@@ -130,11 +126,11 @@ def read_tracks(
     0.165
     """
     checks.choice("units", units, ("SI", "dimensionless"))
-    pixel_size = _given("--pixel", pixel, "length", units)
-    rate = _given("--fps", fps, "frequency", units)
+    pixel_size = film.given("--pixel", pixel, "length", units)
+    rate = film.given("--fps", fps, "frequency", units)
     table = _table(path)
     position, remarks = _positions(table, units, pixel_size)
-    time, said = _times(table, units, rate)
+    time, said = film.times(table, units, rate)
     attitude = None
     if all(name in table.numbers for name in ATTITUDE):
         attitude = np.stack([table.numbers[name] for name in ATTITUDE], axis=-1)
@@ -144,27 +140,6 @@ def read_tracks(
         name, why = next(iter(left_out.items()))
         raise SpecError(f"{table.path}: " + (f"track {name}: {why}" if table.labels else why))
     return Tracks(found, left_out, table.left_out, remarks + said, units)
-
-
-def _given(option: str, value: Any, dimension: str, units: str) -> float | None:
-    """The number that an option means, quantities as texts."""
-    if value is None:
-        return None
-    if isinstance(value, str):
-        try:
-            value = float(value)
-        except ValueError:
-            if units != "SI":
-                raise SpecError(option, value, "a bare number", "the swimmer has none") from None
-            try:
-                value = to_si(value, DIMENSIONS[dimension].si)
-            except ValueError as error:
-                raise SpecError(f"{option} = {value!r}: {error}") from None
-        else:
-            if units == "SI" and dimension == "length":
-                raise SpecError(option, f"{value:g}", 'a length with its unit, as in "0.11um"')
-    checks.positive(option, value)
-    return float(value)
 
 
 def _table(path: str | PathLike[str]) -> Table:
@@ -178,53 +153,10 @@ def _table(path: str | PathLike[str]) -> Table:
 def _positions(table: Table, units: str, pixel: float | None) -> tuple[np.ndarray, tuple[str, ...]]:
     """Positions in the swimmer's units, and what is said of them."""
     axes = [name for name in ("x", "y", "z") if name in table.numbers]
-    columns = []
-    for name in axes:
-        unit, title = measured.plain(table.units[name]), table.titles[name]
-        if pixel is not None and unit not in (None, PIXEL):
-            raise SpecError(f"{table.path}: {title} is in {unit}, no pixels; leave --pixel out")
-        if unit == PIXEL and pixel is None:
-            raise SpecError(
-                f"{table.path}: {title} is in pixels; give --pixel, such as --pixel 0.11um"
-            )
-        scale = pixel or measured.factor(
-            table, name, "length", units, NO_LENGTH.format(title=title)
-        )
-        columns.append(scale * table.numbers[name])
+    columns = [film.lengths(table, name, units, pixel) for name in axes]
     flat = len(axes) == 3 and np.nanstd(columns[2]) == 0
     remarks = ("z is the same everywhere: the tracks are taken as 2-D",) if flat else ()
     return np.stack(columns[: 2 if flat else 3], axis=-1), remarks
-
-
-def _times(table: Table, units: str, rate: float | None) -> tuple[np.ndarray, tuple[str, ...]]:
-    """Times in the swimmer's units, and what is said of them."""
-    counts = table.numbers.get("frame")
-    time = table.numbers.get("time")
-    if time is None and counts is None:
-        raise SpecError(f"{table.path}: no column time; a track has time or frame, x, y")
-    unit = None if time is None else measured.plain(table.units["time"])
-    if time is not None and (unit == FRAME or (unit is None and rate and _whole(time))):
-        counts, time = (time if counts is None else counts), None
-    if rate is not None and counts is not None:
-        said = (
-            () if time is None else ("times are frames by --fps; those of the file are not used",)
-        )
-        return counts / rate, said
-    if rate is not None:
-        raise SpecError(
-            f"{table.path}: {table.titles['time']} counts no frames; leave --fps out and give "
-            "its unit in the header if it has none"
-        )
-    if time is None:
-        title = table.titles.get("frame", table.titles.get("time"))
-        raise SpecError(f"{table.path}: {title} counts frames; give --fps, such as --fps 25")
-    mend = NO_TIME.format(title=table.titles["time"])
-    return measured.factor(table, "time", "time", units, mend) * time, ()
-
-
-def _whole(values: np.ndarray) -> bool:
-    kept = values[np.isfinite(values)]
-    return bool((kept == np.round(kept)).all())
 
 
 def _split(

@@ -8,6 +8,7 @@ from microswim.swimmer.geometry.helical_tail import HelicalTail
 from microswim.swimmer.geometry.plane_wave_tail import PlaneWaveTail
 from microswim.swimmer.geometry.tail import Tail
 from microswim.swimmer.geometry.wave_tail import WaveTail, as_wave
+from microswim.swimmer.geometry.waveform_tail import WaveformTail
 
 __all__ = [
     "TAILS",
@@ -17,9 +18,10 @@ __all__ = [
     "PlaneWaveTail",
     "Tail",
     "WaveTail",
+    "WaveformTail",
     "as_wave",
 ]
 
 TAILS: dict[str, type[Tail]] = {
-    t.kind: t for t in (HelicalTail, PlaneWaveTail, CustomTail, ElasticTail)
+    t.kind: t for t in (HelicalTail, PlaneWaveTail, CustomTail, WaveformTail, ElasticTail)
 }

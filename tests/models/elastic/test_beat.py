@@ -214,8 +214,9 @@ def test_a_limp_tail_is_refused_in_a_sentence():
 
 
 def test_units_do_not_matter():
-    bare = swimmer(3.0, 0.2, body=ms.Sphere(radius=0.2), motion=ms.Motion()).gait("elastic")
-    um, mu, f = 1e-6, 1e-3, 50.0
+    hook = ms.Hook(stiffness=0.03, length=0.05)
+    one = swimmer(3.0, 0.2, body=ms.Sphere(radius=0.2), motion=ms.Motion(), hook=hook)
+    bare, um, mu, f = one.gait("elastic"), 1e-6, 1e-3, 50.0
     tail = ms.ElasticTail(
         length=um, radius=0.01 * um, bending=mu * f * um**4 * RATE / 81.0, frequency=f,
         amplitude=0.2 * um,
@@ -223,7 +224,7 @@ def test_units_do_not_matter():
     law = ms.Constant(normal=mu, tangential=0.5 * mu, spin=False)
     si = ms.Swimmer(
         body=ms.Sphere(radius=0.2 * um), tail=tail, fluid=ms.Fluid(viscosity=mu), units="SI",
-        coefficients=law,
+        coefficients=law, hook=ms.Hook(stiffness=0.03 * mu * f * um**4, length=0.05 * um),
     ).gait("elastic")  # fmt: skip
     assert si.mean_velocity[0] == pytest.approx(um * f * bare.mean_velocity[0], rel=1e-9)
     assert si.mean_power == pytest.approx(mu * f**2 * um**3 * bare.mean_power, rel=1e-9)

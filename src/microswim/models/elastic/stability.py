@@ -92,7 +92,7 @@ def stability(swimmer: Swimmer, load: Pull = "tip") -> Threshold:
     ...     motion=ms.Motion(free="none"),
     ... )
     >>> round(ms.stability(swimmer, "tip").load, 2)
-    37.69
+    37.7
     """
     made, tail = problem(swimmer), elastic_tail(swimmer)
     loads = np.linspace(0.0, LARGEST, STEPS + 1)[1:]

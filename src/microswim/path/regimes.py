@@ -28,6 +28,7 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
 NAMES = ("tumbling", "wobbling", "synchronous", "stepped out")
+STEEP = np.radians(45.0)  #: precession angle above which a robot below the onset tumbles
 STRAIGHT = np.radians(5.0)  #: precession angle below which a robot is called synchronous
 #: Largest relative errors of step-out and of the velocity there, by model: 14 random robots against
 #: boundary elements (benchmarks/step_out.py).
@@ -259,7 +260,7 @@ def _one(
         return (name, float("nan"), *drift(gait, steady, rate))
     state = states[0]
     angle, velocity = float(state.precession_angle), float(state.velocity)
-    tumbles = rate < steady.wobbling_onset
+    tumbles = rate < steady.wobbling_onset and angle > STEEP
     name = "tumbling" if tumbles else "synchronous" if angle < STRAIGHT else "wobbling"
     return name, angle, velocity, 1e-12 * abs(velocity)
 

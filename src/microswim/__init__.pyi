@@ -21,6 +21,8 @@ from .gait.gait import Gait as Gait
 from .gait.observed import observed as observed
 from .gait.quantities import summary as summary
 from .gait.screw import screw as screw
+from .models.bem.mobility import Mobility as Mobility
+from .models.bem.mobility import mobility as mobility
 from .models.elastic.stability import Threshold as Threshold
 from .models.elastic.stability import stability as stability
 from .models.rft.batch import evaluate as evaluate
@@ -65,6 +67,7 @@ from .swimmer.geometry.solids.box import Box as Box
 from .swimmer.geometry.solids.round import Capsule as Capsule
 from .swimmer.geometry.solids.round import Cylinder as Cylinder
 from .swimmer.geometry.solids.round import Revolution as Revolution
+from .swimmer.geometry.solids.surface_file import SurfaceFile as SurfaceFile
 from .swimmer.geometry.surroundings import Channel as Channel
 from .swimmer.geometry.surroundings import Wall as Wall
 from .swimmer.geometry.tails import ElasticTail as ElasticTail

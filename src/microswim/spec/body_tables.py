@@ -5,12 +5,12 @@ from __future__ import annotations
 from typing import Annotated, Literal
 
 from microswim.spec.fields import About
-from microswim.spec.types import Length, Table
+from microswim.spec.types import Length, Number, Table
 
 _SHAPE = About(
     "Shape",
     "sphere: radius | spheroid, ellipsoid: semi_axes | capsule, cylinder: length, radius | "
-    "box: size | revolution: profile | none",
+    "box: size | revolution: profile | mesh: file, scale | none",
     words={"none": "None"},
 )
 
@@ -91,6 +91,22 @@ class RevolutionTable(Table):
     ]
 
 
+class MeshTable(Table):
+    """[body] of shape "mesh"."""
+
+    shape: Annotated[Literal["mesh"], _SHAPE]
+    file: Annotated[str, About("Surface file", "STL, PLY or OBJ")]
+    scale: Annotated[Length, About("Scale", "length of one unit of the file")]
+    position: Annotated[
+        list[Length] | None,
+        About("Place", "of the file's origin from the joint; else its rear touches the joint",
+              entries=("Place along", "Place across", "Place across, r")),
+    ] = None  # fmt: skip
+    rotation: Annotated[
+        list[Number], About("Rotation", "quaternion wxyz, of the file's axes to s, q, r")
+    ] = [1.0, 0.0, 0.0, 0.0]
+
+
 class NoBodyTable(Table):
     """[body] of shape "none"."""
 
@@ -105,5 +121,6 @@ BodyTable = (
     | CylinderTable
     | BoxTable
     | RevolutionTable
+    | MeshTable
     | NoBodyTable
 )

@@ -19,6 +19,8 @@ from microswim.errors import MachineError
 from microswim.models.bem.levels import get_level
 from microswim.models.bem.surface import sampled, still
 from microswim.models.bem.system import resistance as of_surface
+from microswim.models.bem.triangles import RULE
+from microswim.models.bem.triangles import surface_of as of_triangles
 from microswim.numerics import archive
 from microswim.numerics.files import write
 from microswim.swimmer.geometry.body import Body
@@ -31,26 +33,30 @@ VERSION = 1
 
 def resistance(body: Body) -> np.ndarray:
     """Return R / mu (6, 6) of a body about its centre, by boundary elements or from the cache."""
-    return _kept(body).copy()
+    return _kept(body, body.identity).copy()
 
 
 @lru_cache(maxsize=256)
-def _kept(body: Body) -> np.ndarray:
-    name = hashlib.sha256(f"{VERSION} {__version__} {body!r}".encode()).hexdigest()[:20]
+def _kept(body: Body, identity: str) -> np.ndarray:
+    name = hashlib.sha256(f"{VERSION} {__version__} {identity}".encode()).hexdigest()[:20]
     folder = _folder()
     path = None if folder is None else folder / f"{name}.npz"
-    found = None if path is None else _read(path, repr(body))
+    found = None if path is None else _read(path, identity)
     if found is not None:
         return found
     R = solved(body)
     if path is not None:
         with suppress(MachineError):  # where home cannot be written the next process solves anew
-            write(path, archive.pack({"body": repr(body)}, {"resistance": R}))
+            write(path, archive.pack({"body": identity}, {"resistance": R}))
     return R
 
 
 def solved(body: Body, splits: int = SPLITS) -> np.ndarray:
     """Return R / mu (6, 6) about the centre, symmetric; solved now."""
+    if body.triangles is not None:
+        surface, _ = of_triangles(body.triangles)
+        R = of_surface(surface, 1.0, body.centre, RULE)
+        return 0.5 * (R + R.T)
     level = get_level(LEVEL)
     surface = still(sampled(body.facets(splits)) - body.centre, level.resolution.order)
     R = of_surface(surface, 1.0, rule=level.rule)

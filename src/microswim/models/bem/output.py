@@ -18,7 +18,8 @@ Flow = Callable[[Array], Array]
 AXES = {"s": 0, "q": 1, "r": 2}
 
 
-def _quads(patches: int, side: int) -> NDArray[np.int64]:
+def quads_of(patches: int, side: int) -> NDArray[np.int64]:
+    """Quadrilaterals (n, 4) of grids of `side` x `side` points, one for each patch."""
     corner = np.arange(side * side).reshape(side, side)
     parts = (corner[:-1, :-1], corner[1:, :-1], corner[1:, 1:], corner[:-1, 1:])
     one = np.stack(parts, axis=-1).reshape(-1, 4)
@@ -34,7 +35,15 @@ def write_surface(
         "velocity": values_at(surface, velocity, side).reshape(-1, 3),
         "tail": np.repeat(surface.on_tail.astype(np.uint8), side * side),
     }
-    points, quads = positions(surface, side).reshape(-1, 3), _quads(surface.patches, side)
+    points, quads = positions(surface, side).reshape(-1, 3), quads_of(surface.patches, side)
+    text = doors.go(doors.POLY_DATA, points, polys=quads, point_data=data)
+    return _written(Path(path).with_suffix(".vtp"), text)
+
+
+def write_mesh(surface: Surface, path: str | Path, side: int = 4) -> Path:
+    """Write the surface alone, its patches numbered, as a ``.vtp`` file."""
+    data = {"patch": np.repeat(np.arange(surface.patches, dtype=float), side * side)}
+    points, quads = positions(surface, side).reshape(-1, 3), quads_of(surface.patches, side)
     text = doors.go(doors.POLY_DATA, points, polys=quads, point_data=data)
     return _written(Path(path).with_suffix(".vtp"), text)
 
@@ -93,7 +102,7 @@ def picture(
     points = np.zeros((y.size, x.size, 3))
     points[..., i], points[..., j] = x[None, :], y[:, None]
     u = velocity(points.reshape(-1, 3)).reshape(points.shape)[..., [i, j, 3 - i - j]]
-    shadow = positions(surface, 9)[..., [i, j]].reshape(-1, 2)[_quads(surface.patches, 9)]
+    shadow = positions(surface, 9)[..., [i, j]].reshape(-1, 2)[quads_of(surface.patches, 9)]
     return doors.go(doors.CUT, {plane[0]: x, plane[1]: y}, u, shadow, units, ax=ax)
 
 

@@ -108,6 +108,17 @@ class Surface:
         """Tail velocity per unit phase rate at the collocation points, (e, p*p, 3)."""
         return self._at_nodes(0, self.motion)
 
+    @cached_property
+    def extent(self) -> tuple[float, float]:
+        """Area, and volume within by the divergence theorem; Gauss rule with 8 points a side."""
+        t = cell_tables(1, 8)
+        L, D, w = t.value[0], t.slope[0], t.weight[0]
+        X = self._fine(self.controls, L, L)
+        vector = np.cross(self._fine(self.controls, D, L), self._fine(self.controls, L, D))
+        weight = np.multiply.outer(w, w)
+        area = np.sum(weight * np.linalg.norm(vector, axis=-1))
+        return float(area), float(np.sum(weight * np.sum(X * vector, axis=-1)) / 3.0)
+
     def _fine(self, values: Array, u: Array, v: Array) -> Array:
         return np.einsum("mi,nj,eijc->emnc", u, v, values, optimize=True)
 

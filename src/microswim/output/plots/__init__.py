@@ -4,5 +4,9 @@ import lazy_loader
 
 __getattr__, __dir__, __all__ = lazy_loader.attach(
     __name__,
-    submod_attrs={"design": ["design_map", "front"], "run": ["trajectory", "velocity"]},
+    submod_attrs={
+        "design": ["design_map", "front"],
+        "mobility": ["mobility"],
+        "run": ["trajectory", "velocity"],
+    },
 )

@@ -23,6 +23,7 @@ from microswim.swimmer.geometry.solids.box import Box
 from microswim.swimmer.geometry.solids.facets import Facet, Opening
 from microswim.swimmer.geometry.solids.round import Capsule, Cylinder, Revolution
 from microswim.swimmer.geometry.solids.spheres import cubed_sphere, half_sphere, sphere_grid
+from microswim.swimmer.geometry.solids.surface_file import SurfaceFile
 
 
 def ellipsoid_resistance(semi_axes: tuple[Any, Any, Any], viscosity: Any) -> tuple[Any, ...]:
@@ -288,5 +289,6 @@ class NoBody(Body):
 
 
 SHAPES: dict[str, type[Body]] = {
-    b.shape: b for b in (Sphere, Spheroid, Ellipsoid, Capsule, Cylinder, Box, Revolution, NoBody)
+    b.shape: b
+    for b in (Sphere, Spheroid, Ellipsoid, Capsule, Cylinder, Box, Revolution, SurfaceFile, NoBody)
 }

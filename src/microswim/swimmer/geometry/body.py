@@ -15,6 +15,7 @@ import numpy as np
 
 from microswim.numerics.array import Array
 from microswim.swimmer.geometry.solids.facets import Facet, Opening, sampled_quads
+from microswim.swimmer.geometry.solids.triangles import Triangles
 
 
 class Body(ABC):
@@ -50,6 +51,16 @@ class Body(ABC):
     @abstractmethod
     def semi_axes3(self) -> tuple[Any, Any, Any]:
         """Half lengths along s, q, r (length)."""
+
+    @property
+    def identity(self) -> str:
+        """Text that says its whole shape."""
+        return repr(self)
+
+    @property
+    def triangles(self) -> Triangles | None:
+        """Triangles of a surface that is given by them, None for all others."""
+        return None
 
     @property
     def exact(self) -> Body:

@@ -1,0 +1,76 @@
+"""Boundary-element patches through the triangles of a file: how many, of which order.
+
+The file's own triangles as far as they go into a level's unknowns, two to a patch, else fewer of
+them; large ones cut, towards sharp edges thrice as finely at each step.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from microswim.errors import SpecError
+from microswim.models.bem.surface import Surface, sampled, still
+from microswim.models.bem.system import Quadrature
+from microswim.swimmer.geometry.solids.facets import Facet
+from microswim.swimmer.geometry.solids.triangles import Triangles, coarsened, facets_of
+
+RULE = Quadrature(points=4, near=2.0, far=6.0)
+
+
+@dataclass(frozen=True)
+class Fineness:
+    """Most unknowns of a level, patches of an even shape, and steps towards sharp edges."""
+
+    unknowns: int
+    patches: int
+    layers: int
+
+
+LEVELS = {
+    "coarse": Fineness(2500, 60, 1),
+    "standard": Fineness(7500, 150, 2),
+    "fine": Fineness(14000, 350, 3),
+}
+
+
+def surface_of(triangles: Triangles, level: str = "standard") -> tuple[Surface, Triangles]:
+    """Return the closed surface of patches at a level, and the triangles that they go through.
+
+    Raises
+    ------
+    SpecError
+        If there is no such level.
+    """
+    if level not in LEVELS:
+        raise SpecError("level", level, "coarse, standard or fine")
+    wanted = LEVELS[level]
+    for _ in range(4):
+        size = 1.5 * float(np.sqrt(triangles.area / wanted.patches))
+        facets = facets_of(triangles, size, wanted.layers)
+        count = _count(facets)
+        if 3 * count <= wanted.unknowns:
+            break
+        fewer = coarsened(
+            triangles, int(0.8 * len(triangles.faces) * wanted.unknowns / (3 * count))
+        )
+        if fewer is triangles:
+            break
+        triangles = fewer
+    order = 2 if 12 * count <= wanted.unknowns else 1
+    return still(sampled(facets), order), triangles
+
+
+def coarser(triangles: Triangles, level: str) -> Surface:
+    """Return a surface of a level below and of half the triangles: the difference is the error."""
+    names = list(LEVELS)
+    below = names[max(0, names.index(level) - 1)]
+    surface, _ = surface_of(coarsened(triangles, len(triangles.faces) // 2), below)
+    if level != below:
+        return surface
+    return Surface(surface.controls, surface.motion, surface.on_tail, 1)
+
+
+def _count(facets: list[Facet]) -> int:
+    return sum((f.u.size - 1) * (f.v.size - 1) for f in facets)

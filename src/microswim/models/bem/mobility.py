@@ -58,6 +58,13 @@ class Mobility:
         ``"SI"`` or ``"dimensionless"``.
     level, unknowns, seconds, remarks
         How it was solved, and what was mended in a file.
+
+    Examples
+    --------
+    >>> import microswim as ms
+    >>> found = ms.mobility(ms.Sphere(radius=1.0), level="coarse")
+    >>> round(found.volume, 2), bool(found.expected_error < 0.01)
+    (4.19, True)
     """
 
     resistance: Array
@@ -95,10 +102,12 @@ class Mobility:
 
     @property
     def surface_area(self) -> float:
+        """Area of the surface."""
         return self.surface.extent[0]
 
     @property
     def volume(self) -> float:
+        """Volume within the surface."""
         return self.surface.extent[1]
 
     def as_dict(self) -> dict[str, Any]:

@@ -10,7 +10,7 @@ from microswim.models.bem.output import quads_of
 from microswim.models.bem.surface import positions
 from microswim.output.io.surface import Surface
 from microswim.output.plots.drawing import Camera, draw_surface, scale_bar, triad
-from microswim.output.plots.style import blank, look
+from microswim.output.plots.style import BLACK, blank, look
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -38,7 +38,7 @@ def mobility(found: Mobility) -> Figure:
         camera = Camera.behind(np.eye(3), 30.0, 22.0)
         draw_surface(axes, Surface(points, quads, part), camera)
         x, y, _ = camera.project(found.centre_of_mobility)
-        axes.plot([x], [y], marker="+", ms=9, mew=1.6, color="#1b1b1b", zorder=6)
+        axes.plot([x], [y], marker="+", ms=9, mew=1.6, color=BLACK, zorder=6)
         axes.annotate("centre of mobility", (x, y), (6, 6), textcoords="offset points",
                       fontsize=7, zorder=6)  # fmt: skip
         axes.set_aspect("equal")

@@ -23,7 +23,6 @@ from itertools import pairwise
 from typing import Any
 
 import numpy as np
-from scipy.optimize import brentq, minimize_scalar
 
 from microswim.numerics.array import Array
 
@@ -193,6 +192,8 @@ class SteadyTurning:
 
         It does at rate zero, the moment along the field, for a robot that spins freely about it.
         """
+        from scipy.optimize import minimize_scalar  # nobody waits for it without a field
+
         u = np.linspace(start, end, max(3, int((end - start) / (2.0 * np.pi) * SAMPLES)))
         slope = np.diff(self.at(curve(u)).rate)
         ends = [start]
@@ -276,5 +277,7 @@ def _zeros(of: Callable[[float], float]) -> list[float]:
 
 
 def _zero(of: Callable[[float], float], low: float, high: float) -> float:
+    from scipy.optimize import brentq  # nobody waits for it without a field
+
     found: Any = brentq(of, low, high, xtol=1e-13)
     return float(found)

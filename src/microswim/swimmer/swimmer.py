@@ -23,6 +23,7 @@ from microswim.swimmer.geometry.surroundings import Channel, Wall
 from microswim.swimmer.geometry.tails import Tail
 from microswim.swimmer.gradient import gradient
 from microswim.swimmer.magnetism.applied_field import AppliedField
+from microswim.swimmer.magnetism.drive import check_units
 from microswim.swimmer.magnetism.magnet import Magnet
 from microswim.swimmer.motion import Motion
 from microswim.swimmer.provenance import Provenance
@@ -131,10 +132,7 @@ class Swimmer:
         if self.calibration is not None:
             self._check_part("calibration", Provenance)
         checks.choice("units", self.units, ("dimensionless", "SI"))
-        if self.units != "SI" and self.magnet is not None and self.magnet.moment is None:
-            raise SpecError("magnet.remanence: for a swimmer in SI; without units give the moment")
-        if self.units != "SI" and self.field is not None and self.field.needs_si:
-            raise SpecError("field.kind", self.field.kind, '"rotating" or "uniform" without units')
+        check_units(self)
         if self.motion.frequency_frame == "lab" and self.tail.surface_motion != "rigid":
             allowed = '"body" for a tail that does not rotate rigidly'
             raise SpecError("motion.frequency_frame", "lab", allowed)

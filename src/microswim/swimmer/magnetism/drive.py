@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from typing import Any
 
+from microswim.errors import SpecError
 from microswim.gait.step_out import Drive
 
 
@@ -14,3 +15,14 @@ def drive_of(swimmer: Any) -> Drive | None:
         return None
     sense = -1.0 if field.frequency.real < 0 else 1.0
     return Drive(magnet.vector, field.strength, sense * field.cone)
+
+
+def check_units(swimmer: Any) -> None:
+    """Refuse a magnet or a field that only SI knows, on a swimmer without units."""
+    magnet, field = swimmer.magnet, swimmer.field
+    if swimmer.units == "SI":
+        return
+    if magnet is not None and magnet.moment is None:
+        raise SpecError("magnet.remanence: for a swimmer in SI; without units give the moment")
+    if field is not None and field.needs_si:
+        raise SpecError("field.kind", field.kind, '"rotating" or "uniform" without units')

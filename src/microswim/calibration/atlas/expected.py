@@ -24,6 +24,14 @@ LEVELS = {"coarse": 0.0035, "standard": 0.002, "fine": 0.0005}
 ELASTIC = {"us": 0.85, "os": 0.08}
 #: Ranges of these designs: radii of filament and body over the length, sperm number, angle.
 LIKE = ((0.005, 0.03), (0.08, 0.3), (1.5, 5.0), (0.2, 0.8))
+#: What is known of the force on a held swimmer: local drag was off by a factor of five on thick
+#: helices (`tabak/helix`: 196 against 37 by boundary elements).
+UNJUDGED = "no error is known, and local drag may be off by a factor; --model bem computes it"
+HELD = {
+    "bem": "the level's difference holds",
+    "fem": "the mesh decides",
+    "atlas": "the errors of a free one hold roughly",
+}
 #: Entry of `QUANTITIES` of each degree of freedom.
 _ENTRY = (0, 1, 1, 2, 3, 3)
 
@@ -57,7 +65,7 @@ def expected_error(swimmer: Swimmer, gait: Gait) -> dict[str, Any]:
     values, how = by_model.get(gait.model, _unknown)(swimmer, gait)
     held = [0.0 if not free else value for value, free in zip(values, gait.free)]
     if not any(gait.free):
-        how = "held still: no velocity to be wrong"
+        how = "held still: no velocity to be wrong; of its force " + HELD.get(gait.model, UNJUDGED)
     return {**dict(zip(DEGREES_OF_FREEDOM, held)), "how": how}
 
 

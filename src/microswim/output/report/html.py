@@ -101,12 +101,10 @@ def numbers_table(numbers: dict[str, Any], name: str) -> Table:
         row("mean_power", "mean over the period"),
         row("mean_torque", "mean over the period"),
         ("efficiency", f"{significant(100.0 * numbers['efficiency'], 3)} %", "Eq. (24)"),
-        (
-            "force along s, held",
-            q(numbers["held_wrench"][0], "force"),
-            "by the fluid on the swimmer held still, mean; negative: towards the body",
-        ),
     ]
+    if not any(numbers["mean_velocity"]) and not any(numbers["velocity_amplitude"]):
+        force = q(numbers["held_wrench"][0], "force")
+        rows.append(("force along s", force, "by the fluid on the held swimmer, mean; held_wrench"))
     if off:
         rows.append(("expected error of u_s", percent(off["us"]), str(off["how"])))
     what = "SI units" if si else "in the units of the spec"

@@ -112,8 +112,8 @@ class Swimmer:
     def __post_init__(self) -> None:
         for name, kind in zip(PARTS, (Fluid, Body, Tail, Coefficients, Interaction, Motion)):
             self._check_part(name, kind)
-        others = (Wall, Channel, Magnet, AppliedField, Hook)
-        for name, kind in zip((*SURROUNDINGS, *DRIVE, "hook"), others):
+        others = (Wall, Channel, Magnet, AppliedField, Hook, Provenance)
+        for name, kind in zip((*SURROUNDINGS, *DRIVE, "hook", "calibration"), others):
             if getattr(self, name) is not None:
                 self._check_part(name, kind)
         if self.hook is not None:
@@ -129,8 +129,6 @@ class Swimmer:
                 "and of interaction coefficients; leave out [coefficients] and [interaction], or "
                 "[region]"
             )
-        if self.calibration is not None:
-            self._check_part("calibration", Provenance)
         checks.choice("units", self.units, ("dimensionless", "SI"))
         check_units(self)
         if self.motion.frequency_frame == "lab" and self.tail.surface_motion != "rigid":

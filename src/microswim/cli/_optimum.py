@@ -92,7 +92,8 @@ def _front(report: dict[str, Any], said: Said, console: Console) -> None:
 
 def _held(report: dict[str, Any]) -> list[str]:
     """The numbers that did not vary: those that one can build, then the factors of a fit."""
-    held = {k: s["elasticity"] for k, s in report["sensitivity"].items() if not s["varied"]}
+    all_ = report["sensitivity"].items()
+    held = {k: s["elasticity"] for k, s in all_ if not s["varied"] and s["elasticity"]}
     fitted = {k: v for k, v in held.items() if k.startswith("interaction.")}
     built = {k: v for k, v in held.items() if k not in fitted}
     return [

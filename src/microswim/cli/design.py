@@ -146,9 +146,7 @@ def _pictures(given: Given, best: Any, out: Path | None) -> None:
     from microswim.studies.sweeps.sweep import sweep
 
     words = f"{given.name}: {best.objective} = {best.value:.6g}, the best in the given ranges"
-    calibration = {k: v for k, v in given.tables.items() if k == "region"}
-    text = to_toml(to_tables(best.swimmer) | calibration, words)
-    write(out / "optimum.toml", text)
+    write(out / "optimum.toml", to_toml(to_tables(best.swimmer), words))
     _save(plots_design.sensitivity(best), out / "sensitivity.png")
     ranges = [k for k, s in best.sensitivity.items() if s.varied][:2]
     if len(ranges) == 2:

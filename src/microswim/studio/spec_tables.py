@@ -7,11 +7,11 @@ anything is imported.
 from __future__ import annotations
 
 import math
-from dataclasses import fields
 from typing import Any
 
 from microswim.errors import SpecError
 from microswim.numerics.plain import plain
+from microswim.spec.describe import describe
 from microswim.spec.file import from_dict
 from microswim.spec.tables import FIELDS
 from microswim.spec.text import toml
@@ -66,23 +66,12 @@ def swimmer_of(tables: Any) -> Swimmer:
 def canonical(swimmer: Swimmer) -> dict[str, Any]:
     """Every field of a swimmer as spec tables, quantities in the unit that suits its size."""
     units = units_of(swimmer)
-    tables = {
-        "fluid": _table(swimmer.fluid),
-        "body": {"shape": swimmer.body.shape, **_table(swimmer.body)},
-        "tail": {"kind": swimmer.tail.kind, **_table(swimmer.tail)},
-        "coefficients": {"law": swimmer.coefficients.law, **_table(swimmer.coefficients)},
-        "interaction": _table(swimmer.interaction),
-        "motion": _table(swimmer.motion),
-    }
+    tables = plain(describe(swimmer))
+    del tables["units"]
     if not any(map(any, swimmer.interaction.coupling)):
         del tables["interaction"]["coupling"]
     if swimmer.region is not None:  # it takes their place
         del tables["coefficients"], tables["interaction"]
-    around = {"wall": swimmer.wall, "channel": swimmer.channel, "magnet": swimmer.magnet}
-    around["hook"] = swimmer.hook
-    tables |= {name: _table(part) for name, part in around.items() if part is not None}
-    if swimmer.field is not None:
-        tables["field"] = {"kind": swimmer.field.kind, **_table(swimmer.field)}
     made = swimmer.calibration
     return {
         part: {k: _quantity(f"{part}.{k}", v, units) for k, v in table.items()}
@@ -98,20 +87,10 @@ def units_of(swimmer: Swimmer) -> dict[str, tuple[str, float]]:
     suits = {
         "length": "um" if size < 1e-3 else "mm" if size < 1.0 else "m",
         "viscosity": "mPa s" if viscosity < 0.1 else "Pa s",
-        "density": "kg/m^3",
-        "frequency": "Hz",
         "field": "mT",
-        "current": "A",
-        "moment": "A m^2",
-        "volume": "m^3",
-        "bending stiffness": "N m^2",
     }
-    return {kind: (unit, SIZES[DIMENSIONS[kind].si][unit]) for kind, unit in suits.items()}
-
-
-def _table(part: Any) -> dict[str, Any]:
-    given = {f.name: getattr(part, f.name) for f in fields(part)}
-    return {k: plain(v) for k, v in given.items() if v is not None}
+    si = {kind: (dimension.si, 1.0) for kind, dimension in DIMENSIONS.items()}
+    return si | {kind: (unit, SIZES[DIMENSIONS[kind].si][unit]) for kind, unit in suits.items()}
 
 
 def _quantity(name: str, value: Any, units: dict[str, tuple[str, float]]) -> Any:

@@ -137,8 +137,7 @@ class Swimmer:
 
     def _check_part(self, name: str, kind: type) -> None:
         if not isinstance(getattr(self, name), kind):
-            value = type(getattr(self, name)).__name__
-            raise SpecError(name, value, f"a {kind.__name__}")
+            raise SpecError(name, type(getattr(self, name)).__name__, f"a {kind.__name__}")
 
     @property
     def parts(self) -> tuple[str, ...]:

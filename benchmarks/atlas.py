@@ -115,10 +115,11 @@ end of the range:
 {corner}
 
 **Plain resistive force theory** (Lighthill's law) over the same designs is off in u_s by
-{of_truth:.0f} % of the truth in the median, or {of_own:.0f} % of its own, too large answer. How much
-depends on where one looks: for robots of the paper's proportions (helix 1 to 3 long, amplitude
-0.04 to 0.25, 0.8 to 4 waves, filament radius 0.02 to 0.06, sphere of radius 0.5) it is 81 % of the truth in the median of
-14 random designs and 204 % at worst, and the same 14 give 45 % when counted by its own answer.
+{of_truth:.0f} % of the truth in the median, or {of_own:.0f} % of its own, too large answer.
+How much depends on where one looks: for robots of the paper's proportions (helix 1 to 3 long,
+amplitude 0.04 to 0.25, 0.8 to 4 waves, filament radius 0.02 to 0.06, sphere of radius 0.5)
+it is 81 % of the truth in the median of 14 random designs and 204 % at worst, and
+the same 14 give 45 % when counted by its own answer.
 """
 
 

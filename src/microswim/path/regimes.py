@@ -222,7 +222,8 @@ def steady_turning(swimmer: Swimmer, gait: Gait) -> SteadyTurning:
                         '--set motion.free=all lets it tilt')  # fmt: skip
     sense = float(np.sign(applied.frequency))  # type: ignore[attr-defined]
     cone = sense * applied.cone  # type: ignore[attr-defined]
-    return SteadyTurning(mobility_of(gait), magnet.vector, applied.strength, cone)
+    strength = applied.strength  # type: ignore[attr-defined]
+    return SteadyTurning(mobility_of(gait), magnet.vector, strength, cone)
 
 
 def _frequencies(values: Any) -> Array:

@@ -18,6 +18,7 @@ import pytest
 import microswim as ms
 from microswim.numerics.fourier import evaluate
 from microswim.spec import presets
+from microswim.spec.describe import to_tables
 from microswim.spec.file import from_dict
 from microswim.spec.tables import FIELDS
 from microswim.spec.toml import to_toml
@@ -231,6 +232,24 @@ def test_a_region_tells_its_error_and_its_bounds(app, calibrated):
     made = answer(app, "/api/solve", {"tables": far})
     assert made["expected_error"] is None
     assert any("outside" in note for note in made["notes"])
+
+
+def test_a_calibration_at_one_design_says_where_and_the_surrogate_how_far_off(app):
+    """Also of a file that was calibrated elsewhere; away from its design it says so."""
+    swimmer = from_dict(HELIX)
+    plain = answer(app, "/api/solve", {"tables": HELIX})
+    assert plain["calibration"] is None
+    assert plain["expected_error"] > 0.1
+    fitted = ms.calibrate(swimmer, swimmer.gait("bem", level="coarse")).swimmer
+    made = answer(app, "/api/solve", {"tables": to_tables(fitted)})
+    assert made["calibration"]["here"]
+    assert made["expected_error"] == pytest.approx(0.0035, abs=1e-4)
+    again = tomllib.loads(made["toml"])
+    away = {**again, "tail": {**again["tail"], "amplitude": 1.2 * HELIX["tail"]["amplitude"]}}
+    made = answer(app, "/api/solve", {"tables": away})
+    assert not made["calibration"]["here"]
+    assert "tail.amplitude +20 %" in made["calibration"]["lines"][0]
+    assert made["expected_error"] > 0.01
 
 
 def test_the_optimum_of_a_calibrated_surrogate_lies_in_its_region(app, calibrated):

@@ -15,6 +15,7 @@ from typing import Any
 
 import numpy as np
 
+from microswim.calibration.atlas.expected import expected_error
 from microswim.errors import SpecError
 from microswim.gait.gait import Gait
 from microswim.gait.quantities import NUMBERS, QUANTITIES, numbers
@@ -98,9 +99,22 @@ def describe(swimmer: Swimmer, gait: Gait) -> dict[str, Any]:
             "body": _body_series(gait),
         },
         "readings": readings(swimmer, gait),
-        "expected_error": plain(gait.info.get("expected_error")),
+        **trust(swimmer, gait),
         "region": swimmer.region is not None,
     }
+
+
+def trust(swimmer: Swimmer, gait: Gait) -> dict[str, Any]:
+    """Return how far u_s may be off, how that is known, and where a calibration comes from."""
+    error = gait.info.get("expected_error")  # of a region: one standard deviation
+    how = "one standard deviation of the calibration over a region"
+    if swimmer.region is None:
+        found = expected_error(swimmer, gait)
+        error, how = found["us"], str(found["how"])
+    made = swimmer.calibration
+    told = {"here": not (made.away(swimmer) or made.changed(swimmer)),
+            "lines": made.lines(swimmer)} if made else None  # fmt: skip
+    return {"expected_error": plain(error), "how": how, "calibration": told}
 
 
 def readings(swimmer: Swimmer, gait: Gait) -> dict[str, Any]:

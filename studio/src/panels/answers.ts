@@ -70,22 +70,21 @@ export class Answers {
       const text = fresh ? `${this.store.method}${where}` : `${this.store.method}: asking the judge …`;
       return el("div", { class: `trust ${fresh ? "good" : "open"}`, id: "trust" }, el("i"), text);
     }
-    const { around } = design.answer;
-    const here = JSON.stringify(design.answer.tables);
-    if (around && design.calibrated !== here) {
+    const { around, expected_error: error, how, region, calibration: made } = design.answer;
+    if (around && !made?.here) {
       const what = around.kind === "wall" ? "wall" : "channel";
       const title = "Local resistance is that of free fluid; ask the judge, then calibrate here.";
       return el("div", { class: "trust poor", id: "trust", title }, el("i"), `Surrogate: knows nothing of the ${what}`);
     }
-    const error = design.answer.expected_error;
-    if (error !== null) {
-      const grade = error < 0.05 ? "good" : error < 0.2 ? "fair" : "poor";
-      return el("div", { class: `trust ${grade}`, id: "trust" }, el("i"), `Surrogate: expected error ${digits(100 * error, 2)} %`);
+    if (error === null && region) return el("div", { class: "trust fair", id: "trust" }, el("i"), "Surrogate, outside its calibrated region");
+    const where = region || !made ? "" : `, calibrated at ${made.here ? "this" : "another"} design`;
+    const title = [...(made?.lines ?? []), ...(error === null ? [] : [how])].join("\n")
+      || "No reference has been asked; ask the judge, then calibrate here.";
+    if (error === null) {
+      const grade = !made ? "open" : made.here ? "good" : "fair";
+      return el("div", { class: `trust ${grade}`, id: "trust", title }, el("i"), `Surrogate${where || ", not calibrated"}`);
     }
-    if (design.answer.region) return el("div", { class: "trust fair", id: "trust" }, el("i"), "Surrogate, outside its calibrated region");
-    if (design.calibrated === here) return el("div", { class: "trust good", id: "trust" }, el("i"), "Surrogate, calibrated at this design");
-    if (design.calibrated) return el("div", { class: "trust fair", id: "trust" }, el("i"), "Surrogate, calibrated at another design");
-    const title = "No reference has been asked; ask the judge, then calibrate here.";
-    return el("div", { class: "trust open", id: "trust", title }, el("i"), "Surrogate, not calibrated");
+    const grade = error < 0.05 ? "good" : error < 0.2 ? "fair" : "poor";
+    return el("div", { class: `trust ${grade}`, id: "trust", title }, el("i"), `Surrogate${where}: expected error ${digits(100 * error, 2)} %`);
   }
 }

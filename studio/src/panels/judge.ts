@@ -143,10 +143,10 @@ export class Judge {
     const { store } = this;
     store.replace(made.calibration.tables);
     const marked = store.design;
-    marked.calibrated = JSON.stringify(made.calibration.tables);
-    this.result = { of: marked.calibrated, made: { ...made, rows: made.calibration.rows } };
-    marked.reference = { answer: made.answer, of: marked.calibrated };
-    notice("Calibrated: the surrogate now agrees with the judge at this design.");
+    const of = JSON.stringify(made.calibration.tables);
+    this.result = { of, made: { ...made, rows: made.calibration.rows } };
+    marked.reference = { answer: made.answer, of };
+    notice("Calibrated at this design; the table says what agrees with the judge and what does not.");
   }
 }
 

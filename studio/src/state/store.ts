@@ -21,8 +21,6 @@ export interface Design {
   future: Tables[];
   problem: string | null;
   reference: Reference | null;
-  /** where the surrogate was calibrated, as text of the tables */
-  calibrated: string | null;
   /** where its sliders run, by field */
   ranges: Map<string, Range>;
   latest: Latest<Ask, Answer>;
@@ -82,7 +80,7 @@ export class Store {
     const tables = clone(answer.tables);
     const design: Design = {
       name, answer, tables, committed: clone(tables), past: [], future: [],
-      problem: null, reference: null, calibrated: null, ranges: new Map(), latest: null as unknown as Design["latest"],
+      problem: null, reference: null, ranges: new Map(), latest: null as unknown as Design["latest"],
     };
     let sent = 0;
     design.latest = new Latest<Ask, Answer>(

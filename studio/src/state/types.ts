@@ -47,7 +47,11 @@ export interface Answer {
   around: Around | null;
   gait: GaitData;
   readings: Readings;
+  /** of u_s, relative; null: not known; and how it is known */
   expected_error: number | null;
+  how: string;
+  /** where the coefficients come from, and whether this is the design they were found at */
+  calibration: { here: boolean; lines: string[] } | null;
   /** whether the spec holds a region calibration */
   region: boolean;
   tables: Tables;

@@ -32,6 +32,8 @@ HELD = {
     "fem": "the mesh decides",
     "atlas": "the errors of a free one hold roughly",
 }
+#: Of finite elements in a channel, against boundary elements (docs/accuracy-fem.md).
+CHANNEL = 0.005
 #: Entry of `QUANTITIES` of each degree of freedom.
 _ENTRY = (0, 1, 1, 2, 3, 3)
 
@@ -121,8 +123,10 @@ def _of_elastic(swimmer: Swimmer, gait: Gait) -> tuple[list[Any], str]:
 
 def _promised(made: Provenance, swimmer: Swimmer) -> tuple[list[Any], str]:
     """Return what a calibration at one design left there, and the reference's own error."""
+    if made.reference == "measurements":
+        return [None] * 6, "not known: that of the measurements it was calibrated on"
     left = {**made.unmatched, **made.matched}
-    own = LEVELS.get(made.level, 0.0)
+    own = {"bem": LEVELS.get(made.level, LEVELS["coarse"]), "fem": CHANNEL}.get(made.reference, 0.0)
     names = {"us": "mean.us", "uq": "amplitude.uq", "os": "mean.os", "or": "amplitude.or"}
     errors = {n: abs(left[q]) + own for n, q in names.items() if q in left}
     if swimmer.tail.is_rigid:  # both lateral directions turn with the tail

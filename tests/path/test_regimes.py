@@ -287,3 +287,9 @@ def test_held_rotations_are_said():
     with pytest.warns(HeldWarning):
         ms.trajectory(held.gait(), [0.0, 1.0], rate=0.0, moment=held.magnet, field=held.field)
     ms.Stepper(held.gait())  # no magnet: nothing to say
+
+
+def test_a_swimmer_prints_its_magnet_and_its_field(spec):
+    text = str(ms.Swimmer.from_toml(spec))
+    assert "magnet" in text
+    assert "rotating, 5 mT, 1 Hz" in text

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from typing import Any
 
 from microswim.gait.portrait import Rows
@@ -28,6 +29,10 @@ def of_swimmer(swimmer: Swimmer) -> tuple[str, Rows]:
         for name in ("wall", "channel", "hook")
         if getattr(swimmer, name) is not None
     ]
+    if swimmer.magnet is not None:
+        rows.append(("magnet", _magnet(swimmer)))
+    if swimmer.field is not None:
+        rows.append(("field", _field(swimmer)))
     return f"Swimmer, {swimmer.units}", rows
 
 
@@ -84,6 +89,21 @@ def _drag(swimmer: Swimmer) -> str:
     law = f"law {swimmer.coefficients.law.replace('_', ' ')}"
     region = ", calibrated over a region" if swimmer.region is not None else ""
     return f"{law}, interaction {'; '.join(told) or 'none'}{region}"
+
+
+def _magnet(swimmer: Swimmer) -> str:
+    moment = [_q(swimmer, float(x), "A m^2") for x in swimmer.magnet.vector]  # type: ignore[union-attr]
+    return f"moment {', '.join(moment)} along s, q, r"
+
+
+def _field(swimmer: Swimmer) -> str:
+    field: Any = swimmer.field
+    words = [field.kind]
+    if hasattr(field, "strength"):
+        words.append(_q(swimmer, float(field.strength), "T"))
+    if field.rate:
+        words.append(_q(swimmer, field.rate / (2.0 * math.pi), "Hz"))
+    return ", ".join(words)
 
 
 def _motion(swimmer: Swimmer) -> str:

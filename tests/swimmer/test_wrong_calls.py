@@ -62,7 +62,7 @@ def test_numbers_of_numpy_are_numbers():
 
 def test_signatures_name_what_may_be_given():
     """So that editors complete them; a decorated constructor keeps its own."""
-    assert "rft" in str(inspect.signature(ms.Swimmer.gait).parameters["model"].annotation)
+    assert "Model" in str(inspect.signature(ms.Swimmer.gait).parameters["model"].annotation)
     for function in (ms.validate, ms.design, ms.calibrate_region):
         assert "bem" in str(inspect.signature(function).parameters["reference"].annotation)
     assert list(inspect.signature(ms.Fluid).parameters) == ["viscosity", "density"]

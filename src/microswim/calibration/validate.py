@@ -17,7 +17,7 @@ from __future__ import annotations
 import itertools
 from collections.abc import Iterable
 from dataclasses import dataclass, field, replace
-from typing import Any, Literal
+from typing import Any, Literal, Unpack
 
 import numpy as np
 
@@ -161,7 +161,7 @@ def validate(
     folder: Any = None,
     workers: int | None = None,
     progress: references.Progress | None = None,
-    **options: Any,
+    **options: Unpack[doors.ModelOptions],
 ) -> Validation:
     """Compare the surrogate with a reference over a grid of designs.
 

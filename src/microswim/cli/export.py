@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import re
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, Literal
 
 import click
 
@@ -102,14 +102,14 @@ if TYPE_CHECKING:
 def command(
     given: Given,
     kind: str,
-    fmi: str,
+    fmi: Literal["3.0", "2.0"],
     name: str | None,
     moment: str | None,
     locked: bool,
     resolution: float,
     steps: int | None,
     most_steps: int,
-    precision: str,
+    precision: Literal["double", "float"],
     model: str,
     level: str | None,
     out: Path,
@@ -158,7 +158,7 @@ def command(
 
 
 def _written(
-    stepper: Stepper, code: Any, spec: str, out: Path, files: list[str], fmi: str
+    stepper: Stepper, code: Any, spec: str, out: Path, files: list[str], fmi: Literal["3.0", "2.0"]
 ) -> dict[str, Any]:
     """Write into a scratch folder, then move: all files or none."""
     from microswim.control.export import compiler

@@ -18,6 +18,7 @@ from microswim.control import linear, motion, readout
 from microswim.control.response import Response, response
 from microswim.control.state import State, check_finite
 from microswim.errors import SpecError
+from microswim.gait import doors
 from microswim.gait.gait import Gait
 from microswim.gait.held import warn_if_held
 from microswim.gait.readable import origin
@@ -110,7 +111,7 @@ class Stepper:
 
     @classmethod
     @checks.given(swimmer=checks.swimmer, model=checks.text)
-    def of(cls, swimmer: Swimmer, model: str = "rft", **options: Any) -> Stepper:
+    def of(cls, swimmer: Swimmer, model: doors.Model = "rft", **options: Any) -> Stepper:
         """Stepper of a swimmer that feels the strain of a flow; options as of the class."""
         return cls(swimmer.gait(model), swimmer, **options)
 

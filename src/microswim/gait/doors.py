@@ -7,14 +7,41 @@ call, by the name in this one table, so that nothing here depends on models or p
 
 from __future__ import annotations
 
+from collections.abc import Callable, Mapping
 from importlib import import_module
 from inspect import Parameter, signature
-from typing import Any
+from typing import TYPE_CHECKING, Any, Literal, TypedDict
 
 from microswim import checks
 from microswim.errors import SpecError
 
-MODELS = {
+if TYPE_CHECKING:
+    from microswim.swimmer.geometry.surroundings import Channel
+
+Model = Literal["rft", "auto", "atlas", "elastic", "bem", "fem"]
+Level = Literal["coarse", "standard", "fine", "paper"]
+Told = Callable[[int, int], None]
+
+
+class ModelOptions(TypedDict, total=False):
+    """What the models take, each some of these; `check_options` refuses what one does not take."""
+
+    nodes: int | None
+    phases: int | None
+    accuracy: float | None
+    level: Level | Any
+    order: int | None
+    estimate_error: bool
+    channel: Channel | None
+
+
+class GaitOptions(ModelOptions, total=False):
+    """The same for one gait, which may tell how far it is."""
+
+    progress: Told | None
+
+
+MODELS: dict[str, str] = {
     "auto": "microswim.calibration.atlas.choice:auto",
     "rft": "microswim.models.rft.gait:gait",
     "atlas": "microswim.calibration.atlas.gait:gait",
@@ -51,7 +78,7 @@ def _behind(door: str) -> Any:
     return getattr(import_module(module), function)
 
 
-def check_options(model: str, options: dict[str, Any]) -> None:
+def check_options(model: str, options: Mapping[str, Any]) -> None:
     """Refuse a model that does not exist, and an option that it does not take.
 
     Raises

@@ -133,7 +133,7 @@ class Regimes:
 
 @checks.given(swimmer=checks.swimmer, frequency=checks.series, model=checks.text, gait=checks.gait)
 def regimes(
-    swimmer: Swimmer, frequency: Any, *, model: str = "auto", gait: Gait | None = None
+    swimmer: Swimmer, frequency: Any, *, model: doors.Model = "auto", gait: Gait | None = None
 ) -> Regimes:
     """Return what a robot with a magnet does in a rotating field, frequency by frequency.
 

@@ -80,7 +80,7 @@ def require_drag(swimmer: Swimmer) -> None:
             f"interaction.translation[{i}]", value, "zero or more",
             "a body of negative drag would be driven by its own motion",
         )  # fmt: skip
-    if not np.any(np.ravel(x.coupling)):
+    if not x.is_coupled:
         return
     own = [i for i in range(6) if i < 3 or np.real(x.rotation[i - 3]) >= 0.0]
     block = np.real(x.body_resistance(swimmer.body.diagonal(swimmer.fluid.viscosity)))
@@ -101,7 +101,7 @@ def require_dissipation(swimmer: Swimmer, gait: Gait) -> None:
     """
     x, free = swimmer.interaction, np.flatnonzero(gait.free)
     negative = _negative(x.rotation)
-    if not free.size or not (negative or np.any(np.ravel(x.coupling))):
+    if not free.size or not (negative or x.is_coupled):
         return
     phases = np.linspace(0.0, 2.0 * np.pi, PHASES, endpoint=False)
     for R in np.real(gait.resistance(phases))[:, free[:, None], free]:
@@ -185,4 +185,6 @@ def _dissipates(R: np.ndarray) -> bool:
 
 
 def _size(value: Any) -> float:
+    if isinstance(value, (int, float, complex)):  # one swimmer, and not many: quickly
+        return abs(value.real)
     return float(np.max(np.abs(np.real(value))))

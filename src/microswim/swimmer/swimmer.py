@@ -5,7 +5,7 @@ from __future__ import annotations
 import dataclasses
 from dataclasses import dataclass, fields, is_dataclass, replace
 from os import PathLike
-from typing import TYPE_CHECKING, Any, Literal
+from typing import TYPE_CHECKING, Any, Literal, Unpack
 
 import numpy as np
 
@@ -219,8 +219,8 @@ class Swimmer:
     @checks.given()
     def gait(
         self,
-        model: Literal["rft", "auto", "atlas", "elastic", "bem", "fem"] | str = "rft",
-        **options: Any,
+        model: doors.Model | str = "rft",
+        **options: Unpack[doors.GaitOptions],
     ) -> Gait:
         """Gait by a model: surrogate ``"rft"`` or ``"atlas"``, reference ``"bem"`` or ``"fem"``.
 

@@ -58,7 +58,8 @@ def auto(swimmer: Swimmer, accuracy: float | None = None, **options: Any) -> Gai
     if accuracy is None or _holds(made, accuracy):
         return made
     levels = [name for name, error in LEVELS.items() if error <= accuracy] or ["fine"]
-    found = swimmer.gait("bem", **{"level": levels[0], **options})
+    asked: dict[str, Any] = {"level": levels[0], **options}
+    found = swimmer.gait("bem", **asked)
     was = made.info["expected_error"]["us"]
     off = "by an unknown error" if was is None else f"by up to {100.0 * was:.2g} %"
     return _with_error(swimmer, found, f"{made.model} is off {off} in u_s here")

@@ -9,7 +9,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass, field, replace
-from typing import Any, Literal
+from typing import Any, Literal, Unpack
 
 import numpy as np
 
@@ -68,7 +68,7 @@ def calibrate_region(
     workers: int | None = None,
     seed: int = 1,
     progress: Callable[[int, int], None] | None = None,
-    **options: Any,
+    **options: Unpack[doors.ModelOptions],
 ) -> RegionCalibration:
     """Calibrate the surrogate over a region of designs.
 
@@ -123,7 +123,7 @@ def calibrate_region(
     counted(workers)
     campaign = _Campaign(_pool(swimmer, region, seed), solves, max(6, len(region) + 2))
     chosen = list(range(min(max(8, round(FIRST * solves)), solves, len(campaign.pool))))
-    options = _phases(swimmer, reference, options)
+    solver = _phases(swimmer, reference, dict(options))
     fitted: tuple[Kriging, ...] = ()
     while chosen:
         found = references.gaits(
@@ -132,7 +132,7 @@ def calibrate_region(
             folder=folder,
             workers=workers,
             progress=_shifted(progress, len(campaign.solved), solves),
-            **options,
+            **solver,
         )
         campaign.take(chosen, found)
         with one_thread():
@@ -142,7 +142,7 @@ def calibrate_region(
         why = refused[0][1] if refused else "the region holds no more"
         raise MicroswimError(f"only {len(solved)} designs could be solved: {why}")
     about: dict[str, Any] = {"reference": reference, "solves": len(solved), "seed": seed}
-    about["options"] = {k: getattr(v, "name", v) for k, v in options.items()}
+    about["options"] = {k: getattr(v, "name", v) for k, v in solver.items()}
     with one_thread():
         solved, doubtful = set_aside(solved, fitted)
         about["set_aside"] = [_values_of(s.swimmer, region) for s in doubtful]

@@ -11,7 +11,7 @@ from dataclasses import dataclass
 from functools import partial
 from hashlib import sha256
 from importlib.resources import files
-from typing import Any
+from typing import Any, Literal
 
 import numpy as np
 
@@ -76,7 +76,10 @@ class CModel:
     precision=checks.one_of(*PRECISIONS),
 )
 def c_model(
-    stepper: Stepper, name: str = "swimmer", spec: str = "", precision: str = "double"
+    stepper: Stepper,
+    name: str = "swimmer",
+    spec: str = "",
+    precision: Literal["double", "float"] = "double",
 ) -> CModel:
     """Return C99 of a stepper: `name`.h and `name`.c.
 

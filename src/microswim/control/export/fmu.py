@@ -15,7 +15,7 @@ from hashlib import sha256
 from html import escape
 from importlib.resources import files
 from pathlib import Path
-from typing import Any
+from typing import Any, Literal
 from xml.sax.saxutils import quoteattr
 
 from microswim import __version__, checks
@@ -91,7 +91,12 @@ def variables(stepper: Stepper) -> list[dict[str, Any]]:
     spec=checks.text,
 )
 def export_fmu(
-    stepper: Stepper, path: Any, *, name: str = "swimmer", fmi: str = "3.0", spec: str = ""
+    stepper: Stepper,
+    path: Any,
+    *,
+    name: str = "swimmer",
+    fmi: Literal["3.0", "2.0"] = "3.0",
+    spec: str = "",
 ) -> dict[str, Any]:
     """Write a co-simulation FMU for this platform; sources are included.
 

@@ -238,7 +238,7 @@ def _calibrated(swimmer: Swimmer, arrays: dict, good: np.ndarray, rate: Any) -> 
 
 def is_regular(swimmer: Swimmer, arrays: dict[str, Any]) -> bool:
     """Whether the symmetries hold on which the batched evaluation rests."""
-    if not swimmer.tail.in_batches or np.any(np.ravel(swimmer.interaction.coupling)):
+    if not swimmer.tail.in_batches or swimmer.interaction.is_coupled:
         return False
     if not swimmer.body.is_balanced:
         return False

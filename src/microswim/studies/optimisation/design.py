@@ -5,7 +5,7 @@ from __future__ import annotations
 import time
 from collections.abc import Callable
 from functools import partial
-from typing import Any, Literal
+from typing import Any, Literal, Unpack
 
 from microswim import checks
 from microswim.errors import SpecError
@@ -44,7 +44,7 @@ def design(
     reference: Literal["bem", "fem"] | None = None,
     tolerance: float = 0.05,
     progress: Callable[[str], None] | None = None,
-    **options: Any,
+    **options: Unpack[doors.ModelOptions],
 ) -> Optimum:
     """Find the design that makes a quantity as large (or small) as it can be.
 
@@ -98,7 +98,7 @@ def design(
     100.0
     """
     begun = time.perf_counter()
-    _check_options(reference, options)
+    _check_options(reference, dict(options))
     problem = Problem.of(swimmer, over, maximize, minimize, subject_to)
     if len(problem.objectives) != 1:
         raise SpecError("design: one objective; for a trade-off of several use pareto")

@@ -13,7 +13,7 @@ from concurrent.futures import Future, ThreadPoolExecutor
 from dataclasses import dataclass
 from importlib.metadata import version
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, Literal, Unpack
 
 import numpy as np
 
@@ -72,15 +72,15 @@ Engine = Callable[[Iterable[Task]], Iterator[tuple[Task, Rows]]]
 def sweep(
     swimmer: Swimmer,
     over: Any,
-    model: str = "rft",
+    model: Literal["rft", "elastic", "bem", "fem"] = "rft",
     *,
     out: str | os.PathLike[str] | None = None,
     resume: bool = False,
     workers: int | None = None,
     scheduler: str | None = None,
-    cluster: str | None = None,
+    cluster: Literal["slurm"] | None = None,
     progress: Progress | None = None,
-    **options: Any,
+    **options: Unpack[doors.ModelOptions],
 ) -> xr.Dataset:
     """Solve many designs.
 
@@ -151,7 +151,7 @@ def sweep(
         BLOCK[model if swimmer.tail.in_batches else "custom"],
     )
     check_names(swimmer, space.names)
-    job = Job(swimmer, model, options, space.size)
+    job = Job(swimmer, model, dict(options), space.size)
     attributes = _provenance(job, space)
 
     here = model in BATCHED and workers is None  # its kernel uses all cores itself

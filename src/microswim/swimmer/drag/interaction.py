@@ -86,6 +86,11 @@ class Interaction:
         rest = isolated - np.diag(diagonal)
         return self.body_resistance(diagonal) + np.multiply.outer(root, root) * rest
 
+    @property
+    def is_coupled(self) -> bool:
+        """Whether the body's rotation and translation are coupled."""
+        return self.coupling != _ZERO
+
     def body_resistance(self, isolated: tuple[Any, ...]) -> np.ndarray:
         """Body resistance ``B_b`` about its centre [Tabak Eqs. 3, 21, 22].
 
@@ -101,14 +106,14 @@ class Interaction:
         """
         gamma = (*self.translation, *self.rotation)
         scaled = [g * d for g, d in zip(gamma, isolated)]
-        if self.coupling == _ZERO and not any(isinstance(d, np.ndarray) for d in scaled):
+        if not self.is_coupled and not any(isinstance(d, np.ndarray) for d in scaled):
             values = np.array(scaled)
             B = np.zeros((6, 6), dtype=values.dtype)
             B.flat[::7] = values
             return B
         diagonal = np.stack(np.broadcast_arrays(*scaled), axis=-1)
         B = diagonal[..., None] * np.eye(6)
-        if self.coupling == _ZERO:
+        if not self.is_coupled:
             return B
         E = np.array([[self.coupling[i][j] for j in range(3)] for i in range(3)])
         root = np.sqrt(np.stack(np.broadcast_arrays(*isolated), axis=-1))

@@ -102,12 +102,11 @@ class Stepper:
         allowed = "a whole number from 1 to 10000000"
         for name in ("steps", "most_steps"):
             value: Any = getattr(self, name)
-            if name == "steps" and value is None:
-                continue
-            checks.number(name, value, allowed, least=1, most=1e7)
-            if int(value) != value:
-                raise SpecError(name, value, allowed)
-            object.__setattr__(self, name, int(value))
+            if name != "steps" or value is not None:
+                checks.number(name, value, allowed, least=1, most=1e7)
+                if int(value) != value:
+                    raise SpecError(name, value, allowed)
+                object.__setattr__(self, name, int(value))
 
     @classmethod
     @checks.given(swimmer=checks.swimmer, model=checks.text)

@@ -14,6 +14,7 @@ With the degrees of freedom us, uq, ur, os, oq, or:
 
 from __future__ import annotations
 
+from functools import partial
 from typing import Any
 
 import numpy as np
@@ -68,7 +69,11 @@ def unit_of(quantity: str, units: str) -> str:
 
 
 @checks.given(
-    gait=checks.gait, quantity=checks.text, phase=checks.series, body_length=checks.numeric
+    gait=checks.gait,
+    quantity=checks.text,
+    phase=checks.series,
+    body_length=checks.numeric,
+    drive=partial(checks.instance, kind="Drive"),
 )
 def observed(
     gait: Gait, quantity: str, phase: Any = None, *, body_length: Any = None, drive: Any = None

@@ -78,11 +78,20 @@ class AveragePath:
         m = len(self.time)
         return float(min(self.window, m - 1) * (self.time[1] - self.time[0]))
 
+    @property
+    def heading(self) -> np.ndarray:
+        """Angle of the velocity to x, in a plane."""
+        return np.unwrap(np.arctan2(self.velocity[:, 1], self.velocity[:, 0]))
+
+    @property
+    def turned(self) -> float:
+        """Range of the heading (rad)."""
+        return float(np.ptp(self.heading))
+
     def seen_from(self, t: np.ndarray, x: np.ndarray) -> np.ndarray:
         """Positions off the path, along and across it; in a plane."""
         off = x - np.stack([np.interp(t, self.time, column) for column in self.position.T], axis=-1)
-        angle = np.unwrap(np.arctan2(self.velocity[:, 1], self.velocity[:, 0]))
-        turned = np.exp(-1j * np.interp(t, self.time, angle)) * (off[:, 0] + 1j * off[:, 1])
+        turned = np.exp(-1j * np.interp(t, self.time, self.heading)) * (off[:, 0] + 1j * off[:, 1])
         return np.stack([turned.real, turned.imag], axis=-1)
 
     def narrower(self) -> AveragePath | None:

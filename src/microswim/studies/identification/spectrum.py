@@ -201,13 +201,15 @@ def _noise(y: np.ndarray) -> float:
 def _sine(t: np.ndarray, x: np.ndarray, near: float, slow: np.ndarray) -> tuple[float, np.ndarray]:
     """Frequency and values of the best sine near one, by least squares beside the slow path."""
     step = 0.5 / (t[-1] - t[0])
-    x = x - x.mean(axis=0)
+    Q = np.linalg.qr(slow)[0]
+    x = x - Q @ (Q.T @ x)
 
     def fitted(f: float) -> tuple[np.ndarray, np.ndarray]:
         angle = 2.0 * np.pi * f * t
-        basis = np.concatenate([np.cos(angle)[:, None], np.sin(angle)[:, None], slow], axis=1)
-        c = np.linalg.lstsq(basis, x, rcond=None)[0]
-        return basis[:, :2] @ c[:2], x - basis @ c
+        basis = np.stack([np.cos(angle), np.sin(angle)], axis=-1)
+        beside = basis - Q @ (Q.T @ basis)
+        c = np.linalg.solve(beside.T @ beside, beside.T @ x)
+        return basis @ c, x - beside @ c
 
     found: Any = minimize_scalar(
         lambda f: float(np.sum(fitted(f)[1] ** 2)),

@@ -39,6 +39,9 @@ NUMBERS = {
 }
 
 
+STRAIGHT = 0.3  #: rad, a turn that does not split the line of a wobble
+
+
 @dataclass(frozen=True, eq=False)
 class TrackNumbers:
     """What the track of one cell holds.
@@ -157,6 +160,8 @@ def _wobble_and_path(track: Track) -> tuple[Line, AveragePath]:
         other = line(t, x, above=2.5 * seen.frequency)
         seen, path = other, average_path(t, x, 1.0 / other.frequency if other.stands_out else None)
     if not (seen.stands_out and path.swims and path.speed().value > 3.0 * path.noise):
+        return seen, path
+    if path.turned < STRAIGHT:
         return seen, path
     again = line(t, path.seen_from(t, x), above=0.5 * seen.frequency)
     return (again, average_path(t, x, 1.0 / again.frequency)) if again.stands_out else (seen, path)

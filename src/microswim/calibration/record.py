@@ -29,7 +29,7 @@ NOTICED = 0.01  #: relative difference that is worth a word
 VANISHES = 1e-9  #: share of the largest velocity below which an average is zero by symmetry
 
 
-def _stamp() -> dict[str, str]:
+def _stamp() -> dict[str, Any]:
     return {"date": datetime.now(UTC).date().isoformat(), "version": __version__}
 
 

@@ -18,6 +18,7 @@ VALUES = {"tail.amplitude": np.array([0.06, 0.1, 0.14]), "body.radius": np.array
 
 def test_a_batch_is_its_gaits_and_nan_outside():
     many = everywhere(ROBOT)
+    assert many is not None
     found, errors = ms.evaluate(many, VALUES), expected_errors(many, VALUES)
     assert np.isnan(found["mean_velocity"][1]).all()
     assert np.isnan(errors[1])

@@ -55,6 +55,8 @@ class Group:
     def __call__(self, z: np.ndarray, waves: np.ndarray) -> np.ndarray:
         """Return corrections (k, m) at designs, complex ones as pairs, in plain NumPy."""
         k = matern_of_arrays(self._distance(z))
+        own: Any
+        theirs: Any
         even, odd = 1.0, 0.0
         for m, a in enumerate(self.phasors, 1):
             if a > 0:

@@ -186,3 +186,14 @@ def test_a_measurement_in_micrometres_is_one_in_metres():
     one, other = (json.loads(run.stdout) for run in runs)
     assert one["coefficients"] == pytest.approx(other["coefficients"], rel=1e-12)
     assert one["uncertainty"] == pytest.approx(other["uncertainty"], rel=1e-9)
+
+
+@pytest.mark.parametrize("bound", [[2.0], (1.0, 2.0, 3.0), ("a", "b"), 5.0])
+def test_a_bound_is_two_numbers(bound):
+    with pytest.raises(ms.SpecError, match=r"bound translation\.s"):
+        ms.calibrate(
+            ms.Swimmer.preset("tabak/helix"),
+            {"swimming_speed": 0.05},
+            ["translation.s"],
+            bounds={"translation.s": bound},
+        )

@@ -4,9 +4,11 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from click.testing import CliRunner
 
 import microswim as ms
 from microswim.calibration.validate import stages
+from microswim.cli import main
 from microswim.output.plots.validation import error_maps
 from microswim.studies.world import page as world
 
@@ -106,3 +108,22 @@ def test_each_set_of_the_plane_wave_follows_from_the_other():
 def test_axes_that_are_no_numbers_of_the_swimmer_are_refused(over, says):
     with pytest.raises(ms.SpecError, match=says):
         ms.validate(ms.Swimmer.preset("tabak/helix"), over, "rft", workers=0)
+
+
+@pytest.mark.parametrize(
+    "call",
+    [
+        ["validate", "--over", "tail.amplitude=0.1:0.11:2", "--quantity", "foo"],
+        ["calibrate", "--reference", "bem", "--quantity", "foo"],
+        ["calibrate", "--reference", "bem", "--unknown", "foo"],
+        ["calibrate", "--reference", "bem", "--bound", "translation.s=x:2"],
+    ],
+)
+def test_names_are_checked_before_the_reference_is_asked(call, monkeypatch):
+    def solve(*args, **options):
+        raise AssertionError("it was solved")
+
+    monkeypatch.setattr(ms.Swimmer, "gait", solve)
+    run = CliRunner().invoke(main, [*call, "--preset", "tabak/helix"])
+    assert run.exit_code == 2
+    assert "Error: " in run.stderr

@@ -175,6 +175,8 @@ class _Problem:
         """Values at the minimum."""
         own = self.swimmer.numbers
         first = np.array([start.get(u.name, u.value(own)) for u in self.unknowns], dtype=float)
+        for name, pair in bounds.items():
+            checks.numbers(f"bound {name}", pair, 2, "a lower and an upper number, LOW:HIGH")
         low, high = np.array([bounds.get(u.name, u.bounds) for u in self.unknowns], float).T
         for u, x, a, b in zip(self.unknowns, first, low, high):
             if not a < x < b:

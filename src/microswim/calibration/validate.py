@@ -26,6 +26,7 @@ from microswim.calibration import observations as observe
 from microswim.errors import MicroswimError, SpecError
 from microswim.gait import doors
 from microswim.gait.gait import Gait
+from microswim.gait.observed import parse
 from microswim.jobs import references
 from microswim.numerics.array import read_only
 from microswim.spec.describe import unit_of
@@ -209,6 +210,8 @@ def validate(
             swimmer.with_({name: float(axes[name][0])})
     designs, reasons = _designs(swimmer, axes)
     names = tuple(quantities) or observe.usual_quantities(swimmer)
+    for name in names:
+        parse(name)  # before anything is solved
     built = {i: s for i, s in enumerate(designs) if s is not None}
     solved = references.gaits(
         list(built.values()),

@@ -148,15 +148,21 @@ def _coefficients(given: Given, output: Any, options: dict, asked: dict) -> tupl
     from microswim.calibration.calibrate import calibrate
     from microswim.spec.describe import to_tables
 
-    data = _data(given, options, asked)
+    from microswim.calibration.unknowns import resolve
     from microswim.cli._over import bounds
+    from microswim.gait.observed import parse
 
+    limits = bounds(asked["bound"], given.swimmer.units, "--bound")
+    for name in _names(asked["quantity"]):
+        parse(name)
+    resolve(given.swimmer, _names(asked["unknown"]))
+    data = _data(given, options, asked)  # which may take minutes: names are checked before
     fit = calibrate(
         given.swimmer,
         data,
         _names(asked["unknown"]),
         quantities=_names(asked["quantity"]),
-        bounds=bounds(asked["bound"], given.swimmer.units, "--bound"),
+        bounds=limits,
         positive=asked["positive"],
         method=asked["method"],
     )

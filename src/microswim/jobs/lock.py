@@ -46,6 +46,8 @@ def locked(path: Path) -> Iterator[None]:
             who = f"process {os.getpid()} on {socket.gethostname()}, since {since}\n"
             file.write_text(who, encoding="utf-8")
         except Timeout:
+            if not file.exists():
+                raise MachineError(f"{path}: cannot be written: no lock beside it") from None
             holder = _said(file) or "another process"
             raise MachineError(
                 f"{path}: another sweep is writing it ({holder}); wait for it or stop it, "

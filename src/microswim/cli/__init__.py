@@ -87,7 +87,9 @@ class Commands(click.Group):
             except BrokenPipeError:
                 raise
             except OSError as error:
-                raise Failure(f"{error.filename or 'the output'}: {error.strerror or error}", 1) from None
+                raise Failure(
+                    f"{error.filename or 'the output'}: {error.strerror or error}", 1
+                ) from None
             except KeyboardInterrupt:
                 click.echo("interrupted", err=True)
                 ctx.exit(130)

@@ -146,11 +146,10 @@ def _region(given: Given, output: Path | None, options: dict, asked: dict) -> tu
 
 def _coefficients(given: Given, output: Any, options: dict, asked: dict) -> tuple[dict, dict]:
     from microswim.calibration.calibrate import calibrate
-    from microswim.spec.describe import to_tables
-
     from microswim.calibration.unknowns import resolve
     from microswim.cli._over import bounds
     from microswim.gait.observed import parse
+    from microswim.spec.describe import to_tables
 
     limits = bounds(asked["bound"], given.swimmer.units, "--bound")
     for name in _names(asked["quantity"]):

@@ -139,8 +139,8 @@ def test_a_law_takes_truths_alone(spin):
 SUGGESTED = {
     "tail.pitch=1": "tail.wavelength",
     "tail.diameter=1": "tail.radius",
-    "field.strength=1": "there is no [field] yet",
-    "magnet.moment=1": "there is no [magnet] yet",
+    "field.strength=1": 'field.kind = None: must be one of "rotating"',
+    "magnet.moment=1": "magnet.direction: missing; add a vector",
     "tial.length=1": '"tail"',
     "tail.zzz=1": "known: ",
 }

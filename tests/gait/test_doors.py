@@ -11,7 +11,7 @@ import microswim
 from microswim.gait import doors
 
 TABLE = {
-    **{name: door for name, door in vars(doors).items() if name.isupper() and name != "MODELS"},
+    **{n: door for n, door in vars(doors).items() if n.isupper() and isinstance(door, str)},
     **{f"model {name}": door for name, door in doors.MODELS.items()},
 }
 

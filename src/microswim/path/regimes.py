@@ -22,6 +22,7 @@ from microswim.gait.step_out import mobility_of
 from microswim.gait.wobbling import Axisymmetric, closest
 from microswim.numerics.array import Array, read_only
 from microswim.path.slipping import drift
+from microswim.swimmer.magnetism.applied_field import RotatingField
 from microswim.swimmer.swimmer import Swimmer
 
 if TYPE_CHECKING:
@@ -212,7 +213,7 @@ def steady_turning(swimmer: Swimmer, gait: Gait) -> SteadyTurning:
     if magnet is None:
         raise SpecError('magnet: missing; give its moment, as moment = ["0 A m^2", "1e-6 A m^2", '
                         '"0 A m^2"], or its remanence and size')  # fmt: skip
-    if applied is None or applied.kind != "rotating":
+    if not isinstance(applied, RotatingField):
         kind = "missing" if applied is None else applied.kind
         raise SpecError("field.kind", kind, '"rotating"', "its frequency is then asked for here")
     if not all(gait.free[3:]):
@@ -220,10 +221,9 @@ def steady_turning(swimmer: Swimmer, gait: Gait) -> SteadyTurning:
         raise SpecError("motion.free", " ".join(swimmer.motion.free),
                         f"with the rotations that the field turns ({', '.join(held)} held)",
                         '--set motion.free=all lets it tilt')  # fmt: skip
-    sense = float(np.sign(applied.frequency))  # type: ignore[attr-defined]
-    cone = sense * applied.cone  # type: ignore[attr-defined]
-    strength = applied.strength  # type: ignore[attr-defined]
-    return SteadyTurning(mobility_of(gait), magnet.vector, strength, cone)
+    sense = float(np.sign(applied.frequency))
+    cone = sense * applied.cone
+    return SteadyTurning(mobility_of(gait), magnet.vector, applied.strength, cone)
 
 
 def _frequencies(values: Any) -> Array:

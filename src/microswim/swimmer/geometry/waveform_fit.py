@@ -9,7 +9,6 @@ from __future__ import annotations
 
 import numpy as np
 from numpy.polynomial import legendre
-from scipy.optimize import minimize_scalar
 
 from microswim.errors import SpecError
 from microswim.swimmer.geometry.waveform import Beat, Waveform
@@ -150,6 +149,8 @@ def _frequency(beat: Beat, L: float, M: int) -> float:
     if tried.size < 3:
         raise SpecError("tail.file: too few frames for a frequency; give tail.frequency")
     best = tried[int(np.argmin([left(f) for f in tried]))]
+    from scipy.optimize import minimize_scalar  # nobody waits for it without a film
+
     fine = minimize_scalar(left, bounds=(best - 0.05 / T, best + 0.05 / T), method="bounded")
     return float(getattr(fine, "x", best))
 

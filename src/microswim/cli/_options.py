@@ -76,9 +76,7 @@ def swimmer_options(command: Callable[..., Any], *, needed: bool = True) -> Call
 
 def _say(swimmer: Swimmer) -> None:
     """Say on stderr what can hardly be meant by a swimmer."""
-    from microswim.swimmer import physical_sense as sense
-
-    for remark in (*sense.remarks(swimmer), *sense.remarks_on_drag(swimmer)):
+    for remark in (*swimmer.remarks, *swimmer.remarks_on_drag):
         click.echo(f"note: {remark}", err=True)
 
 

@@ -22,6 +22,7 @@ if TYPE_CHECKING:
     from microswim.swimmer.swimmer import Swimmer
 
 PHASES = 16  #: at which the whole resistance is looked at
+ROOT_PHASES = tuple(0.25 * np.pi * i for i in range(8))  #: at which a moving root is looked at
 WIDE = 0.5  #: amplitude over length from which on no local law of resistance was made for it
 ABOUT_S = (False, False, False, True, False, False)  #: free to turn about s alone
 _ONES = (1.0, 1.0, 1.0)
@@ -29,25 +30,27 @@ _ONES = (1.0, 1.0, 1.0)
 
 def said_with(swimmer: Swimmer, gait: Gait) -> Gait:
     """Return the gait with the `remarks` on its swimmer before its own."""
-    said = remarks(swimmer)
+    said = swimmer.remarks
     if not said:
         return gait
     whole = [*said, *(r for r in gait.info.get("remarks", ()) if r not in said)]
     return replace(gait, info={**gait.info, "remarks": whole})
 
 
-def remarks(swimmer: Swimmer) -> list[str]:
+def remarks(swimmer: Swimmer) -> tuple[str, ...]:
     """Return a sentence on each thing that can be computed and hardly be meant.
+
+    A swimmer keeps them as ``swimmer.remarks``.
 
     Parameters
     ----------
     swimmer
         Any swimmer; of complex numbers the real parts count.
     """
-    return [*_of_shape(swimmer), *_of_motion(swimmer)]
+    return (*_of_shape(swimmer), *_of_motion(swimmer))
 
 
-def remarks_on_drag(swimmer: Swimmer) -> list[str]:
+def remarks_on_drag(swimmer: Swimmer) -> tuple[str, ...]:
     """Return what is odd about the local law and the interaction coefficients of a surrogate."""
     out = []
     c_t, c_n = _local(swimmer)
@@ -62,7 +65,7 @@ def remarks_on_drag(swimmer: Swimmer) -> list[str]:
             f"{', '.join(negative)} below zero: this body would be turned by its own drag; the "
             "coefficient makes up for what the model lacks, and holds at its own design alone"
         )
-    return out
+    return tuple(out)
 
 
 def require_drag(swimmer: Swimmer) -> None:
@@ -99,10 +102,11 @@ def require_dissipation(swimmer: Swimmer, gait: Gait) -> None:
     SpecError
         If its resistance is not positive definite at some phase.
     """
-    x, free = swimmer.interaction, np.flatnonzero(gait.free)
+    x = swimmer.interaction
     negative = _negative(x.rotation)
-    if not free.size or not (negative or x.is_coupled):
+    if not (negative or x.is_coupled) or not any(gait.free):
         return
+    free = np.flatnonzero(gait.free)
     phases = np.linspace(0.0, 2.0 * np.pi, PHASES, endpoint=False)
     for R in np.real(gait.resistance(phases))[:, free[:, None], free]:
         if not _dissipates(R):
@@ -152,7 +156,7 @@ def _of_shape(swimmer: Swimmer) -> list[str]:
             "the amplitude is half of the tail's length or more: laws of local resistance were not "
             "made for such a wave"
         )
-    phases = (0.0,) if tail.is_rigid else tuple(0.25 * np.pi * i for i in range(8))
+    phases = ROOT_PHASES[:1] if tail.is_rigid else ROOT_PHASES
     if any(attachment.misses(body, tail, phase) for phase in phases):
         out.append(
             "the tail does not touch the body: its amplitude is beyond the body's half width; "
@@ -172,6 +176,8 @@ def _local(swimmer: Swimmer) -> tuple[float, float]:
 
 
 def _negative(values: Any) -> list[int]:
+    if all(type(v) is float and v >= 0.0 for v in values):  # nearly always, and then quickly
+        return []
     return [i for i, value in enumerate(values) if np.real(value) < 0.0]
 
 

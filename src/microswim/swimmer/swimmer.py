@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import dataclasses
 from dataclasses import dataclass, fields, is_dataclass, replace
+from functools import cached_property
 from os import PathLike
 from typing import TYPE_CHECKING, Any, Literal, Unpack
 
@@ -138,6 +139,9 @@ class Swimmer:
     def _check_part(self, name: str, kind: type) -> None:
         if not isinstance(getattr(self, name), kind):
             raise SpecError(name, type(getattr(self, name)).__name__, f"a {kind.__name__}")
+
+    remarks = cached_property(physical_sense.remarks)
+    remarks_on_drag = cached_property(physical_sense.remarks_on_drag)
 
     @property
     def parts(self) -> tuple[str, ...]:

@@ -118,7 +118,7 @@ def _summed(
 
 def _remarks(swimmer: Swimmer, about: dict[str, Any]) -> list[str]:
     around = [name for name in swimmer.parts if name in SURROUNDINGS]
-    found = physical_sense.remarks_on_drag(swimmer)
+    found = list(swimmer.remarks_on_drag)
     found += [f"the elastic tail knows no {name}; it settles as in free space" for name in around]
     if not about["settles"]:
         found.append(

@@ -163,7 +163,7 @@ def unchecked(swimmer: Swimmer, nodes: int | None = None, phases: int | None = N
 def _helix(arc: bool, p: np.ndarray, nodes: int | None, swimmer: Swimmer) -> tuple[Any, ...]:
     tail: Any = swimmer.tail
     numbers = tail.number_of_waves, tail.amplitude * tail.wavenumber, tail.ramp
-    waves, bk, ramp = (np.real(x) for x in numbers)
+    waves, bk, ramp = (x.real for x in numbers)
     if nodes is not None or waves < FEWEST_WAVES:
         plain = rules(swimmer, nodes)
         much = pays(ALONE * sum(x.size for x, _ in plain))
@@ -173,13 +173,13 @@ def _helix(arc: bool, p: np.ndarray, nodes: int | None, swimmer: Swimmer) -> tup
 
 
 def _about(swimmer: Swimmer) -> dict[str, Any]:
-    around = [name for name in swimmer.parts if name in SURROUNDINGS]
+    around = [name for name in SURROUNDINGS if getattr(swimmer, name) is not None]
     heard = "its coefficients may, when they were calibrated there"
     boundaries = [f"the surrogate itself knows no {name}; {heard}" for name in around]
-    turning = physical_sense.turning(swimmer)
+    turning = physical_sense.turning(swimmer) if around else ""
     boundaries += [remark(turning)] if turning else []
     held = {"one_pose": turning} if turning else {}
-    return {"remarks": [*physical_sense.remarks_on_drag(swimmer), *boundaries], **held}
+    return {"remarks": [*swimmer.remarks_on_drag, *boundaries], **held}
 
 
 def series_over_period(

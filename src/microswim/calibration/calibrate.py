@@ -151,7 +151,7 @@ class _Problem:
     positive: bool
 
     def predict(self, values: Iterable[Any]) -> np.ndarray:
-        """All observed quantities for the unknowns' values (numbers, real or complex)."""
+        """Return all observed quantities for the unknowns' values (numbers, real or complex)."""
         made: dict[int, tuple[Gait, Any, Any]] = {}
         out = []
         for o in self.observations:
@@ -164,7 +164,7 @@ class _Problem:
         return np.concatenate(out)
 
     def jacobian(self, values: np.ndarray) -> np.ndarray:
-        """d predict / d values by the complex step."""
+        """Return d predict / d values by the complex step."""
         columns = []
         for j in range(len(values)):
             stepped = [complex(v, STEP * (i == j)) for i, v in enumerate(values)]
@@ -172,7 +172,7 @@ class _Problem:
         return np.stack(columns, axis=-1)
 
     def solve(self, start: dict, bounds: dict) -> np.ndarray:
-        """Values at the minimum."""
+        """Return values at the minimum."""
         own = self.swimmer.numbers
         first = np.array([start.get(u.name, u.value(own)) for u in self.unknowns], dtype=float)
         for name, pair in bounds.items():
@@ -238,7 +238,7 @@ class _Problem:
         return to, back, slope
 
     def outcome(self, values: np.ndarray) -> CoefficientCalibration:
-        """Everything there is to say about the solution."""
+        """Return everything there is to say about the solution."""
         sigma = sigmas_of(self.observations)
         J = self.jacobian(values) / sigma[:, None]
         directions, covariance = determined(J, values, [u.name for u in self.unknowns])
@@ -256,13 +256,13 @@ class _Problem:
 
 
 def lift(swimmer: Swimmer, unknowns: Iterable[Unknown], values: Iterable[Any]) -> Swimmer:
-    """Swimmer whose unknown numbers are replaced, unchecked."""
+    """Return the swimmer whose unknown numbers are replaced, unchecked."""
     changes = {p: f * v for u, v in zip(unknowns, values) for p, f in u.paths}
     return lifted(swimmer, changes)
 
 
 def fitted_swimmer(swimmer: Swimmer, unknowns: Iterable[Unknown], values: Any) -> Swimmer:
-    """Swimmer with the fitted numbers, checked."""
+    """Return the swimmer with the fitted numbers, checked."""
     return lift(swimmer, unknowns, [float(v) for v in values]).with_({})
 
 

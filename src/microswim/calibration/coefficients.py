@@ -76,12 +76,14 @@ class CoefficientCalibration(Calibration):
         return sum(d.determined for d in self.directions)
 
     def interval(self, level: float = 0.95) -> np.ndarray:
-        """Confidence interval of each value, shape (n, 2), for normal errors of size sigma."""
+        """Return the confidence interval of each value, shape (n, 2), for normal errors of size
+        sigma.
+        """
         half = norm.ppf(0.5 + level / 2.0) * self.uncertainty
         return np.stack([self.values - half, self.values + half], axis=-1)
 
     def as_dict(self) -> dict[str, Any]:
-        """What there is to print or to store as JSON (infinite uncertainties as None)."""
+        """Return what there is to print or to store as JSON (infinite uncertainties as None)."""
         finite = [float(u) if np.isfinite(u) else None for u in self.uncertainty]
         measured = values_of(self.observations)
         labels = [o.quantity for o in self.observations for _ in range(np.size(o.value))]

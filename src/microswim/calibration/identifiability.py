@@ -38,7 +38,7 @@ class Direction:
         return f"{text}: {known}"
 
     def as_dict(self) -> dict[str, Any]:
-        """For JSON."""
+        """Return its content for JSON."""
         return {
             "weights": dict(zip(self.names, self.weights)),
             "singular_value": self.singular_value,
@@ -49,7 +49,7 @@ class Direction:
 def determined(
     J: np.ndarray, values: np.ndarray, names: Sequence[str]
 ) -> tuple[tuple[Direction, ...], np.ndarray]:
-    """Directions in log space and the covariance of the values.
+    """Return directions in log space and the covariance of the values.
 
     Parameters
     ----------
@@ -82,7 +82,7 @@ def determined(
 
 
 def physical_warnings(swimmer: Swimmer, directions: Sequence[Direction]) -> tuple[str, ...]:
-    """What a physicist would object to."""
+    """Return what a physicist would object to."""
     out = []
     x = swimmer.interaction
     for kind, gammas in (("translation", x.translation), ("rotation", x.rotation)):

@@ -106,14 +106,14 @@ class Observation:
 
 
 def usual_quantities(swimmer: Swimmer) -> tuple[str, ...]:
-    """The three velocities that the paper fits: forward, lateral, and of rotation."""
+    """Return the three velocities that the paper fits: forward, lateral, and of rotation."""
     wanted = ("mean.us", "amplitude.uq", "mean.os" if swimmer.tail.is_rigid else "amplitude.or")
     mask: dict[str, bool] = dict(zip(DEGREES_OF_FREEDOM, swimmer.motion.mask))
     return tuple(q for q in wanted if mask[q.split(".")[1]])
 
 
 def with_loads(swimmer: Swimmer) -> tuple[str, ...]:
-    """Those, and velocity per force along and across; of a spinning helix the power as well."""
+    """Return those, and velocity per force along and across; of a spinning helix also the power."""
     free: dict[str, bool] = dict(zip(DEGREES_OF_FREEDOM, swimmer.motion.mask))
     if not (free["us"] and free["uq"]):
         return usual_quantities(swimmer)
@@ -125,7 +125,7 @@ def with_loads(swimmer: Swimmer) -> tuple[str, ...]:
 def from_reference(
     swimmer: Swimmer, gait: Gait, quantities: Iterable[str] = ()
 ) -> list[Observation]:
-    """Observations taken from a gait of the reference model, `usual_quantities` by default.
+    """Return observations taken from a gait of the reference model, `usual_quantities` by default.
 
     The uncertainty of each is 1 % of its value, or of its natural scale where it nearly cancels.
     """
@@ -136,7 +136,9 @@ def from_reference(
 
 
 def from_dict(swimmer: Swimmer, measured: dict[str, Any]) -> list[Observation]:
-    """Observations of one swimmer: ``{"swimming_speed": 30e-6, "body_rate_hz": (8.9, 0.4)}``."""
+    """Return observations of one swimmer: ``{"swimming_speed": 30e-6, "body_rate_hz": (8.9,
+    0.4)}``.
+    """
     out = []
     for name, entry in measured.items():
         value, sigma = entry if np.ndim(entry) == 1 and len(entry) == 2 else (entry, None)
@@ -147,7 +149,7 @@ def from_dict(swimmer: Swimmer, measured: dict[str, Any]) -> list[Observation]:
 def from_series(
     swimmer: Swimmer, time: Any, velocities: dict[str, Any], sigma: Any = None, phase: float = 0.0
 ) -> list[Observation]:
-    """Observations from a time series of velocities in the body frame.
+    """Return observations from a time series of velocities in the body frame.
 
     Parameters
     ----------

@@ -28,7 +28,7 @@ class Unknown:
     pair: tuple[int, int] | None = None
 
     def value(self, numbers: dict[str, float]) -> float:
-        """Present value, from all numbers of a swimmer."""
+        """Return the present value, from all numbers of a swimmer."""
         path, factor = self.paths[0]
         return numbers[path] / factor
 
@@ -40,7 +40,7 @@ class Unknown:
 
 
 def resolve(swimmer: Swimmer, names: Iterable[str]) -> tuple[Unknown, ...]:
-    """Unknowns by name; those that the paper fits for this tail when none is named.
+    """Return unknowns by name; those that the paper fits for this tail when none is named.
 
     Raises
     ------
@@ -56,7 +56,7 @@ def resolve(swimmer: Swimmer, names: Iterable[str]) -> tuple[Unknown, ...]:
 
 
 def usual(swimmer: Swimmer) -> tuple[str, ...]:
-    """Unknowns of Table 3: s, lateral, and the rotation that the tail drives."""
+    """Return unknowns of Table 3: s, lateral, and the rotation that the tail drives."""
     free: dict[str, bool] = dict(zip(DEGREES_OF_FREEDOM, swimmer.motion.mask))
     if swimmer.tail.is_rigid:
         wanted = {"translation.s": "us", "translation.qr": "uq", "rotation.s": "os"}
@@ -66,7 +66,8 @@ def usual(swimmer: Swimmer) -> tuple[str, ...]:
 
 
 def for_loads(swimmer: Swimmer) -> tuple[str, ...]:
-    """Those, and factors of the filament: enough to match how the swimmer answers forces too.
+    """Return those, and factors of the filament: enough to match how the swimmer answers forces
+    too.
 
     A helix's spin factor also takes the torque. Only what a free swimmer answers can be matched.
     """

@@ -90,7 +90,7 @@ class Validation:
     limits = LIMITS
 
     def error(self, quantity: str) -> np.ndarray:
-        """Relative error; of a lateral velocity relative to its scale over the map."""
+        """Return the relative error; of a lateral velocity relative to its scale over the map."""
         reference, surrogate = self.reference[quantity], self.surrogate[quantity]
         scale = np.abs(reference)
         if quantity.startswith("amplitude"):
@@ -98,7 +98,7 @@ class Validation:
         return np.abs(surrogate - reference) / scale
 
     def statistics(self) -> dict[str, dict[str, float]]:
-        """Median, 90 % quantile, worst error and share of the map within 5 % and 10 %."""
+        """Return median, 90 % quantile, worst error and share of the map within 5 % and 10 %."""
         return {
             name: _statistics(values)
             for name, values in (
@@ -108,7 +108,7 @@ class Validation:
         }
 
     def rows(self) -> list[dict[str, Any]]:
-        """One row per design: its numbers, both values and the errors."""
+        """Return one row per design: its numbers, both values and the errors."""
         out = []
         for i, point in enumerate(itertools.product(*self.over.values())):
             row: dict[str, Any] = {name: float(v) for name, v in zip(self.over, point)}
@@ -122,7 +122,7 @@ class Validation:
         return out
 
     def as_dict(self) -> dict[str, Any]:
-        """For JSON: axes, statistics, every array, failures."""
+        """Return its content for JSON: axes, statistics, every array, failures."""
         return {
             "against": self.against,
             "over": {name: values.tolist() for name, values in self.over.items()},
@@ -277,7 +277,7 @@ def _compare(
 
 
 def stages(reference: Gait, surrogate: Gait, samples: int = 16) -> dict[str, float]:
-    """Errors of a surrogate's gait by stage, root mean square over the period.
+    """Return errors of a surrogate's gait by stage, root mean square over the period.
 
     Examples
     --------

@@ -48,7 +48,7 @@ def check(folder: Path, force: bool) -> None:
 
 @contextmanager
 def filled(folder: Path, force: bool) -> Iterator[Path]:
-    """A temporary folder that takes the name `folder` once everything is written.
+    """Give a temporary folder that takes the name `folder` once everything is written.
 
     With `force`, entries of an existing folder are replaced one by one; others stay.
     """

@@ -44,7 +44,7 @@ class Said:
         return MEASURED_IN.get(name, "") if self.units == "SI" else ""
 
     def limit(self, text: str) -> str:
-        """A constraint between a quantity and a number, the number with its unit."""
+        """Return a constraint between a quantity and a number, the number with its unit."""
         found = re.fullmatch(rf"([\w.\[\]]+) ?(<=|>=|<|>) ?({NUMBER})", text)
         if found is None:
             return text

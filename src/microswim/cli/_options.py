@@ -142,7 +142,7 @@ force_option = click.option("--force", is_flag=True, help="Replace what is in th
 
 
 def example(*lines: str) -> str:
-    """Epilog of a command's help: examples, one per line."""
+    """Return the epilog of a command's help: examples, one per line."""
     return "\b\nExamples:\n" + "\n".join(f"  {line}" for line in lines)
 
 
@@ -188,7 +188,7 @@ def read(
 
 
 def share(text: str | None) -> float | None:
-    """The share that ``2%`` or ``0.02`` means.
+    """Return the share that ``2%`` or ``0.02`` means.
 
     Raises
     ------
@@ -204,7 +204,7 @@ def share(text: str | None) -> float | None:
 
 
 def change(text: str) -> tuple[str, Any]:
-    """Field and value of ``FIELD=VALUE``; the value is TOML, or a bare word or quantity.
+    """Return the field and value of ``FIELD=VALUE``; the value is TOML, or a bare word or quantity.
 
     Raises
     ------

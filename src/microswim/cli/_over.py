@@ -15,7 +15,7 @@ MEND = "for example tail.amplitude=0.01:0.5:50,tail.waves=1,2,3"
 
 
 def split(texts: tuple[str, ...], option: str = "--over") -> dict[str, str]:
-    """Dotted name to the text of its values.
+    """Return the dotted name to the text of its values.
 
     Raises
     ------

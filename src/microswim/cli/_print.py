@@ -76,7 +76,7 @@ def timed_gait(
     estimate: bool = False,
     accuracy: float | None = None,
 ) -> tuple[Any, float]:
-    """Gait by a model, and the wall seconds it took; with a progress bar for the references.
+    """Return gait by a model, and the wall seconds it took; with a progress bar for the references.
 
     estimate : solve the next coarser level of the boundary elements too, for an error estimate.
     accuracy : for the model "auto", which may then come to boundary elements.

@@ -16,7 +16,7 @@ QUIET = 10.0  # seconds between two lines where there is no terminal
 
 @contextlib.contextmanager
 def bar(what: str) -> Iterator[Callable[[int, int], None]]:
-    """Progress on stderr: a function of the number done and of all.
+    """Show progress on stderr: give a function of the number done and of all.
 
     Work that cannot count its steps need not call it; that it goes on is shown all the same.
     """
@@ -125,4 +125,4 @@ class _Lines:
         click.echo(text, err=True)
 
     def close(self) -> None:
-        """Nothing stays open."""
+        """Leave nothing open."""

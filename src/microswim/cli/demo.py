@@ -81,7 +81,7 @@ def command(out: Path, bem: bool, force: bool) -> None:
 
 
 def comparison(bem: bool) -> Table:
-    """The base case by every method at hand, against the paper and independent numbers."""
+    """Return the base case by every method at hand, against the paper and independent numbers."""
     from microswim import data
     from microswim.output.report.html import Table
     from microswim.swimmer.swimmer import Swimmer

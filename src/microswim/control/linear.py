@@ -28,7 +28,7 @@ class StateSpace(NamedTuple):
 
 
 def attitude_columns(q: np.ndarray) -> np.ndarray:
-    """G (4, 3): change of a quaternion ``wxyz`` per small rotation about the body's axes."""
+    """Return g (4, 3): change of a quaternion ``wxyz`` per small rotation about the body's axes."""
     w, x, y, z = q
     return np.array([[-x, -y, -z], [w, -z, y], [z, w, -x], [-y, x, w]]) / 2.0
 

@@ -42,7 +42,7 @@ compiled = njit(cache=True, fastmath=FAST, error_model="numpy")
 
 @compiled
 def ratios(square: Any) -> tuple[Any, Any]:
-    """``sin(x)/x`` and ``(1 - cos(x))/x^2`` from x^2; below 1 rad by series, to rounding."""
+    """Return ``sin(x)/x`` and ``(1 - cos(x))/x^2`` from x^2; below 1 rad by series, to rounding."""
     if square.real >= 1.0:
         x = np.sqrt(square)
         return np.sin(x) / x, (1.0 - np.cos(x)) / square
@@ -58,7 +58,7 @@ def ratios(square: Any) -> tuple[Any, Any]:
 
 @compiled
 def field_at(u: Any, t: Any) -> Any:
-    """Field after a time t: turned about field_rate, ``B + a w x B + b w x (w x B)``."""
+    """Return the field after a time t: turned about field_rate, ``B + a w x B + b w x (w x B)``."""
     b0, b1, b2 = u[7], u[8], u[9]
     w0, w1, w2 = u[10] * t, u[11] * t, u[12] * t
     a, b = ratios(w0 * w0 + w1 * w1 + w2 * w2)
@@ -71,7 +71,7 @@ def field_at(u: Any, t: Any) -> Any:
 def relative_twist(
     twist: Any, strain: Any, moment: Any, q: Any, phase: Any, u: Any, B: Any, shear: bool, work: Any
 ) -> tuple[Any, Any, Any, Any, Any, Any]:
-    """V, the twist relative to the flow."""
+    """Return the twist v relative to the flow."""
     w0, w1, w2 = to_lab(q, u[1], u[2], u[3], -1.0)
     t0, t1, t2 = to_lab(q, u[4], u[5], u[6], -1.0)
     b0, b1, b2 = to_lab(q, B[0], B[1], B[2], -1.0)
@@ -94,7 +94,7 @@ def relative_twist(
 
 @compiled
 def sheared(u: Any) -> bool:
-    """Whether the flow has a gradient."""
+    """Return whether the flow has a gradient."""
     felt = False
     for i in range(16, 25):
         felt |= u[i] != 0
@@ -103,7 +103,7 @@ def sheared(u: Any) -> bool:
 
 @compiled
 def body_strain(q: Any, u: Any) -> tuple[Any, Any, Any, Any, Any, Any]:
-    """Entries 00, 11, 22, 01, 02, 12 of ``E = R_L' (A + A')/2 R_L``."""
+    """Return entries 00, 11, 22, 01, 02, 12 of ``E = R_L' (A + A')/2 R_L``."""
     s01, s02, s12 = (u[17] + u[19]) / 2.0, (u[18] + u[22]) / 2.0, (u[21] + u[23]) / 2.0
     a, b, c = to_lab(q, 1.0, 0.0, 0.0, 1.0)
     x, y, z = u[16] * a + s01 * b + s02 * c, s01 * a + u[20] * b + s12 * c, s02 * a + s12 * b
@@ -118,7 +118,7 @@ def body_strain(q: Any, u: Any) -> tuple[Any, Any, Any, Any, Any, Any]:
 def strained(
     strain: Any, q: Any, phase: Any, u: Any, work: Any
 ) -> tuple[Any, Any, Any, Any, Any, Any]:
-    """``K e``."""
+    """Return ``K e``."""
     e0, e1, e2, e3, e4, e5 = body_strain(q, u)
     row(strain, phase, work)
     for i in range(6):
@@ -130,7 +130,7 @@ def strained(
 
 @compiled
 def turned(q: Any, v: Any) -> tuple[Any, Any, Any, Any]:
-    """``q exp(v/2)`` as `kinematics.turn`, in registers."""
+    """Return ``q exp(v/2)`` as `kinematics.turn`, in registers."""
     square = (v[0] * v[0] + v[1] * v[1] + v[2] * v[2]) / 4.0
     ratio, versine = ratios(square)
     w = 1.0 - square * versine
@@ -146,7 +146,7 @@ def turned(q: Any, v: Any) -> tuple[Any, Any, Any, Any]:
 
 @compiled
 def background(q: Any, u: Any, x0: Any, x1: Any, x2: Any) -> tuple[Any, Any, Any, Any, Any, Any]:
-    """``gradient x`` in the lab frame and the flow's rotation in the body frame."""
+    """Return ``gradient x`` in the lab frame and the flow's rotation in the body frame."""
     a = u[16] * x0 + u[17] * x1 + u[18] * x2
     b = u[19] * x0 + u[20] * x1 + u[21] * x2
     c = u[22] * x0 + u[23] * x1 + u[24] * x2
@@ -167,7 +167,7 @@ def velocity(
     shear: bool,
     work: Any,
 ) -> tuple[Any, Any, Any, Any, Any, Any]:
-    """Velocity of the centre in the lab frame, angular velocity in the body frame."""
+    """Return the velocity of the centre in the lab frame, angular velocity in the body frame."""
     V0, V1, V2, w0, w1, w2 = relative_twist(twist, strain, moment, q, phase, u, B, shear, work)
     a, b, c = to_lab(q, V0, V1, V2, 1.0)
     a, b, c = a + u[13], b + u[14], c + u[15]
@@ -181,7 +181,7 @@ def velocity(
 def substep(
     twist: Any, strain: Any, moment: Any, y: Any, u: Any, t: Any, h: Any, shear: bool, work: Any
 ) -> None:
-    """One step of order 4; `t` is the time since the inputs were set, y is overwritten."""
+    """Step at order 4; `t` is the time since the inputs were set, y is overwritten."""
     q = (y[3], y[4], y[5], y[6])
     zero = 0 * (y[0] + u[0])
     x0, x1, x2, r0, r1, r2 = zero, zero, zero, zero, zero, zero  # moved, turned
@@ -214,14 +214,14 @@ def substep(
 
 @compiled
 def size(u: Any, first: int, n: int) -> float:
-    """Euclidean norm of n inputs, of any size."""
+    """Return the Euclidean norm of n inputs, of any size."""
     top = np.max(np.abs(u[first : first + n].real))
     return top * np.sqrt(np.sum((u[first : first + n].real / top) ** 2)) if top > 0.0 else 0.0
 
 
 @compiled
 def fastest(limits: Any, u: Any) -> float:
-    """Bound of what turns fastest: tail, field and body (rad per time).
+    """Return the bound of what turns fastest: tail, field and body (rad per time).
 
     The body's rotation is bounded by ``limits[1:] = (per motor rate, per force, per torque, by
     torque of the field per field)``.
@@ -233,7 +233,7 @@ def fastest(limits: Any, u: Any) -> float:
 
 @compiled
 def fastest_of_all(limits: Any, U: Any) -> float:
-    """The largest of `fastest`; not finite if one is not."""
+    """Return the largest of `fastest`; not finite if one is not."""
     top = 0.0
     for i in range(U.shape[0]):
         one = fastest(limits, U[i])
@@ -245,7 +245,9 @@ def fastest_of_all(limits: Any, U: Any) -> float:
 
 @compiled
 def internal_steps(limits: Any, u: Any, dt: float) -> int:
-    """Steps that turn the tail, the field and the body by at most ``limits[0]`` radians each."""
+    """Return steps that turn the tail, the field and the body by at most ``limits[0]`` radians
+    each.
+    """
     return max(1, int(np.ceil(fastest(limits, u) * abs(dt) / limits[0] - 1e-6)))
 
 

@@ -24,7 +24,7 @@ from microswim.numerics.rigid_motion import to_lab
 
 @compiled
 def body_twist(twist: Any, phase: Any, rate: Any, wrench: Any, work: Any, out: Any) -> None:
-    """``M W + v rate`` into out (6,): phase and wrench in, twist out, body frame."""
+    """Write ``M W + v rate`` into out (6,): phase and wrench in, twist out, body frame."""
     row(twist, phase, work)
     for i in range(6):
         out[i] = work[21 + i] * rate
@@ -42,7 +42,7 @@ def body_twist(twist: Any, phase: Any, rate: Any, wrench: Any, work: Any, out: A
 def outputs(
     twist: Any, strain: Any, moment: Any, motor: Any, Y: Any, U: Any, work: Any, out: Any
 ) -> None:
-    """Twist in the body frame (6) and torque of the motor (1) of all states, into (n, 7)."""
+    """Write twist in the body frame (6) and motor torque (1) of all states into (n, 7)."""
     for i in range(Y.shape[0]):
         u, y = U[i if U.shape[0] > 1 else 0], Y[i]
         q, B, shear = (y[3], y[4], y[5], y[6]), (u[7], u[8], u[9]), sheared(u)
@@ -66,7 +66,7 @@ def derivatives(
     twist: Any, strain: Any, moment: Any, limits: Any, y: Any, u: Any, dt: float, steps: int,
     columns: Any,
 ) -> Any:  # fmt: skip
-    """``dy'/dy`` (8, 8) and ``dy'/du`` (8, m) for some inputs, by complex steps."""
+    """Return ``dy'/dy`` (8, 8) and ``dy'/du`` (8, m) for some inputs, by complex steps."""
     n = steps if steps > 0 else internal_steps(limits, u, dt)
     J = np.empty((STATE, STATE + columns.size))
     work = np.empty(WORK, dtype=np.complex128)

@@ -46,7 +46,7 @@ class Response:
     motor: np.ndarray
 
     def at(self, phase: float) -> Response:
-        """The response with the motor locked at a phase: one row each."""
+        """Return the response with the motor locked at a phase: one row each."""
         h = np.arange(1, FINEST)
         wave = np.stack([np.cos(h * phase), np.sin(h * phase)], axis=-1).ravel()
         basis = np.concatenate([[1.0], wave])
@@ -108,7 +108,9 @@ def _samples(gait: Gait, swimmer: Swimmer | None, n: int) -> list[np.ndarray]:
 
 
 def scale(samples: np.ndarray) -> np.ndarray:
-    """Size of each column's kind: linear and angular parts differ by powers of the length."""
+    """Return the size of each column's kind: linear and angular parts differ by powers of the
+    length.
+    """
     kinds = {
         27: [3 * (i // 3) + j // 3 for i, j in LOWER] + [10 + i // 3 for i in range(6)],
         36: [i // 18 for i in range(36)],

@@ -85,7 +85,7 @@ class Sensor:
 
     @checks.given(time=checks.series, state=partial(checks.instance, kind="State"))
     def read(self, time: float, state: State) -> Reading | None:
-        """The latest frame that has arrived at a time, None before the first.
+        """Return the latest frame that has arrived at a time, None before the first.
 
         Parameters
         ----------

@@ -47,7 +47,7 @@ class State:
     def at(
         cls, position: Any = (0, 0, 0), quaternion: Any = (1, 0, 0, 0), phase: Any = 0.0
     ) -> State:
-        """State from its parts, which broadcast over swimmers.
+        """Return the state from its parts, which broadcast over swimmers.
 
         Raises
         ------

@@ -111,7 +111,7 @@ class Stepper:
     @classmethod
     @checks.given(swimmer=checks.swimmer, model=checks.text)
     def of(cls, swimmer: Swimmer, model: doors.Model = "rft", **options: Any) -> Stepper:
-        """Stepper of a swimmer that feels the strain of a flow; options as of the class."""
+        """Return stepper of a swimmer that feels the strain of a flow; options as of the class."""
         return cls(swimmer.gait(model), swimmer, **options)
 
     def __repr__(self) -> str:
@@ -159,7 +159,7 @@ class Stepper:
         return rest
 
     def step(self, state: State, *, dt: float, **inputs: Any) -> State:
-        """Pose and phase after a time dt.
+        """Return the pose and phase after a time dt.
 
         Parameters
         ----------
@@ -218,7 +218,7 @@ class Stepper:
             )
 
     def held(self, n: int, inputs: dict[str, Any]) -> np.ndarray:
-        """The inputs as an array, one row for all or (n, 25); checked."""
+        """Return the inputs as an array, one row for all or (n, 25); checked."""
         U = self._rest.copy()
         for name, value in inputs.items():
             if value is None:
@@ -250,7 +250,7 @@ class Stepper:
         return U
 
     def outputs(self, state: State, **inputs: Any) -> tuple[np.ndarray, np.ndarray]:
-        """Twist (..., 6) in the body frame, relative to the lab, and torque of the motor (...).
+        """Return the twist (..., 6), body frame, relative to the lab, and the motor's torque (...).
 
         The torque is what the motor gives per unit phase rate: for a helix the torque about its
         axis. Inputs as of `step`.
@@ -264,9 +264,9 @@ class Stepper:
         return out[..., :6], out[..., 6]
 
     def velocity(self, phase: float, rate: float, wrench: Any = None) -> np.ndarray:
-        """Twist (6,) at a phase and motor rate, under a wrench in the body frame: the quick way.
+        """Return the twist (6,) at a phase and motor rate, under a wrench in the body frame.
 
-        Checks nothing; for a loop in Python that has to be done within microseconds.
+        The quick way: checks nothing; for a loop in Python that has to be done within microseconds.
         """
         out = np.empty(6)
         load = _NO_LOAD if wrench is None else np.asarray(wrench, dtype=float)
@@ -274,13 +274,13 @@ class Stepper:
         return out
 
     def twist(self, state: State, **inputs: Any) -> np.ndarray:
-        """Twist in the body frame about the body's centre, relative to the lab, (..., 6)."""
+        """Return twist in the body frame about the body's centre, relative to the lab, (..., 6)."""
         return self.outputs(state, **inputs)[0]
 
     def derivatives(
         self, state: State, *, dt: float, wrt: tuple[str, ...] = tuple(motion.INPUTS), **inputs: Any
     ) -> tuple[np.ndarray, np.ndarray]:
-        """Exact derivatives of the next state of one swimmer: (8, 8) and (8, m).
+        """Return the exact derivatives of the next state of one swimmer: (8, 8) and (8, m).
 
         With respect to the state, and to the inputs named in `wrt`, by default all 25 numbers in
         the order of `motion.INPUTS`; by complex steps through the compiled step.
@@ -328,7 +328,7 @@ class Stepper:
 
 
 def step_limits(solved: Response, resolution: float, magnet: np.ndarray) -> np.ndarray:
-    """Largest turn of an internal step, and the body's rotation per unit of what drives it."""
+    """Return the largest turn of a step, and the body's rotation per unit of what drives it."""
     n = 1 if len(solved.twist) == 1 else 32
     tables = np.array([solved.at(2.0 * np.pi * i / n).twist[0] for i in range(n)])
     M = np.zeros((n, 6, 6))

@@ -25,7 +25,7 @@ ENTRIES = ((0, 0), (1, 1), (2, 2), (0, 1), (0, 2), (1, 2))
 
 
 def unit_gradients() -> np.ndarray:
-    """Velocity gradients of the six unit strains, shape (6, 3, 3)."""
+    """Return the velocity gradients of the six unit strains, shape (6, 3, 3)."""
     E = np.zeros((len(ENTRIES), 3, 3))
     for k, (i, j) in enumerate(ENTRIES):
         E[k, i, j] = E[k, j, i] = 1.0
@@ -33,13 +33,13 @@ def unit_gradients() -> np.ndarray:
 
 
 def coupling(swimmer: Swimmer, phases: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """``S`` (n, 6, 6) and ``g`` (n, 6) at the phases."""
+    """Return ``S`` (n, 6, 6) and ``g`` (n, 6) at the phases."""
     S, g = tail_coupling(swimmer, phases, unit_gradients())
     return S + body_coupling(swimmer), g
 
 
 def body_coupling(swimmer: Swimmer) -> np.ndarray:
-    """Jeffery's torque on the body alone per unit strain, (6, 6)."""
+    """Return Jeffery's torque on the body alone per unit strain, (6, 6)."""
     S, K = np.zeros((6, 6)), np.diag(body_resistance(swimmer))[3:]
     square = np.array(swimmer.body.semi_axes3, dtype=float) ** 2
     for i in range(3):
@@ -53,7 +53,8 @@ def body_coupling(swimmer: Swimmer) -> np.ndarray:
 def tail_coupling(
     swimmer: Swimmer, phases: np.ndarray, gradients: np.ndarray
 ) -> tuple[np.ndarray, np.ndarray]:
-    """Wrench (n, 6, m) and motor's part (n, m) of the tail held in m linear flows about the centre.
+    """Return the wrench (n, 6, m) and motor's part (n, m) of the tail held in m linear flows about
+    the centre.
 
     The flows have the gradients (m, 3, 3); they turn no section about itself (no spin).
     """

@@ -31,7 +31,7 @@ def __dir__() -> list[str]:
 
 @checks.given()
 def names() -> list[str]:
-    """Names of all sets, in alphabetical order.
+    """Return names of all sets, in alphabetical order.
 
     Examples
     --------

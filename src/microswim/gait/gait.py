@@ -107,7 +107,7 @@ class Gait:
         harmonics: int | None = None,
         **fields: Any,
     ) -> Gait:
-        """Gait through uniform samples over the full period, phases ``2 pi i / n``.
+        """Return the gait through uniform samples over the full period, phases ``2 pi i / n``.
 
         R (n, 6, 6), F (n, 6), G (n,); `body_R`, `body_F` likewise. The other fields by name.
         """
@@ -133,7 +133,7 @@ class Gait:
         body_F: np.ndarray | None = None,
         **fields: Any,
     ) -> Gait:
-        """Gait of a rigid rotating tail on an axisymmetric body, exact from phase 0 alone.
+        """Return gait of a rigid rotating tail on an axisymmetric body, exact from phase 0 alone.
 
         ``R(phi) = Q R(0) Q'``, ``F_p(phi) = Q F_p(0)``, Q the rotation by ``sign * phi`` about s.
         """
@@ -142,15 +142,15 @@ class Gait:
         return cls(rotate(R, sign), rotate(F, sign), np.atleast_1d(G), **bodies, **fields)
 
     def resistance(self, phase: Any) -> np.ndarray:
-        """R at the phases (rad), shape phase.shape + (6, 6); symmetric positive definite."""
+        """Return R at the phases (rad), shape phase.shape + (6, 6); symmetric positive definite."""
         return evaluate(self.resistance_series, phase)
 
     def propulsion(self, phase: Any) -> np.ndarray:
-        """F_p per unit phase rate, shape phase.shape + (6,)."""
+        """Return F_p per unit phase rate, shape phase.shape + (6,)."""
         return evaluate(self.propulsion_series, phase)
 
     def activity(self, phase: Any) -> np.ndarray:
-        """Power given to the fluid per squared unit rate with the body held, phase.shape."""
+        """Return power given to the fluid per squared unit rate with the body held, phase.shape."""
         return evaluate(self.activity_series, phase)
 
     @property
@@ -161,7 +161,7 @@ class Gait:
         return 2.0 * np.pi / np.sqrt(self.rate**2)
 
     def velocity(self, phase: Any, rate: Any = None, wrench: Any = None) -> np.ndarray:
-        """Twist ``V = R^-1 (W - F_p rate)`` [Tabak Eq. 15], shape phase.shape + (6,).
+        """Return the twist ``V = R^-1 (W - F_p rate)`` [Tabak Eq. 15], shape phase.shape + (6,).
 
         Parameters
         ----------
@@ -234,7 +234,7 @@ class Gait:
         return kept(half_range(series))
 
     def power(self, phase: Any) -> np.ndarray:
-        """Power of the motor, ``rate (F_p . V + G rate)``: all that the fluid dissipates.
+        """Return power of the motor, ``rate (F_p . V + G rate)``: all that the fluid dissipates.
 
         For a helix this is the motor's torque times its rate, for a plane wave the lateral force
         times the lateral velocity along the tail, as in Eq. (24).
@@ -253,7 +253,7 @@ class Gait:
         return self.mean_power / self.rate if np.real(self.rate) != 0 else 0.0 * self.mean_power
 
     def body_wrench(self, phase: Any) -> np.ndarray:
-        """Force and torque by the fluid on the body alone, shape phase.shape + (6,)."""
+        """Return the force and torque by the fluid on the body alone, shape phase.shape + (6,)."""
         if self.body_resistance_series is None:
             raise MicroswimError(f"the {self.model} gait does not hold the body's own resistance")
         V = self.velocity(phase)
@@ -275,11 +275,11 @@ class Gait:
         return np.mean(work) / self.mean_power
 
     def at_rate(self, rate: Any) -> Gait:
-        """The same gait driven at another phase rate."""
+        """Return the same gait driven at another phase rate."""
         return replace(self, rate=rate)
 
     def in_lab_frame(self, rate: Any, sign: float) -> Gait:
-        """The same gait with `rate` read as the tail's rate in the lab frame.
+        """Return the same gait with `rate` read as the tail's rate in the lab frame.
 
         The motor then turns at ``rate / (1 + sign w_s)``, w_s the mean body rate about s per
         unit motor rate: the paper's reading in Section 3.1 and Fig. 6.

@@ -278,7 +278,7 @@ class Basis:
 
     @property
     def efficiency(self) -> Any:
-        """Return Eq. (24); NaN if the model did not tell the body's share."""
+        """Eq. (24); NaN if the model did not tell the body's share."""
         return np.nan if self.gait.body_resistance_series is None else self.gait.efficiency
 
     @cached_property

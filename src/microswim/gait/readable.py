@@ -24,7 +24,7 @@ _READ_IN = {
 
 
 def prefixed(largest: float, unit: str) -> tuple[float, str]:
-    """Factor and unit in which a quantity of this size reads well.
+    """Return factor and unit in which a quantity of this size reads well.
 
     Parameters
     ----------
@@ -56,7 +56,7 @@ def prefixed(largest: float, unit: str) -> tuple[float, str]:
 
 
 def quantity(value: Any, unit: str, digits: int = 4) -> str:
-    """A number with its unit: ``23.53 µm/s``.
+    """Return a number with its unit: ``23.53 µm/s``.
 
     Units ``length/time`` and the like of dimensionless swimmers are left out; NaN and infinity
     are said in words.
@@ -76,7 +76,7 @@ def quantity(value: Any, unit: str, digits: int = 4) -> str:
 
 
 def with_error(value: Any, error: float | None, unit: str) -> str:
-    """A number with the error to expect of it: ``-30.7 ± 0.2 µm/s``.
+    """Return a number with the error to expect of it: ``-30.7 ± 0.2 µm/s``.
 
     Parameters
     ----------
@@ -107,7 +107,7 @@ def with_error(value: Any, error: float | None, unit: str) -> str:
 
 
 def significant(value: float, digits: int = 4) -> str:
-    """A number to so many significant digits, with a proper exponent when it is extreme."""
+    """Return a number to so many significant digits, with a proper exponent when it is extreme."""
     if math.isnan(value):
         return "not defined"
     if math.isinf(value):
@@ -121,7 +121,7 @@ def significant(value: float, digits: int = 4) -> str:
 
 
 def label(name: str, unit: str) -> str:
-    """Axis label: ``u (µm/s)``; words of dimensionless swimmers are left out."""
+    """Return Axis label: ``u (µm/s)``; words of dimensionless swimmers are left out."""
     return name if is_dimensionless(unit) else f"{name} ({unit})"
 
 

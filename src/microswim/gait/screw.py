@@ -16,7 +16,7 @@ ONE_STEP = 1e-5
 
 @checks.given(gait=checks.gait, steps=checks.at_least(1))
 def screw(gait: Gait, steps: int | None = None) -> ScrewMotion:
-    """Rigid motion of a free swimmer over one period, by steps of order 4.
+    """Return the rigid motion of a free swimmer over one period, by steps of order 4.
 
     Parameters
     ----------

@@ -33,7 +33,7 @@ NEUTRAL = 1e-7  #: growth relative to the fastest that the field can turn the ro
 
 
 def cross(v: Array) -> Array:
-    """Matrix [v] of ``v x``, for v (..., 3)."""
+    """Return the matrix [v] of ``v x``, for v (..., 3)."""
     x, y, z = np.moveaxis(np.asarray(v), -1, 0)
     zero = 0.0 * x
     rows = [[zero, -z, y], [z, zero, -x], [-y, x, zero]]

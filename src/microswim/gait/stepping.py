@@ -19,7 +19,9 @@ LOWER = [(i, j) for i in range(6) for j in range(i + 1)]
 
 
 def pack(gait: Gait) -> np.ndarray:
-    """Series of the lower triangle of R (21 columns) and F_p (6 columns), shape (1 + 2 H, 27)."""
+    """Return series of the lower triangle of R (21 columns) and F_p (6 columns), shape (1 + 2 H,
+    27).
+    """
     R, F = gait.resistance_series, gait.propulsion_series
     packed = np.zeros((max(len(R), len(F)), 27), dtype=np.result_type(R, F))
     packed[: len(R), :21] = np.stack([R[:, i, j] for i, j in LOWER], axis=-1)
@@ -78,7 +80,8 @@ def twist(packed: Any, free: Any, q: Any, phase: Any, rate: Any, load: Any, work
 def step(
     packed: Any, free: Any, x: Any, q: Any, phase: Any, h: Any, rates: Any, loads: Any, work: Any
 ) -> Any:
-    """One Runge-Kutta-Munthe-Kaas step of order 4; x and q are overwritten, the phase returned.
+    """Return one Runge-Kutta-Munthe-Kaas step of order 4; x and q are overwritten, the phase
+    returned.
 
     `rates` (3,) and `loads` (3, 5, 3) at the start, the middle and the end of the step; with one
     row each they are constant. `work` is scratch of `WORK` numbers.
@@ -134,7 +137,7 @@ def integrate(
     rates: Any,
     loads: Any,
 ) -> Any:
-    """States at `times`; between times[i-1] and times[i] there are counts[i] equal steps.
+    """Return states at `times`; between times[i-1] and times[i] there are counts[i] equal steps.
 
     `rates` (n,) and `loads` (n, 5, 3) at starts, middles and ends of all steps in a row
     (n = 2 steps + 1), or at one time for constant ones (n = 1).

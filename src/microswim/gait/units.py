@@ -39,7 +39,7 @@ WORDS = {word for si, word in UNITS.values() if word != si} | {"", "1"}
 
 
 def unit(units: str, kind: str) -> str:
-    """Unit of a kind of quantity (``"speed"``, ``"length"``, ...) in SI or dimensionless.
+    """Return unit of a kind of quantity (``"speed"``, ``"length"``, ...) in SI or dimensionless.
 
     Parameters
     ----------
@@ -58,5 +58,7 @@ def unit(units: str, kind: str) -> str:
 
 
 def is_dimensionless(unit: str) -> bool:
-    """Whether a unit is one of the words of a dimensionless swimmer, such as ``length/time``."""
+    """Return whether a unit is one of the words of a dimensionless swimmer, such as
+    ``length/time``.
+    """
     return unit in WORDS

@@ -30,7 +30,7 @@ def _last_crossing(values: Array) -> int:
 
 
 def piercing(body: Body, tail: Tail, phase: float = 0.0) -> float:
-    """s at which the centreline leaves the body for the last time.
+    """Return s at which the centreline leaves the body for the last time.
 
     Raises
     ------
@@ -124,15 +124,16 @@ class Joint:
         return result
 
     def angle(self, psi: Array) -> Array:
-        """Polar angle of the curve on the unit sphere."""
+        """Return the polar angle of the curve on the unit sphere."""
         return self._evaluate(0, psi)
 
     def section(self, psi: Array) -> tuple[Array, Array]:
-        """(s, Theta) of the tube's section and generator through the curve."""
+        """Return (s, Theta) of the tube's section and generator through the curve."""
         return self.s + self._evaluate(1, psi), psi + self._evaluate(2, psi)
 
     def azimuth(self, turn: Array) -> Array:
-        """psi at equal steps of the turn (psi + Theta)/2: smooth where either of the two rushes.
+        """Return psi at equal steps of the turn (psi + Theta)/2: smooth where either of the two
+        rushes.
 
         Where a generator grazes the body, Theta runs through a radian while psi hardly moves.
         """
@@ -146,12 +147,13 @@ class Joint:
         return psi
 
     def sphere_point(self, angle: Array, psi: Array) -> Array:
-        """Unit-sphere point at polar angle and azimuth about the pole."""
+        """Return the unit-sphere point at polar angle and azimuth about the pole."""
         radial = np.cos(psi)[..., None] * self.first + np.sin(psi)[..., None] * self.second
         return np.cos(angle)[..., None] * self.pole + np.sin(angle)[..., None] * radial
 
     def angle_to(self, opening: Opening, psi: Array) -> Array:
-        """Polar angle at which the great circle from the pole at azimuth psi meets an opening.
+        """Return the polar angle at which the great circle from the pole at azimuth psi meets an
+        opening.
 
         cos(angle) p + sin(angle) q = cos(opening), p and q the components of pole and of radial
         direction along the opening's axis.
@@ -216,7 +218,7 @@ def _lean(body: Body, tail: Tail, curve: Curve, pole: Array) -> Array:
 
 
 def trace_joint(body: Body, tail: Tail, phase: float = 0.0, points: int = 96) -> Joint:
-    """Intersection of the tube with the body: where the distance to the centreline is r_t.
+    """Return intersection of the tube with the body: where the distance to the centreline is r_t.
 
     Seen from the piercing point the curve is smooth even where the tube leans on the body, which
     its generators are not.

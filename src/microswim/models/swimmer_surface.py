@@ -28,7 +28,7 @@ FOLDED, CREASED = 0.98, 0.9
 
 
 def rounded_ramp(s: Array, start: float, half_width: float) -> tuple[Array, Array, Array]:
-    """Amplitude fraction f(s), f'(s), f''(s) of the ramp min(1, s/s0), its kink rounded.
+    """Return the amplitude fraction f(s), f'(s), f''(s) of the ramp min(1, s/s0), its kink rounded.
 
     A parabola over s0 - w < s < s0 + w joins the two lines with their slopes,
     f = 1 - (s0 + w - s)^2 / (4 w s0).
@@ -54,7 +54,9 @@ def rounded_ramp(s: Array, start: float, half_width: float) -> tuple[Array, Arra
 
 
 def kinks(tail: Tail) -> list[float]:
-    """Values of s at which the smooth centreline's curvature jumps: the ends of the rounding."""
+    """Return values of s at which the smooth centreline's curvature jumps: the ends of the
+    rounding.
+    """
     length = tail.apparent_length
     if not isinstance(tail, WaveTail):
         return [float(f) * length for f in tail.edges[1:-1]]
@@ -129,7 +131,9 @@ def _general(tail: Tail, s: Array, phase: float) -> Curve:
 
 
 def smooth_centreline(tail: Tail, s: Array, phase: float = 0.0) -> Curve:
-    """Centreline of a tail with the ramp's kink rounded, continued to s < 0 (the reference's P)."""
+    """Return the centreline of a tail with the ramp's kink rounded, continued to s < 0 (the
+    reference's P).
+    """
     s = np.asarray(s, dtype=float)
     if isinstance(tail, WaveTail):
         return _wave(tail, s, phase, tail.out_of_plane)
@@ -137,7 +141,7 @@ def smooth_centreline(tail: Tail, s: Array, phase: float = 0.0) -> Curve:
 
 
 def section_axes(tail: Tail, curve: Curve) -> tuple[Array, Array]:
-    """Unit vectors n1, n2 that span the tube's sections.
+    """Return the unit vectors n1, n2 that span the tube's sections.
 
     Perpendicular: e_q, e_r carried along by the smallest rotation that takes e_s to the tangent T,
     n1 = e_q - T_q (e_s + T)/(1 + T_s): smooth wherever the tail does not turn straight back.
@@ -155,7 +159,8 @@ def section_axes(tail: Tail, curve: Curve) -> tuple[Array, Array]:
 
 
 def section_twist(tail: Tail, s: Array, phase: float = 0.0) -> Array:
-    """Angle beta(s) through which `section_axes` turn about the tangent, from beta(s[0]) = 0.
+    """Return the angle beta(s) through which `section_axes` turn about the tangent, from
+    beta(s[0]) = 0.
 
     Generators theta + beta = const do not wind about the tube: along them X moves along the tangent
     alone, so they leave the body once. Trapezoidal rule on the increasing grid s.
@@ -166,7 +171,7 @@ def section_twist(tail: Tail, s: Array, phase: float = 0.0) -> Array:
 
 
 def tube_point(tail: Tail, s: Array, theta: Array, phase: float = 0.0) -> Array:
-    """X(s, theta), the tube's surface, shape of s and theta broadcast, then 3."""
+    """Return the tube's surface x(s, theta), shape of s and theta broadcast, then 3."""
     s, theta = np.broadcast_arrays(np.asarray(s, float), np.asarray(theta, float))
     curve = smooth_centreline(tail, s, phase)
     n1, n2 = section_axes(tail, curve)
@@ -175,7 +180,7 @@ def tube_point(tail: Tail, s: Array, theta: Array, phase: float = 0.0) -> Array:
 
 
 def surface_velocity(tail: Tail, X: Array, s: Array, phase: float = 0.0) -> Array:
-    """Velocity of the tail's surface at X (of the section at s) per unit phase rate.
+    """Return the velocity of the tail's surface at X (of the section at s) per unit phase rate.
 
     rigid        sign * e_s x X              (spin of the filament included)
     translating  P_phi

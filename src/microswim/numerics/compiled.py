@@ -50,7 +50,7 @@ def pays(seconds: float) -> bool:
 
 @contextmanager
 def settled(compile_it: bool) -> Iterator[None]:
-    """Within, kernels run compiled or as Python, as said, whatever the process has chosen."""
+    """Run kernels within compiled or as Python, as said, whatever the process has chosen."""
     token = _settled.set(compile_it)
     try:
         yield

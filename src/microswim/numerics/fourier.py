@@ -18,7 +18,7 @@ TURN_S = MIRROR_Q * MIRROR_R
 
 
 def basis(phase: Any, terms: int) -> np.ndarray:
-    """``[1, cos, sin, cos 2, sin 2, ...]``, shape phase.shape + (terms,)."""
+    """Return ``[1, cos, sin, cos 2, sin 2, ...]``, shape phase.shape + (terms,)."""
     phase = np.asarray(phase)
     h = (np.arange(terms) + 1) // 2
     arg = phase[..., None] * h
@@ -28,12 +28,12 @@ def basis(phase: Any, terms: int) -> np.ndarray:
 
 
 def evaluate(series: np.ndarray, phase: Any) -> np.ndarray:
-    """Value of a series at the phases, shape phase.shape + series.shape[1:]."""
+    """Return the value of a series at the phases, shape phase.shape + series.shape[1:]."""
     return np.tensordot(basis(phase, len(series)), series, axes=1)
 
 
 def series_of(samples: np.ndarray, harmonics: int | None = None) -> np.ndarray:
-    """Series through n uniform samples over the period (the Nyquist term is left out)."""
+    """Return series through n uniform samples over the period (the Nyquist term is left out)."""
     n = len(samples)
     H = (n - 1) // 2 if harmonics is None else harmonics
     if np.iscomplexobj(samples):  # apart, or rounding of the real part drowns a complex step
@@ -45,14 +45,14 @@ def series_of(samples: np.ndarray, harmonics: int | None = None) -> np.ndarray:
 
 
 def trimmed(series: np.ndarray, floor: float = 1e-13) -> np.ndarray:
-    """Series without its last harmonics where they are below `floor` of the largest term."""
+    """Return series without its last harmonics where they are below `floor` of the largest term."""
     size = np.abs(series).max(axis=tuple(range(1, series.ndim)))
     felt = np.flatnonzero(size > floor * size.max(initial=0.0)).max(initial=0)
     return series[: 1 + 2 * ((felt + 1) // 2)]
 
 
 def derivative(series: np.ndarray) -> np.ndarray:
-    """Series of the derivative with respect to the phase."""
+    """Return series of the derivative with respect to the phase."""
     out = np.zeros_like(series)
     h = np.arange(1, len(series) // 2 + 1).reshape(-1, *[1] * (series.ndim - 1))
     out[1::2], out[2::2] = h * series[2::2], -h * series[1::2]
@@ -84,7 +84,7 @@ _R_MAP, _F_MAP = _rotation_terms()
 
 
 def rotate(value: np.ndarray, sign: float) -> np.ndarray:
-    """Series of a 6x6 matrix or 6-vector that turns rigidly about s with ``sign * phase``."""
+    """Return series of a 6x6 matrix or 6-vector that turns about s with ``sign * phase``."""
     if value.ndim == 2:
         series = (_R_MAP @ value.reshape(36)).reshape(5, 6, 6)
     else:
@@ -95,7 +95,7 @@ def rotate(value: np.ndarray, sign: float) -> np.ndarray:
 
 
 def add(*series: np.ndarray) -> np.ndarray:
-    """Sum of series of different lengths."""
+    """Return the sum of series of different lengths."""
     longest = max(series, key=len)
     out = longest + (0j if any(s.dtype.kind == "c" for s in series) else 0.0)
     for s in series:
@@ -105,7 +105,7 @@ def add(*series: np.ndarray) -> np.ndarray:
 
 
 def extremes(series: np.ndarray) -> tuple[Any, Any]:
-    """Least and greatest value of each series, shape series.shape[1:].
+    """Return the least and greatest value of each series, shape series.shape[1:].
 
     The best of dense samples, polished by Newton's method on the series itself.
     """
@@ -142,6 +142,6 @@ def _around(series: np.ndarray, x: Any) -> tuple[Any, Any, Any]:
 
 
 def half_range(series: np.ndarray) -> Any:
-    """Half of peak to peak of each series over the period: what is called an amplitude."""
+    """Return half of peak to peak of each series over the period: what is called an amplitude."""
     low, high = extremes(series)
     return (high - low) / 2.0

@@ -11,7 +11,7 @@ NOISE = 1e-9
 
 
 def gauss_newton(residuals: Any, jacobian: Any, z: np.ndarray, steps: int = 100) -> np.ndarray:
-    """Least squares by Gauss-Newton with halved steps.
+    """Return the least squares by Gauss-Newton with halved steps.
 
     A step is the shortest (relative to the values) that the data ask for, ``V S^+ U' r`` without
     the singular values that are rounding: what the data do not determine stays at its start.

@@ -12,7 +12,7 @@ PANEL = 32
 
 @lru_cache(512)
 def gauss(nodes: float) -> tuple[np.ndarray, np.ndarray]:
-    """Gauss-Legendre nodes and weights on [0, 1]; none for an empty panel."""
+    """Return Gauss-Legendre nodes and weights on [0, 1]; none for an empty panel."""
     if nodes == 0:
         return np.empty(0), np.empty(0)
     xi, weight = np.polynomial.legendre.leggauss(int(nodes))
@@ -21,7 +21,8 @@ def gauss(nodes: float) -> tuple[np.ndarray, np.ndarray]:
 
 @lru_cache(64)
 def panels(nodes: float) -> tuple[np.ndarray, np.ndarray]:
-    """Gauss-Legendre with at least so many nodes: one rule up to two panels, else equal panels.
+    """Return Gauss-Legendre with at least so many nodes: one rule up to two panels, else equal
+    panels.
 
     A panel of 32 nodes converges like one long rule as long as the integrand needs more of them
     than that: at four waves a panel, or a singularity at 0.4 of its half width, to 1e-12.

@@ -41,7 +41,7 @@ def to_lab(q: Any, a: Any, b: Any, c: Any, sense: float) -> Any:
 
 
 def rotation_matrix(q: Any) -> np.ndarray:
-    """Matrix ``R_L`` of quaternions ``wxyz``, shape q.shape[:-1] + (3, 3), body to lab."""
+    """Return matrix ``R_L`` of quaternions ``wxyz``, shape q.shape[:-1] + (3, 3), body to lab."""
     w, x, y, z = np.moveaxis(np.asarray(q), -1, 0)
     rows = [
         [1 - 2 * (y * y + z * z), 2 * (x * y - w * z), 2 * (x * z + w * y)],
@@ -52,7 +52,7 @@ def rotation_matrix(q: Any) -> np.ndarray:
 
 
 def multiply(a: np.ndarray, b: np.ndarray) -> np.ndarray:
-    """Product of arrays of quaternions that broadcast."""
+    """Return the product of arrays of quaternions that broadcast."""
     aw, av = a[..., :1], a[..., 1:]
     bw, bv = b[..., :1], b[..., 1:]
     scalar = aw * bw - np.sum(av * bv, axis=-1, keepdims=True)
@@ -139,7 +139,8 @@ class ScrewMotion:
         return np.sqrt(np.sum(self.arm**2))
 
     def power(self, n: Any) -> tuple[np.ndarray, np.ndarray]:
-        """Displacement (..., 3) and quaternion (..., 4) after n whole periods (n integer, array).
+        """Return the displacement (..., 3) and quaternion (..., 4) after n whole periods (n
+        integer, array).
 
         ``R^n`` turns by n times the angle; the displacements add up as a geometric series,
         ``sum_j R^j d = sin(n x)/sin(x) R^((n-1)/2) d`` across the axis, x half the angle.

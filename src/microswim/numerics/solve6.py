@@ -40,7 +40,7 @@ def solve(A: Any, V: Any, free: Any) -> None:
 
 @compiled(always=True, error_model="numpy")
 def solve_lanes(A: Any, V: Any, free: Any, W: Any) -> None:
-    """`solve` of as many systems as the last axis of A (6, 6, n) and V (6, n) is long.
+    """Apply `solve` to as many systems as the last axis of A (6, 6, n) and V (6, n) is long.
 
     The same steps; the inner loops run over the systems, which the processor takes several at
     once. W (2, n) is scratch.

@@ -63,7 +63,7 @@ def trajectory(
     phase: float = 0.0,
     max_step: float | None = None,
 ) -> xr.Dataset:
-    """Pose of a swimmer at the given times.
+    """Return the pose of a swimmer at the given times.
 
     A load is a vector (3,), constant in time, or a function of an array of times (n,) that
     returns (n, 3). With a constant rate and no load but a constant flow the path is built from

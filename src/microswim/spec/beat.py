@@ -31,7 +31,7 @@ STILL = 0.02  #: of the length, that a base may move before it is no base
 
 
 def is_beat(path: str | PathLike[str]) -> bool:
-    """Whether a table is that of a beat: it has arc length, and positions or angles."""
+    """Return whether a table is that of a beat: it has arc length, and positions or angles."""
     if str(path).lower().endswith(".xml"):
         return False
     found = {measured.name_of(title, KNOWN) for title in next(cells(path), [])}

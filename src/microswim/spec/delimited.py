@@ -103,7 +103,7 @@ def pointed(cell: str) -> str:
 
 
 def is_number(cell: str) -> bool:
-    """Whether a cell holds a number, or nothing where one could be."""
+    """Return whether a cell holds a number, or nothing where one could be."""
     try:
         float(cell)
     except ValueError:

@@ -97,7 +97,7 @@ def load(path: str | PathLike[str]) -> dict[str, Any]:
 
 
 def read_preset(name: str, overrides: dict[str, Any] | None = None) -> Swimmer:
-    """Swimmer that comes with the package, such as ``"tabak/helix"``.
+    """Return the swimmer that comes with the package, such as ``"tabak/helix"``.
 
     Raises
     ------

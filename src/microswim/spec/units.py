@@ -224,6 +224,6 @@ def _angles(quantity: pint.Quantity) -> float:
 
 
 def has_unit(value: Any) -> bool:
-    """Whether a value is the text of a number with something behind it, as a quantity is."""
+    """Return whether a value is the text of a number with something behind it, as a quantity is."""
     match = _QUANTITY.fullmatch(value) if isinstance(value, str) else None
     return match is not None and bool(match[2])

@@ -19,7 +19,9 @@ def serve(tables: dict[str, Any], name: str, **options: Any) -> None:
 
 
 def snapshot(tables: dict[str, Any], name: str) -> str:
-    """The page as one HTML file that plays without a server, with a map of amplitude and waves."""
+    """Return the page as one HTML file that plays without a server, with a map of amplitude and
+    waves.
+    """
     from microswim.studio.page import snapshot as make
     from microswim.studio.page import usual_map
 

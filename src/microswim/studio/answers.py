@@ -40,7 +40,7 @@ KERNELS = threading.Lock()  #: the batched kernels are parallel already: one cal
 
 
 def solve(tables: Any, name: str = "design") -> dict[str, Any]:
-    """Everything the page shows about one design by the surrogate.
+    """Return everything the page shows about one design by the surrogate.
 
     Raises
     ------
@@ -65,14 +65,14 @@ def solve(tables: Any, name: str = "design") -> dict[str, Any]:
 
 
 def surrogate(swimmer: Swimmer) -> Gait:
-    """Gait by resistive force theory, resolved as far as an eye and five digits need."""
+    """Return the gait by resistive force theory, resolved as far as an eye and five digits need."""
     plain = swimmer.tail.is_rigid or swimmer.region is not None
     phases: dict[str, Any] = {} if plain else {"phases": PHASES}
     return swimmer.gait(**phases)
 
 
 def describe(swimmer: Swimmer, gait: Gait) -> dict[str, Any]:
-    """Shape, gait and readings of a swimmer, ready for JSON."""
+    """Return the shape, gait and readings of a swimmer, ready for JSON."""
     tail, body = as_wave(swimmer.tail), swimmer.body
     length, wave = float(tail.apparent_length), float(tail.wavenumber)
     return {
@@ -145,7 +145,7 @@ def _body_series(gait: Gait) -> list[list[float]] | None:
 
 
 def axis(swimmer: Swimmer, ask: Any) -> tuple[str, np.ndarray]:
-    """Field and values of one side of a map, SI or dimensionless.
+    """Return the field and values of one side of a map, SI or dimensionless.
 
     Raises
     ------
@@ -171,7 +171,7 @@ def axis(swimmer: Swimmer, ask: Any) -> tuple[str, np.ndarray]:
 
 
 def map_(tables: Any, x: Any, y: Any) -> dict[str, Any]:
-    """Readings over a grid of two numbers of the spec; null where a design is impossible."""
+    """Return readings over a grid of two numbers of the spec; null where a design is impossible."""
     start = time.perf_counter()
     swimmer = swimmer_of(tables)
     (fx, X), (fy, Y) = axis(swimmer, x), axis(swimmer, y)
@@ -217,7 +217,7 @@ def _short(value: float) -> float | None:
 
 
 def optimum(tables: Any, x: Any, y: Any, output: str, zooms: int = 5) -> dict[str, Any]:
-    """Best design on a map: a grid that closes in on its best point, five times.
+    """Return the best design on a map: a grid that closes in on its best point, five times.
 
     Speed and efficiency are to be large; of the others, the size. A surrogate that carries a
     region calibration is searched inside that region.

@@ -62,7 +62,7 @@ class Refused(Exception):
 def create_app(
     start: dict[str, Any], name: str, hosts: tuple[str, ...] = LOCAL, warm: bool = True
 ) -> Starlette:
-    """Application that serves the page.
+    """Yield the application that serves the page.
 
     Parameters
     ----------
@@ -118,7 +118,7 @@ def create_app(
 
 
 def file(name: str) -> Response:
-    """One of the built files; no other file can be reached."""
+    """Return one of the built files; no other file can be reached."""
     known = {"index.html", "studio.js", "studio.css", "licences.txt"}
     if name not in known:
         return JSONResponse({"error": f"there is no {name!r} here"}, 404)
@@ -127,7 +127,7 @@ def file(name: str) -> Response:
 
 
 def get(answer: Callable[[Request], Any]) -> Callable[[Request], Any]:
-    """Endpoint without a body."""
+    """Return the endpoint without a body."""
 
     async def endpoint(request: Request) -> Response:
         return await _answered(request, answer, request)
@@ -136,7 +136,7 @@ def get(answer: Callable[[Request], Any]) -> Callable[[Request], Any]:
 
 
 def post(answer: Callable[[Any], Any], as_text: bool = False) -> Callable[[Request], Any]:
-    """Endpoint that takes JSON, or text; other types and long bodies are refused."""
+    """Return the endpoint that takes JSON, or text; other types and long bodies are refused."""
 
     async def endpoint(request: Request) -> Response:
         try:

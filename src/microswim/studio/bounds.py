@@ -17,7 +17,9 @@ ALONG = 65
 
 
 def scene(swimmer: Swimmer) -> dict[str, Any] | None:
-    """Pose and size of the wall or the channel, from the body's centre, in its axes; or nothing."""
+    """Return the pose and size of the wall or the channel, from the body's centre, in its axes; or
+    nothing.
+    """
     if swimmer.wall is not None:
         wall = swimmer.wall
         return {"kind": "wall", "distance": float(wall.distance), "normal": list(wall.normal)}
@@ -35,7 +37,9 @@ def scene(swimmer: Swimmer) -> dict[str, Any] | None:
 
 
 def middle(swimmer: Swimmer) -> np.ndarray:
-    """The channel's middle from the body's centre: the swimmer's middle lies at its `position`."""
+    """Return the channel's middle from the body's centre: the swimmer's middle lies at its
+    `position`.
+    """
     assert swimmer.channel is not None
     half = float(swimmer.body.semi_axes3[0])
     nose = -half if half else -float(swimmer.tail.radius)
@@ -66,7 +70,9 @@ def check(swimmer: Swimmer) -> None:
 
 
 def outline(swimmer: Swimmer) -> tuple[np.ndarray, np.ndarray]:
-    """Points (n, 3) of the body's surface and of the tail's centreline over the whole period."""
+    """Return points (n, 3) of the body's surface and of the tail's centreline over the whole
+    period.
+    """
     s, phase = np.meshgrid(
         np.linspace(0.0, float(swimmer.tail.apparent_length), ALONG),
         2.0 * np.pi * np.arange(PHASES) / PHASES,

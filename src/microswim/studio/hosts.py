@@ -17,7 +17,7 @@ LOCAL = ("127.0.0.1", "localhost", "::1")
 
 
 def name_of(host: str) -> str:
-    """Name or address in a Host header, without port and brackets; empty if it makes no sense."""
+    """Return the name in a Host header, without port and brackets; empty if it makes no sense."""
     host = host.strip().lower()
     if host.startswith("["):
         inside, bracket, port = host[1:].partition("]")
@@ -31,7 +31,9 @@ def _is_port(text: str) -> bool:
 
 
 def is_known(name: str, hosts: tuple[str, ...]) -> bool:
-    """Whether a name is one of the hosts; ``"*"``: any address, and this machine's own names."""
+    """Return whether a name is one of the hosts; ``"*"``: any address, and this machine's own
+    names.
+    """
     if not name or name in hosts:
         return bool(name)
     if "*" not in hosts:

@@ -62,7 +62,7 @@ def check(kind: Any, question: dict[str, Any]) -> None:
 
 
 def judge(question: dict[str, Any], progress: Progress) -> dict[str, Any]:
-    """The reference's answer, the table of both, and what calibration here would give.
+    """Return the reference's answer, the table of both, and what calibration here would give.
 
     The reference is finite elements in a channel, boundary elements elsewhere.
     """
@@ -89,7 +89,7 @@ def judge(question: dict[str, Any], progress: Progress) -> dict[str, Any]:
 
 
 def compare(ours: dict[str, Any], theirs: dict[str, Any]) -> list[dict[str, Any]]:
-    """Rows of surrogate against reference; no percentage where the reference vanishes."""
+    """Return rows of surrogate against reference; no percentage where the reference vanishes."""
     rows = []
     for name in ROWS:
         a, b = ours[name], theirs[name]
@@ -102,7 +102,7 @@ def compare(ours: dict[str, Any], theirs: dict[str, Any]) -> list[dict[str, Any]
 
 
 def calibration(swimmer: Swimmer, reference: Gait, theirs: dict[str, Any]) -> dict[str, Any]:
-    """Interaction coefficients that make the surrogate agree here, and how well they do."""
+    """Return interaction coefficients that make the surrogate agree here, and how well they do."""
     from microswim.calibration.calibrate import calibrate
 
     fit = calibrate(swimmer, reference)
@@ -116,7 +116,8 @@ def calibration(swimmer: Swimmer, reference: Gait, theirs: dict[str, Any]) -> di
 
 
 def flow(question: dict[str, Any], progress: Progress) -> dict[str, Any]:
-    """Velocity of the fluid on the plane r = 0 of the body frame, a Fourier series in the phase.
+    """Return the velocity of the fluid on the plane r = 0 of the body frame, a Fourier series in
+    the phase.
 
     Rows along q, columns along s; components s, q, r; at the motor's own rate.
     """

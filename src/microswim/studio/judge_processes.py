@@ -32,7 +32,7 @@ class Job:
         self.cancelled = threading.Event()
 
     def status(self) -> dict[str, Any]:
-        """What the page is told."""
+        """Return what the page is told."""
         self.asked = time.monotonic()
         told = {"state": self.state, "done": self.done, "total": self.total}
         told["seconds"] = self.asked - self.started
@@ -52,7 +52,7 @@ class Judge:
         self._lock = threading.Lock()
 
     def warm(self) -> None:
-        """Have one worker ready."""
+        """Start one worker."""
         worker = hired()
         with self._lock:
             self._idle.append(worker)
@@ -79,7 +79,7 @@ class Judge:
         return token
 
     def job(self, token: str) -> Job | None:
-        """The job of a token, if there is one."""
+        """Return the job of a token, if there is one."""
         return self._jobs.get(token)
 
     def cancel(self, token: str) -> None:

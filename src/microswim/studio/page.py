@@ -20,7 +20,7 @@ KEPT = ("camera", "view", "pace", "arrows")  #: of the view of who took the snap
 
 
 def text(name: str) -> str:
-    """Text of one of the built files.
+    """Return the text of one of the built files.
 
     Raises
     ------
@@ -34,7 +34,8 @@ def text(name: str) -> str:
 
 
 def snapshot(designs: Any, ask: Any = None, view: Any = None) -> str:
-    """One HTML file that plays without a server: the page, its designs and their answers inside.
+    """Return one HTML file that plays without a server: the page, its designs and their answers
+    inside.
 
     Parameters
     ----------
@@ -64,7 +65,7 @@ def snapshot(designs: Any, ask: Any = None, view: Any = None) -> str:
 
 
 def usual_map(tables: Any) -> dict[str, Any]:
-    """Axes of a map about a design: its amplitude, and its waves or wavelength."""
+    """Return axes of a map about a design: its amplitude, and its waves or wavelength."""
     numbers = swimmer_of(tables).numbers
     other = "tail.waves" if "tail.waves" in numbers else "tail.wavelength"
     b, n = numbers["tail.amplitude"], numbers[other]
@@ -83,7 +84,7 @@ def _view(view: Any) -> dict[str, Any]:
 
 
 def inlined(data: dict[str, Any]) -> str:
-    """The page with script, style and data inside; nothing is fetched."""
+    """Return the page with script, style and data inside; nothing is fetched."""
     html = text("index.html")
     script = text("studio.js").replace("</script", "<\\/script").replace("<!--", "<\\!--")
     facts = json.dumps(data, allow_nan=False).replace("<", "\\u003c")

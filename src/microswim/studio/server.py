@@ -34,7 +34,7 @@ class Patient(H11Protocol):
 
 
 def listen(host: str, port: int | None) -> socket.socket:
-    """A listening socket; without a port, 8642 or, where that is taken, any free one.
+    """Return a listening socket; without a port, 8642 or, where that is taken, any free one.
 
     Raises
     ------
@@ -61,7 +61,7 @@ def listen(host: str, port: int | None) -> socket.socket:
 
 
 def address(host: str, listener: socket.socket) -> str:
-    """Where the page is."""
+    """Return where the page is."""
     shown = f"[{host}]" if ":" in host else host
     return f"http://{shown}:{listener.getsockname()[1]}/"
 

@@ -23,7 +23,7 @@ MOST_WAVES = 60.0
 
 
 def parse(text: str) -> dict[str, Any]:
-    """Tables of an uploaded spec file.
+    """Return tables of an uploaded spec file.
 
     Raises
     ------
@@ -36,7 +36,7 @@ def parse(text: str) -> dict[str, Any]:
 
 
 def swimmer_of(tables: Any) -> Swimmer:
-    """Swimmer of tables that came from outside.
+    """Return the swimmer of tables that came from outside.
 
     Raises
     ------
@@ -64,7 +64,7 @@ def swimmer_of(tables: Any) -> Swimmer:
 
 
 def canonical(swimmer: Swimmer) -> dict[str, Any]:
-    """Every field of a swimmer as spec tables, quantities in the unit that suits its size."""
+    """Return every field of a swimmer as spec tables, quantities in units that suit its size."""
     units = units_of(swimmer)
     tables = plain(describe(swimmer))
     del tables["units"]
@@ -80,7 +80,7 @@ def canonical(swimmer: Swimmer) -> dict[str, Any]:
 
 
 def units_of(swimmer: Swimmer) -> dict[str, tuple[str, float]]:
-    """Unit and its size in SI by dimension; empty for a dimensionless swimmer."""
+    """Return the unit and its size in SI by dimension; empty for a dimensionless swimmer."""
     if swimmer.units != "SI":
         return {}
     size, viscosity = float(swimmer.tail.apparent_length), float(swimmer.fluid.viscosity)

@@ -16,7 +16,7 @@ ALTERNATIVES = {"tail.waves": "tail.wavelength", "tail.wavelength": "tail.waves"
 
 
 def numbers_of(owner: Any, prefix: str = ".") -> list[tuple[str, float]]:
-    """Name and value of every number, entries of nested tuples included."""
+    """Return the name and value of every number, entries of nested tuples included."""
     found: list[tuple[str, float]] = []
     for f in fields(owner):
         found += _entries(f"{prefix}{f.name}", getattr(owner, f.name))
@@ -32,14 +32,14 @@ def _entries(path: str, value: Any) -> list[tuple[str, float]]:
 
 
 def set_item(values: tuple, index: list[int], value: Any) -> tuple:
-    """Copy of nested tuples with one entry replaced."""
+    """Return a copy of nested tuples with one entry replaced."""
     head, *rest = index
     new = set_item(values[head], rest, value) if rest else value
     return (*values[:head], new, *values[head + 1 :])
 
 
 def replaced(owner: Any, name: str, value: Any) -> Any:
-    """Copy of a frozen dataclass with one field replaced, without its checks."""
+    """Return a copy of a frozen dataclass with one field replaced, without its checks."""
     copy = object.__new__(type(owner))
     for f in fields(owner):
         object.__setattr__(copy, f.name, getattr(owner, f.name))

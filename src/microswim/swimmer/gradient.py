@@ -14,7 +14,7 @@ if TYPE_CHECKING:
 
 
 def gradient(swimmer: Swimmer, name: str = "mean_velocity", wrt: Any = None) -> dict[str, Any]:
-    """Exact derivatives by the complex step; see `Swimmer.gradient`."""
+    """Return the exact derivatives by the complex step; see `Swimmer.gradient`."""
     paths = list(swimmer.numbers) if wrt is None else [wrt] if isinstance(wrt, str) else list(wrt)
     out = {}
     for path in paths:

@@ -119,7 +119,8 @@ def require_dissipation(swimmer: Swimmer, gait: Gait) -> None:
 
 
 def stands_still(swimmer: Swimmer) -> bool:
-    """Whether the tail stands still in the lab while the motor turns the body that is not there.
+    """Return whether the tail stands still in the lab while the motor turns the body that is not
+    there.
 
     A rigid tail alone, free to turn about s, meets no force and no torque where it turns backwards
     as fast as the motor turns it: ``R V + F_p rate = 0`` at ``V = -sign rate e_s`` about the axis.

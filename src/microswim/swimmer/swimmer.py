@@ -113,8 +113,8 @@ class Swimmer:
     def __post_init__(self) -> None:
         for name, kind in zip(PARTS, (Fluid, Body, Tail, Coefficients, Interaction, Motion)):
             self._check_part(name, kind)
-        others = (Wall, Channel, Magnet, AppliedField, Hook, Provenance)
-        for name, kind in zip((*SURROUNDINGS, *DRIVE, "hook", "calibration"), others):
+        kinds = (Wall, Channel, Magnet, AppliedField, Hook, Provenance)
+        for name, kind in zip((*SURROUNDINGS, *DRIVE, "hook", "calibration"), kinds):
             if getattr(self, name) is not None:
                 self._check_part(name, kind)
         if self.hook is not None:
@@ -204,7 +204,7 @@ class Swimmer:
     @classmethod
     @checks.given(name=checks.text, overrides=checks.mapping)
     def preset(cls, name: str, overrides: dict[str, Any] | None = None) -> Swimmer:
-        """A swimmer that comes with the package, such as ``"tabak/helix"`` or ``"goto/C"``."""
+        """Return a swimmer that comes with the package, such as ``"tabak/helix"``, ``"goto/C"``."""
         return doors.go(doors.READ_PRESET, name, overrides)
 
     @property
@@ -226,7 +226,8 @@ class Swimmer:
         model: doors.Model | str = "rft",
         **options: Unpack[doors.GaitOptions],
     ) -> Gait:
-        """Gait by a model: surrogate ``"rft"`` or ``"atlas"``, reference ``"bem"`` or ``"fem"``.
+        """Return the gait by a model: surrogate ``"rft"`` or ``"atlas"``, reference ``"bem"`` or
+        ``"fem"``.
 
         An elastic tail is one for the model ``"elastic"``, which finds the beat that it settles
         to; the other models take that beat as the tail's motion.
@@ -281,7 +282,7 @@ class Swimmer:
 
     @checks.given(changes=checks.mapping)
     def with_(self, changes: dict[str, Any]) -> Swimmer:
-        """Copy with dotted fields replaced and checked again: ``{"tail.amplitude": 0.12}``.
+        """Return a copy with dotted fields replaced, checked again: ``{"tail.amplitude": 0.12}``.
 
         An entry of a list is ``"interaction.translation[1]"``. Setting one of `waves` and
         `wavelength` clears the other. Numbers are SI or, without units, the swimmer's own; a
@@ -308,8 +309,7 @@ class Swimmer:
         for path in without_other_names(changes) & self.numbers.keys():
             part, _, name = path.partition(".")
             grouped[part][name] = None
-        parts = {part: replace(getattr(self, part), **new) for part, new in grouped.items()}
-        return replace(self, **parts)
+        return replace(self, **{p: replace(getattr(self, p), **new) for p, new in grouped.items()})
 
     @property
     def numbers(self) -> dict[str, float]:
@@ -322,7 +322,7 @@ class Swimmer:
 
     @checks.given(output=checks.text, wrt=checks.words)
     def gradient(self, output: str = "mean_velocity", wrt: Any = None) -> dict[str, Any]:
-        """Exact derivatives of an output with respect to numbers of the spec.
+        """Return the exact derivatives of an output with respect to numbers of the spec.
 
         By the complex step ``Im f(x + ih)/h`` through the surrogate's kernels: exact to rounding.
 

@@ -28,7 +28,7 @@ KINDS = {
 
 
 def vary(swimmer: Swimmer, values: Mapping[str, Any]) -> Swimmer:
-    """Checked copy of a swimmer with fields replaced by dotted name.
+    """Return the checked copy of a swimmer with fields replaced by dotted name.
 
     Parameters
     ----------
@@ -99,14 +99,14 @@ def check_names(swimmer: Swimmer, names: Any) -> None:
 
 
 def known_names(swimmer: Swimmer) -> set[str]:
-    """Every dotted name that `vary` can set, those of both kinds of wave included."""
+    """Return every dotted name that `vary` can set, those of both kinds of wave included."""
     own = {f"{part}.{f.name}" for part in swimmer.parts for f in fields(getattr(swimmer, part))}
     waves = {"tail.handedness"} if isinstance(swimmer.tail, WaveTail) else set()
     return own | set(swimmer.numbers) | set(KINDS) | waves
 
 
 def designs(swimmer: Swimmer, front: Any) -> list[Swimmer]:
-    """The swimmers of a front (or of any Dataset over ``design``)."""
+    """Return the swimmers of a front (or of any Dataset over ``design``)."""
     names = [str(name) for name in front.coords if "." in str(name)]
     return [
         vary(swimmer, {name: front[name].values[i].item() for name in names})

@@ -21,7 +21,8 @@ MEANS = ("us", "os")
 
 
 def auto(swimmer: Swimmer, accuracy: float | None = None, **options: Any) -> Gait:
-    """Gait by the cheapest model that serves a swimmer; it says which, and how far off it may be.
+    """Return the gait by the cheapest model that serves a swimmer; it says which, and how far off
+    it may be.
 
     An elastic tail is one for the model ``"elastic"``. Else the atlas where it covers the swimmer
     and the user chose no law and no coefficients, else resistive force theory; with an accuracy

@@ -12,7 +12,8 @@ from microswim.swimmer.swimmer import Swimmer
 
 
 def gait(swimmer: Swimmer) -> Gait:
-    """Gait by the atlas: resistive force theory corrected by boundary-element solves, shipped.
+    """Return the gait by the atlas: resistive force theory corrected by boundary-element solves,
+    shipped.
 
     Parameters
     ----------

@@ -142,7 +142,8 @@ def behind_ramp(size: int, xi: Any, weight: Any) -> Any:
 
 @compiled()
 def table(p: Any, size: int, ramp_rule: Any, xi: Any, weight: Any) -> Any:
-    """Nodes (7, m): the rows of `microswim.models.rft.plane_wave.fill_nodes`, and a one at the tip.
+    """Return nodes (7, m): the rows of `microswim.models.rft.plane_wave.fill_nodes`, and a one at
+    the tip.
 
     The rules are those of `rules`, `size` nodes on the rest.
     """
@@ -170,7 +171,7 @@ def fill_base(R: Any, F: Any, p: Any, D: Any, nodes: Any, phase: float, g: float
 
 @compiled(always=True)
 def base(p: Any, D: Any, nodes: Any, phases: Any, g: float) -> Any:
-    """``(R, F_p, G)`` of body and tail at several phases: shapes (m, 6, 6), (m, 6), (m,)."""
+    """Return ``(R, F_p, G)`` of body and tail at several phases: shapes (m, 6, 6), (m, 6), (m,)."""
     m = len(phases)
     R, F = np.empty((m, 6, 6), dtype=p.dtype), np.empty((m, 6), dtype=p.dtype)
     G = np.empty(m, dtype=p.dtype)
@@ -180,7 +181,9 @@ def base(p: Any, D: Any, nodes: Any, phases: Any, g: float) -> Any:
 
 
 def parameters(swimmer: Swimmer) -> np.ndarray:
-    """Kernel parameters (..., 11) of the left-handed tail, Gray and Hancock's law with spin."""
+    """Return the kernel parameters (..., 11) of the left-handed tail, Gray and Hancock's law with
+    spin.
+    """
     tail = as_wave(swimmer.tail)
     local = _LAW.local(tail, swimmer.fluid.viscosity)
     values = (
@@ -196,7 +199,7 @@ def parameters(swimmer: Swimmer) -> np.ndarray:
 
 @cache
 def rules(most: int) -> tuple[Any, Any, Any]:
-    """Quadrature on the ramp; nodes and weights of up to `most` nodes on the rest in rows.
+    """Return quadrature on the ramp; nodes and weights of up to `most` nodes on the rest in rows.
 
     The rest ends with the tip, a node without length. Two panels' nodes are the most of a row:
     `behind_ramp` makes panels of what takes more.
@@ -209,7 +212,8 @@ def rules(most: int) -> tuple[Any, Any, Any]:
 
 
 def sizes(waves: Any) -> Any:
-    """Nodes on the rest for so many waves: a helix to rounding, a plane wave to ``(b k)^2 / 100``.
+    """Return nodes on the rest for so many waves: a helix to rounding, a plane wave to ``(b k)^2 /
+    100``.
 
     The corrections are fitted to the same base with the same nodes, and take that up.
 
@@ -225,12 +229,12 @@ def sizes(waves: Any) -> Any:
 
 
 def hand(swimmer: Swimmer) -> float:
-    """One for the left-handed helix that `parameters` describe, zero for a plane wave."""
+    """Return one for the left-handed helix that `parameters` describe, zero for a plane wave."""
     return 1.0 if swimmer.tail.is_rigid else 0.0
 
 
 def base_of(swimmer: Swimmer, phases: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """`base` of one swimmer."""
+    """Return `base` of one swimmer."""
     p = parameters(swimmer)
     D = np.array(swimmer.body.diagonal(swimmer.fluid.viscosity), dtype=float)
     most = int(sizes(swimmer.tail.number_of_waves))

@@ -36,7 +36,7 @@ class RegionWarning(UserWarning):
 
 
 def features(swimmer: Swimmer) -> np.ndarray:
-    """Dimensionless numbers of a design, shape (..., 7), as `FEATURES`."""
+    """Return the dimensionless numbers of a design, shape (..., 7), as `FEATURES`."""
     tail, (r_s, r_q, r_r) = as_wave(swimmer.tail), swimmer.body.semi_axes3
     k = tail.wavenumber
     values = (
@@ -50,7 +50,7 @@ def features(swimmer: Swimmer) -> np.ndarray:
 
 
 def words(swimmer: Swimmer) -> dict[str, str]:
-    """What is chosen by word, and must be as it was in the calibration."""
+    """Return what is chosen by word, and must be as it was in the calibration."""
     own = {w: str(getattr(swimmer.tail, w)) for w in _WORDS if hasattr(swimmer.tail, w)}
     around = "free fluid" if swimmer.wall is None else "a wall"
     if swimmer.channel is not None:
@@ -59,7 +59,7 @@ def words(swimmer: Swimmer) -> dict[str, str]:
 
 
 def fixed_numbers(swimmer: Swimmer, names: Any) -> dict[str, float]:
-    """Numbers of the spec that decide the flow and do not vary over the region."""
+    """Return numbers of the spec that decide the flow and do not vary over the region."""
     varied = set(names)
     return {
         name: float(value)
@@ -118,11 +118,11 @@ class Correction:
 
     @staticmethod
     def parameters(swimmer: Swimmer) -> np.ndarray:
-        """Kernel parameters (..., 11) of the base."""
+        """Return the kernel parameters (..., 11) of the base."""
         return shaded.parameters(swimmer)
 
     def inputs(self, swimmer: Swimmer) -> tuple[np.ndarray, np.ndarray]:
-        """Scaled features (n, f) and numbers of waves (n,) of one or many designs."""
+        """Return the scaled features (n, f) and numbers of waves (n,) of one or many designs."""
         x = np.atleast_2d(features(swimmer))[:, self._order]
         N = np.broadcast_to(swimmer.tail.number_of_waves, (len(x),))
         return np.ascontiguousarray((x - self.columns[1]) / self.columns[2]), N
@@ -149,7 +149,7 @@ class Correction:
         ]
 
     def outside(self, swimmer: Swimmer) -> list[str]:
-        """In words, what puts a design outside the region; empty inside."""
+        """Return what puts a design outside the region, in words; empty inside."""
         numbers = [
             f"{name} = {value:.6g} is not {asked}"
             for name, value, asked, misses in self._misses(swimmer)
@@ -158,7 +158,7 @@ class Correction:
         return numbers + self._wrong_words(swimmer)
 
     def expected(self, swimmer: Swimmer) -> dict[str, float]:
-        """Expected relative error of each quantity at a design (one standard deviation).
+        """Return the expected relative error of each quantity at a design (one standard deviation).
 
         The doubt of the Gaussian processes knows how far the solved designs are, not where the
         reference is rough; the left-out errors around the design, in units of it, do.
@@ -177,7 +177,9 @@ class Correction:
         return (weight @ self.ratios) / weight.sum(axis=1, keepdims=True)
 
     def expected_of_many(self, many: Swimmer, count: int) -> np.ndarray:
-        """Expected relative error of the mean forward velocity (count,), NaN outside the region."""
+        """Return the expected relative error of the mean forward velocity (count,), NaN outside
+        the region.
+        """
         misses = np.full(count, bool(self._wrong_words(many)))
         for _, _, _, there in self._misses(many):
             misses |= there
@@ -190,7 +192,7 @@ class Correction:
         return out
 
     def gait(self, swimmer: Swimmer) -> Gait:
-        """Corrected gait of a design.
+        """Return the corrected gait of a design.
 
         Raises
         ------
@@ -257,7 +259,8 @@ class Correction:
         return R, F, G, extra
 
     def solve(self, many: Swimmer, free: np.ndarray, phases: int) -> tuple[np.ndarray, ...]:
-        """Twists (n, m, 6), tail powers and drag times speed (n, m), per unit rate, of designs.
+        """Return twists (n, m, 6), tail powers and drag times speed (n, m), per unit rate, of
+        designs.
 
         A helix at phase 0, a plane wave at `phases` over half a period.
         """

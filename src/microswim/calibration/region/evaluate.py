@@ -25,7 +25,7 @@ def helices(
     p: Any, D: Any, mu: Any, Z: Any, N: Any, sizes: Any, ramp_rule: Any, xi: Any, weight: Any,
     nodes: Any, tips: Any, lengths: Any, phasors: Any, cut: Any, alpha: Any, mean: Any,
 ) -> Any:  # fmt: skip
-    """Corrected R, F, G of rigid helices at phase 0, and the axial force on the body."""
+    """Return the corrected R, F, G of rigid helices at phase 0, and the axial force on the body."""
     n = p.shape[0]
     R = np.empty((n, 1, 6, 6), dtype=p.dtype)
     F = np.empty((n, 1, 6), dtype=p.dtype)
@@ -49,7 +49,7 @@ def helices(
 
 @njit(cache=True)
 def scales(R0: Any, F0: Any, G0: Any) -> Any:
-    """Scales of F_s, F_q, T_r and G of a plane wave, from samples over half a period."""
+    """Return scales of F_s, F_q, T_r and G of a plane wave, from samples over half a period."""
     out = np.empty(4, dtype=R0.dtype)
     thrust, power, across, turn = 0 * G0[0], 0 * G0[0], 0 * G0[0], 0 * G0[0]
     for j in range(len(G0)):
@@ -64,7 +64,7 @@ def scales(R0: Any, F0: Any, G0: Any) -> Any:
 
 @njit(cache=True)
 def beat(y: Any, phase: float) -> Any:
-    """Corrections (16,) at a phase from the harmonics, packed as `region` fits them."""
+    """Return corrections (16,) at a phase from the harmonics, packed as `region` fits them."""
     out = np.empty(16, dtype=y.dtype)
     c1, s1 = np.cos(phase), np.sin(phase)
     c2, s2, c3, s3 = np.cos(2 * phase), np.sin(2 * phase), np.cos(3 * phase), np.sin(3 * phase)
@@ -81,7 +81,7 @@ def waves(
     p: Any, D: Any, mu: Any, Z: Any, N: Any, sizes: Any, ramp_rule: Any, xi: Any, weight: Any,
     nodes: Any, tips: Any, lengths: Any, phasors: Any, cut: Any, alpha: Any, mean: Any,
 ) -> Any:  # fmt: skip
-    """Corrected R, F, G of plane waves at uniform phases of the whole period."""
+    """Return the corrected R, F, G of plane waves at uniform phases of the whole period."""
     n = p.shape[0]
     R = np.empty((n, SAMPLES, 6, 6), dtype=p.dtype)
     F = np.empty((n, SAMPLES, 6), dtype=p.dtype)
@@ -110,7 +110,7 @@ def waves(
 
 @njit(cache=True, nogil=True)
 def twists(R: Any, F: Any, free: Any) -> Any:
-    """``V = -R^-1 F`` on the free degrees of freedom, of many designs and phases."""
+    """Return ``V = -R^-1 F`` on the free degrees of freedom, of many designs and phases."""
     V = -F
     A = np.empty_like(R)
     A[:] = R

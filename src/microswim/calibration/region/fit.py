@@ -38,19 +38,19 @@ class Solved:
 
 
 def one_thread() -> Any:
-    """Small matrices are solved faster by one thread than by several that wait for each other."""
+    """Hold the algebra to one thread: it solves small matrices faster than several."""
     return threadpool_limits(1)
 
 
 def columns_of(x: np.ndarray) -> np.ndarray:
-    """Features that vary over the designs, their means and spreads, (3, f)."""
+    """Return features that vary over the designs, their means and spreads, (3, f)."""
     spread = x.std(axis=0)
     used = np.flatnonzero(spread > 1e-9)
     return np.array([used.astype(float), x[:, used].mean(axis=0), spread[used]])
 
 
 def scaled(swimmers: list[Swimmer], columns: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """Features of about unit spread (n, f) and numbers of waves (n,)."""
+    """Return features of about unit spread (n, f) and numbers of waves (n,)."""
     x = np.array([features(s) for s in swimmers], dtype=float)[:, columns[0].astype(int)]
     return (x - columns[1]) / columns[2], np.array(
         [s.tail.number_of_waves for s in swimmers], float
@@ -58,7 +58,7 @@ def scaled(swimmers: list[Swimmer], columns: np.ndarray) -> tuple[np.ndarray, np
 
 
 def targets(solved: list[Solved]) -> np.ndarray:
-    """Corrections (n, columns) of all designs, in the order of `Surfaces`."""
+    """Return corrections (n, columns) of all designs, in the order of `Surfaces`."""
     helix = solved[0].swimmer.tail.is_rigid
     return np.array([(_helix_targets if helix else _wave_targets)(s) for s in solved])
 
@@ -100,7 +100,7 @@ def _wave_targets(s: Solved) -> np.ndarray:
 
 
 def groups_of(helix: bool) -> list[tuple[slice, bool, int]]:
-    """Columns of each group, whether they are complex pairs, and phasors of the tip."""
+    """Return columns of each group, whether they are complex pairs, and phasors of the tip."""
     if helix:
         r = blocks.REAL + 3
         return [(slice(0, 1), False, 1), (slice(1, r), False, 1), (slice(r, r + 12), True, 1)]
@@ -116,7 +116,7 @@ def groups_of(helix: bool) -> list[tuple[slice, bool, int]]:
 def fit_groups(
     solved: list[Solved], former: tuple[Kriging, ...] = (), groups: int | None = None
 ) -> tuple[Kriging, ...]:
-    """Gaussian processes of all groups, or of the first ones."""
+    """Return Gaussian processes of all groups, or of the first ones."""
     swimmers = [s.swimmer for s in solved]
     columns = columns_of(np.array([features(s) for s in swimmers], dtype=float))
     Z, N = scaled(swimmers, columns)
@@ -130,7 +130,7 @@ def fit_groups(
 
 
 def set_aside(solved: list[Solved], former: Any = ()) -> tuple[list[Solved], list[Solved]]:
-    """Designs to keep, and those that all the others contradict.
+    """Return designs to keep, and those that all the others contradict.
 
     Near the edge of what its mesh resolves a reference is a few per cent off; one such solve spoils
     the fit around it. A design counts as contradicted when its left-out residual of the thrust, in

@@ -27,7 +27,7 @@ NOISE = (1e-11, 1e-2)  # variance of the noise over that of the signal
 
 
 def covariance(A: Any, NA: Any, B: Any, NB: Any, lengths: Any, phasors: Any, real: bool) -> Any:
-    """Prior covariance of two sets of designs, features (n, f) and numbers of waves (n,)."""
+    """Return prior covariance of two sets of designs, features (n, f) and numbers of waves (n,)."""
     d = (A[:, None, :] - B[None, :, :]) / lengths
     turn = 2.0 * np.pi * (NA[:, None] - NB[None, :])
     wave: Any = 1.0
@@ -86,16 +86,16 @@ class Kriging:
         return self._own(Z, N) @ self.alpha + self.mean
 
     def doubt(self, Z: np.ndarray, N: np.ndarray) -> np.ndarray:
-        """Variance (k,) at other designs, in units of the prior's."""
+        """Return the variance (k,) at other designs, in units of the prior's."""
         return self.doubt_of(self._own(Z, N))
 
     def doubt_of(self, cross: np.ndarray) -> np.ndarray:
-        """Variance (k,) at designs of prior covariance `cross` (k, n) with those solved."""
+        """Return variance (k,) at designs of prior covariance `cross` (k, n) with those solved."""
         top = 1.0 + self.phasors.sum() + self.noise
         return doubts(cross.astype(complex), *self._factor, top, self.noise)
 
     def left_out(self) -> tuple[np.ndarray, np.ndarray]:
-        """Leave-one-out residuals (n, m), truth less prediction, and their doubt (n,)."""
+        """Return leave-one-out residuals (n, m), truth less prediction, and their doubt (n,)."""
         F, one = self._factor
         ones = np.sum(F.conj() * one[:, None], axis=0)  # K^-1 1
         whole = np.sum(np.abs(one) ** 2)
@@ -105,7 +105,7 @@ class Kriging:
 
 @njit(cache=True)
 def doubts(cross: Any, F: Any, one: Any, top: float, noise: float) -> Any:
-    """Variance of the process at designs, its mean estimated, at least that of the noise.
+    """Return variance of the process at designs, its mean estimated, at least that of the noise.
 
     ``top - |h|^2 + |1 - h^* F 1|^2 / |F 1|^2`` with ``h = F cross^*``. Nearly all of `top`
     cancels: the sums run in one order, so that the result does not depend on where the arrays
@@ -257,7 +257,7 @@ def predict(
 
 @njit(cache=True)
 def crossings(z: Any, waves: Any, Z: Any, tips: Any, lengths: Any, phasors: Any) -> Any:
-    """Prior covariance (groups, n) of one design with those solved, as in `predict`."""
+    """Return the prior covariance (groups, n) of one design with those solved, as in `predict`."""
     out = np.empty((lengths.shape[0], Z.shape[1]), dtype=np.complex128)
     c0, s0 = np.cos(2.0 * np.pi * waves), np.sin(2.0 * np.pi * waves)
     for t in range(Z.shape[1]):
@@ -287,12 +287,14 @@ class Surfaces:
         return np.concatenate([interleaved(g(Z, N)) for g in self.groups], axis=1)
 
     def doubt(self, Z: np.ndarray, N: np.ndarray) -> np.ndarray:
-        """Variance (k,) at other designs over that of a design left out, mean of the groups."""
+        """Return the variance (k,) at other designs over that of a design left out, mean of the
+        groups.
+        """
         each = [g.doubt(Z, N) / typical for g, typical in zip(self.groups, self._typical)]
         return np.mean(each, axis=0)
 
     def doubt_of_one(self, z: np.ndarray, waves: float) -> float:
-        """`doubt` at one design, its features z (f,), at the cost of one evaluation."""
+        """Return `doubt` at one design, its features z (f,), at the cost of one evaluation."""
         Z, tips, lengths, phasors, *_ = self.packed
         cross = crossings(z, waves, Z, tips, lengths, phasors)
         each = [
@@ -302,7 +304,7 @@ class Surfaces:
         return float(np.mean(each))
 
     def left_out_doubt(self) -> np.ndarray:
-        """The same (n,) at each design when it is left out."""
+        """Return `variance` (n,) at each design when it is left out."""
         each = [g.left_out()[1] / typical for g, typical in zip(self.groups, self._typical)]
         return np.mean(each, axis=0)
 
@@ -325,7 +327,7 @@ class Surfaces:
 
 
 def interleaved(values: np.ndarray) -> np.ndarray:
-    """Complex columns as pairs of real ones."""
+    """Return the complex columns as pairs of real ones."""
     if not np.iscomplexobj(values):
         return values
     return np.stack([np.real(values), np.imag(values)], axis=-1).reshape(len(values), -1)

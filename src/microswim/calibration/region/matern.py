@@ -11,7 +11,8 @@ from microswim.numerics.compiled import FAST, compiled
 
 @compiled(fastmath=FAST, error_model="numpy")
 def matern(r2: Any) -> Any:
-    """Matern 5/2 of the squared scaled distance, ``(1 + q + q^2/3) exp(-q)``, ``q^2 = 5 r2``.
+    """Return Matern 5/2 of the squared scaled distance, ``(1 + q + q^2/3) exp(-q)``, ``q^2 = 5
+    r2``.
 
     ``exp(-q) = exp(-q/128)^128`` by its series, zero beyond q = 40, to 1e-15: plain arithmetic,
     which compilers do for several designs at once.

@@ -30,7 +30,9 @@ _ORDER = (0, 3, 1, 2, 4, 5)
 
 @compiled()
 def split(R: Any) -> Any:
-    """Unit lower L and block diagonal C with ``P R P' = L C L'``, P the order 0, 3, 1, 2, 4, 5."""
+    """Return the unit lower L and block diagonal C with ``P R P' = L C L'``, P the order 0, 3, 1,
+    2, 4, 5.
+    """
     L, C = np.zeros_like(R), np.empty_like(R)
     for i in range(6):
         L[i, i] += 1.0
@@ -64,7 +66,7 @@ def join(R: Any, L: Any, C: Any) -> None:
 
 
 def encode_helix(R: Any, F: Any, G: Any, R0: Any, F0: Any, G0: Any, a: Any, mu: Any, D: Any) -> Any:
-    """Corrections y (22,): 10 invariant, then real and imaginary parts of 6 lateral vectors."""
+    """Return corrections y (22,): 10 invariant, then real and imaginary parts of 6 vectors."""
     (L, C), (L0, C0) = split(R), split(R0)
     force, torque = mu * a**2, mu * a**3
     B, B0 = R[:, 3] - F, R0[:, 3] - F0
@@ -135,7 +137,7 @@ def _units(a: Any) -> Any:
 
 
 def encode_wave(R: Any, F: Any, G: Any, R0: Any, F0: Any, G0: Any, a: Any, scale: Any) -> Any:
-    """Corrections y (16,) of a plane wave at one phase; scale of F_s, F_q, T_r and of G."""
+    """Return corrections y (16,) of a plane wave at one phase; scale of F_s, F_q, T_r and of G."""
     y = np.empty(16, dtype=R.dtype)
     units = _units(a)
     for m in range(2):

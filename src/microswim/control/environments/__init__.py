@@ -97,7 +97,7 @@ class _Single(gym.Env):
         return self.all.reset(keys, path)[0], self._info()
 
     def step(self, action: Any) -> tuple[np.ndarray, float, bool, bool, dict[str, Any]]:
-        """One step; an error before the first reset and after the end."""
+        """Return one step; an error before the first reset and after the end."""
         given = _finite("action", action, (self.all.actions,))[None]
         if not self.all.begun:
             raise gym.error.ResetNeeded("no episode has begun; call reset")
@@ -153,7 +153,7 @@ class _Vector(VectorEnv):
         return [None if first is None else first + i for i in range(self.num_envs)]
 
     def step(self, actions: Any) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray, dict]:
-        """One step of all; where an episode ended the step before, a new one begins instead."""
+        """Step all; where an episode ended the step before, a new one begins instead."""
         given = _finite("actions", actions, (self.num_envs, self.all.actions))
         if not self.all.begun:
             raise gym.error.ResetNeeded("no episode has begun; call reset")

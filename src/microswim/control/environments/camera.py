@@ -29,7 +29,7 @@ def conditions(
     latency: int = 2,
     max_steps: int,
 ) -> dict[str, float]:
-    """What the tasks have in common, in SI units: flow, camera and length of an episode.
+    """Return what the tasks have in common, in SI units: flow, camera and length of an episode.
 
     Lengths in mm, disturbance in mm/s, the camera's times in steps.
 
@@ -76,7 +76,7 @@ def expose(frame: Any, y: Any, noise: float, angle_noise: float, keys: Any, i: i
 
 @njit(cache=True)
 def fill(ring: Any, y: Any, noise: float, angle_noise: float, keys: Any, i: int) -> None:
-    """Start: every frame shows the first pose."""
+    """Begin with every frame at the first pose."""
     expose(ring[0], y, noise, angle_noise, keys, i)
     for k in range(1, ring.shape[0]):
         for j in range(FRAME):
@@ -85,7 +85,7 @@ def fill(ring: Any, y: Any, noise: float, angle_noise: float, keys: Any, i: int)
 
 @njit(cache=True)
 def seen(ring: Any, step: int, interval: int, latency: int) -> int:
-    """Row of the ring with the latest frame that has arrived by a step."""
+    """Return the row of the ring with the latest frame that has arrived by a step."""
     return (max(step - latency, 0) // interval) % ring.shape[0]
 
 

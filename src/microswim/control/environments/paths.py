@@ -37,7 +37,7 @@ def wander(path: Any, length: float, bend: float, keys: Any, i: int) -> None:
 
 @njit(cache=True)
 def locate(path: Any, segment: int, x0: float, x1: float, x2: float) -> tuple[int, float]:
-    """Segment, and fraction of it, nearest to a point, going forward from a segment."""
+    """Return the segment, and fraction of it, nearest to a point, going forward from a segment."""
     last = path.shape[0] - 2
     while True:
         a, b = path[segment], path[segment + 1]
@@ -51,7 +51,7 @@ def locate(path: Any, segment: int, x0: float, x1: float, x2: float) -> tuple[in
 
 @njit(cache=True)
 def point(path: Any, where: float) -> tuple[float, float, float]:
-    """Point at ``where`` segments from the start; at most the end."""
+    """Return the point at ``where`` segments from the start; at most the end."""
     where = min(max(where, 0.0), path.shape[0] - 1.0)
     k = min(int(where), path.shape[0] - 2)
     f = where - k
@@ -60,7 +60,7 @@ def point(path: Any, where: float) -> tuple[float, float, float]:
 
 
 def resampled(path: Any, points: int = POINTS) -> np.ndarray:
-    """A polyline given by its corners (k, 3) as one of equal steps.
+    """Return a polyline given by its corners (k, 3) as one of equal steps.
 
     Raises
     ------

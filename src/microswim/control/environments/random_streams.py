@@ -19,7 +19,7 @@ S30, S27, S31, S11 = np.uint64(30), np.uint64(27), np.uint64(31), np.uint64(11)
 
 @njit(cache=True)
 def uniform(keys: Any, i: int) -> float:
-    """Number in (0, 1); the key moves on."""
+    """Return a random number in (0, 1); the key moves on."""
     keys[i] += GOLDEN
     z = keys[i]
     z = (z ^ (z >> S30)) * FIRST
@@ -30,7 +30,7 @@ def uniform(keys: Any, i: int) -> float:
 
 @njit(cache=True)
 def normals(keys: Any, i: int) -> tuple[float, float]:
-    """Two independent standard normal numbers (Box & Muller 1958)."""
+    """Return two independent standard normal numbers (Box & Muller 1958)."""
     radius = np.sqrt(-2.0 * np.log(uniform(keys, i)))
     angle = 2.0 * np.pi * uniform(keys, i)
     return radius * np.cos(angle), radius * np.sin(angle)
@@ -38,7 +38,7 @@ def normals(keys: Any, i: int) -> tuple[float, float]:
 
 @njit(cache=True)
 def direction(keys: Any, i: int) -> tuple[float, float, float]:
-    """Unit vector, uniform on the sphere."""
+    """Return the unit vector, uniform on the sphere."""
     z = 2.0 * uniform(keys, i) - 1.0
     angle = 2.0 * np.pi * uniform(keys, i)
     r = np.sqrt(1.0 - z * z)

@@ -42,7 +42,7 @@ Settings = namedtuple(
 
 
 def settings(*, max_steps: int = 1000, **options: Any) -> Settings:
-    """Settings of the task; `options` as `camera.conditions` takes them."""
+    """Return settings of the task; `options` as `camera.conditions` takes them."""
     return Settings(
         dt=0.02, field=4e-3, top=16.0 * np.pi, swing=2.0, near=0.2 * MM,
         **conditions(max_steps=max_steps, **options),
@@ -54,14 +54,14 @@ compiled = njit(cache=True, fastmath=FAST, error_model="numpy")
 
 @compiled
 def far(mem: Any) -> float:
-    """Distance of the body's centre from the target."""
+    """Return the distance of the body's centre from the target."""
     x, y, z = mem[TARGET] - mem[0], mem[TARGET + 1] - mem[1], mem[2]
     return np.sqrt(x * x + y * y + z * z)
 
 
 @compiled
 def start(mem: Any, count: Any, ring: Any, keys: Any, i: int, s: Any) -> None:
-    """A new episode: heading, target 2 to 6 mm away, flow."""
+    """Begin an episode: heading, target 2 to 6 mm away, flow."""
     mem[:] = 0.0
     count[:] = 0
     heading = 2.0 * np.pi * uniform(keys, i)
@@ -79,7 +79,7 @@ def start(mem: Any, count: Any, ring: Any, keys: Any, i: int, s: Any) -> None:
 
 @compiled
 def drive(mem: Any, action: Any, u: Any, work: Any, model: Any, s: Any) -> None:
-    """One step of the physics; the field turns by ``swing dt`` at most."""
+    """Step the physics; the field turns by ``swing dt`` at most."""
     mem[MOTOR] = min(max(action[0], -1.0), 1.0)
     turn = s.swing * min(max(action[1], -1.0), 1.0)
     u[0], u[12] = s.top * mem[MOTOR], turn
@@ -114,7 +114,7 @@ def one(
     mem: Any, count: Any, ring: Any, keys: Any, i: int, action: Any, u: Any, work: Any, model: Any,
     s: Any, obs: Any, ends: Any,
 ) -> float:  # fmt: skip
-    """One step of one environment; an episode that has ended begins anew instead.
+    """Return one step of one environment; an episode that has ended begins anew instead.
 
     Reward: millimetres nearer to the target, less 0.002 for full use of each control; 5 for the
     target, -5 for 12 mm away from it.
@@ -146,7 +146,7 @@ def step_all(
     mem: Any, count: Any, ring: Any, keys: Any, actions: Any, scratch: Any, model: Any, s: Any,
     obs: Any, ends: Any, rewards: Any,
 ) -> None:  # fmt: skip
-    """One step of all environments."""
+    """Step all environments."""
     blocks, n = scratch.shape[0], mem.shape[0]
     for b in prange(blocks):
         u, work = scratch[b, :INPUT], scratch[b, INPUT:]

@@ -46,7 +46,7 @@ Settings = namedtuple(
 
 
 def settings(*, max_steps: int = 1500, **options: Any) -> Settings:
-    """Settings of the task; `options` as `camera.conditions` takes them."""
+    """Return settings of the task; `options` as `camera.conditions` takes them."""
     return Settings(
         dt=0.02, field=4e-3, top=10.0, calm=2.0, length=10.0 * MM, bend=0.8 / MM, lost=3.0 * MM,
         ahead=1.0 * MM, **conditions(max_steps=max_steps, **options),
@@ -60,7 +60,7 @@ compiled = njit(cache=True, fastmath=FAST, error_model="numpy")
 def start(
     mem: Any, count: Any, ring: Any, path: Any, keys: Any, i: int, s: Any, draw: bool
 ) -> None:
-    """A new episode: a path (unless given), a pose near its beginning, a mean flow."""
+    """Begin an episode: a path (unless given), a pose near its beginning, a mean flow."""
     if draw:
         wander(path, s.length, s.bend, keys, i)
     h0, h1, h2 = path[1, 0] - path[0, 0], path[1, 1] - path[0, 1], path[1, 2] - path[0, 2]
@@ -88,7 +88,7 @@ def start(
 
 @compiled
 def command(mem: Any, action: Any, s: Any) -> None:
-    """Direction and frequency wanted; the field keeps as near to what it was as it can."""
+    """Set direction and frequency wanted; the field keeps as near to what it was as it can."""
     a0, a1, a2 = action[0], action[1], action[2]
     size = np.sqrt(a0 * a0 + a1 * a1 + a2 * a2)
     if size > 1e-3:
@@ -107,7 +107,7 @@ def command(mem: Any, action: Any, s: Any) -> None:
 
 @compiled
 def drive(mem: Any, u: Any, work: Any, model: Any, s: Any, keys: Any, i: int) -> None:
-    """One step of the physics: flow, field, robot."""
+    """Step the physics: flow, field, robot."""
     fade = np.exp(-s.dt / s.calm)
     push = s.gust * np.sqrt(1.0 - fade * fade)
     n0, n1 = normals(keys, i)
@@ -154,7 +154,7 @@ def watch(mem: Any, count: Any, ring: Any, path: Any, s: Any, out: Any) -> None:
 
 @compiled
 def judge(mem: Any, count: Any, path: Any, s: Any) -> tuple[float, bool, float]:
-    """Reward, whether the task is over, distance from the path.
+    """Return the reward, whether the task is over, distance from the path.
 
     Reward: millimetres of progress along the path, less 0.01 a step for each millimetre off it; 5
     for the end of the path, -5 for getting lost.
@@ -177,7 +177,7 @@ def one(
     mem: Any, count: Any, ring: Any, path: Any, keys: Any, i: int, action: Any, u: Any, work: Any,
     model: Any, s: Any, obs: Any, ends: Any, draw: bool,
 ) -> float:  # fmt: skip
-    """One step of one environment; an episode that has ended begins anew instead."""
+    """Return one step of one environment; an episode that has ended begins anew instead."""
     if count[DONE]:
         start(mem, count, ring, path, keys, i, s, draw)
         watch(mem, count, ring, path, s, obs)
@@ -201,7 +201,7 @@ def step_all(
     mem: Any, count: Any, ring: Any, path: Any, keys: Any, actions: Any, scratch: Any, model: Any,
     s: Any, obs: Any, ends: Any, rewards: Any, draw: bool,
 ) -> None:  # fmt: skip
-    """One step of all environments."""
+    """Step all environments."""
     blocks, n = scratch.shape[0], mem.shape[0]
     for b in prange(blocks):
         u, work = scratch[b, :INPUT], scratch[b, INPUT:]

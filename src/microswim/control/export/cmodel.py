@@ -139,13 +139,13 @@ def check_name(name: str) -> None:
 
 
 def reserved(name: str) -> bool:
-    """Whether a name is a word of C or C++, or of a file that an include could mean."""
+    """Return whether a name is a word of C or C++, or of a file that an include could mean."""
     words = (files("microswim.control.export") / "c" / "reserved.txt").read_text("utf-8").split()
     return name.lower() in words
 
 
 def filled(template: str, values: dict[str, str]) -> str:
-    """The template with every ``@key@`` replaced."""
+    """Return the template with every ``@key@`` replaced."""
     return re.sub(r"@(\w+)@", lambda m: values[m[1]], template)
 
 
@@ -213,17 +213,17 @@ def _about_hand(stepper: Stepper) -> str:
 
 
 def viscosity(stepper: Stepper) -> float:
-    """Viscosity at which the coefficients were made; 1 stands for it if nobody told."""
+    """Return the viscosity at which the coefficients were made; 1 stands for it if nobody told."""
     return 1.0 if stepper.swimmer is None else float(stepper.swimmer.fluid.viscosity)
 
 
 def numbers(values: np.ndarray) -> str:
-    """Numbers as C has them, exact."""
+    """Return numbers as C has them, exact."""
     return ", ".join(repr(float(v)) for v in values)
 
 
 def table(name: str, values: np.ndarray) -> str:
-    """A table of doubles, with the number of its rows."""
+    """Return a table of doubles, with the number of its rows."""
     rows = ",\n".join(f"    {numbers(r)}" for r in values)
     head = f"#define {name}_ROWS {len(values)}\n"
     return head + f"static const double {name}[{values.size}] = {{\n{rows}}};\n"

@@ -52,7 +52,9 @@ int main(void)
 
 
 def found() -> list[str] | None:
-    """Command of the C compiler: ``CC`` of the environment, else cc, gcc or clang; None: none."""
+    """Return the command of the C compiler: ``CC`` of the environment, else cc, gcc or clang;
+    None: none.
+    """
     chosen = shlex.split(os.environ.get("CC", ""))
     for command in [chosen] if chosen else [["cc"], ["gcc"], ["clang"]]:
         if shutil.which(command[0]):
@@ -61,7 +63,7 @@ def found() -> list[str] | None:
 
 
 def required() -> list[str]:
-    """The compiler's command.
+    """Return the compiler's command.
 
     Raises
     ------
@@ -110,7 +112,7 @@ def write(model: CModel, folder: Path) -> list[Path]:
 
 
 def measured(model: CModel) -> dict[str, float | int | None]:
-    """Bytes of the compiled model and seconds per step; None where there is no compiler.
+    """Return bytes of the compiled model and seconds per step; None where there is no compiler.
 
     A step is one internal step of order 4, least processor time of several runs.
     """

@@ -34,7 +34,7 @@ SI_UNITS = {
 
 
 def variables(stepper: Stepper) -> list[dict[str, Any]]:
-    """Variables of the FMU in the order of their value references."""
+    """Return variables of the FMU in the order of their value references."""
     made: list[dict[str, Any]] = []
 
     def add(names: str, kind: str, unit: str, about: str, start: Any = ()) -> None:
@@ -165,7 +165,7 @@ def export_fmu(
 
 
 def folder(fmi: str) -> str:
-    """Name of this platform in an FMU.
+    """Return the name of this platform in an FMU.
 
     Raises
     ------
@@ -220,7 +220,7 @@ def _zip(path: Path, entries: dict[str, str | bytes]) -> None:
 def description(
     model: cmodel.CModel, stepper: Stepper, known: list[dict[str, Any]], fmi: str, token: str
 ) -> str:
-    """modelDescription.xml."""
+    """Return modelDescription.xml."""
     about = " ".join(model.banner.strip("/* \n").split())
     three = fmi == "3.0"
     head = {

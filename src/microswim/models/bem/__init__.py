@@ -17,7 +17,8 @@ from microswim.swimmer.geometry.body import Body
 
 
 def body_resistance(body: Body, viscosity: float, level: str = "standard") -> Any:
-    """Resistance (6, 6) of a body alone about its centre, with a level's order and quadrature.
+    """Return the resistance (6, 6) of a body alone about its centre, with a level's order and
+    quadrature.
 
     A check against the exact `body.resistance(viscosity)`.
     """

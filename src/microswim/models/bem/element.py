@@ -18,12 +18,12 @@ MAX_LEVEL = 7
 
 
 def chebyshev_nodes(q: int = GEOMETRY_NODES) -> Array:
-    """Chebyshev nodes of the first kind, ascending."""
+    """Return Chebyshev nodes of the first kind, ascending."""
     return -np.cos((np.arange(q) + 0.5) * np.pi / q)
 
 
 def lagrange(nodes: np.ndarray, x: np.ndarray) -> tuple[Array, Array]:
-    """Lagrange polynomials through `nodes` and their derivatives at x, each (x.size,
+    """Return Lagrange polynomials through `nodes` and their derivatives at x, each (x.size,
     nodes.size).
     """
     x = np.atleast_1d(x)
@@ -59,7 +59,7 @@ class CellTables:
 
 @lru_cache(maxsize=16)
 def cell_tables(p: int, g: int) -> CellTables:
-    """Tables of all cells down to MAX_LEVEL for order p and g Gauss points a side."""
+    """Return tables of all cells down to MAX_LEVEL for order p and g Gauss points a side."""
     geometry, density = chebyshev_nodes(), np.polynomial.legendre.leggauss(p)[0]
     x, w = np.polynomial.legendre.leggauss(g)
     levels = np.repeat(np.arange(MAX_LEVEL + 1), 2 ** np.arange(MAX_LEVEL + 1))
@@ -128,7 +128,7 @@ class OwnRule:
 
 @lru_cache(maxsize=64)
 def own_rule(p: int, shape: tuple[int, int], radial: int, angular: int) -> OwnRule:
-    """Rule for patches of a shape: length in u over that in v, and angle between u and v.
+    """Return rule for patches of a shape: length in u over that in v, and angle between u and v.
 
     shape : (m, n) stands for a ratio of 2^(m/2) and an angle of 90 - 10 n degrees.
     """
@@ -155,7 +155,9 @@ def own_rule(p: int, shape: tuple[int, int], radial: int, angular: int) -> OwnRu
 
 @lru_cache(maxsize=16)
 def patch_matrix(p: int) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """Geometry (value, d/du, d/dv) at the p x p Gauss nodes from q x q nodes: (p^2, q^2) each."""
+    """Return the geometry (value, d/du, d/dv) at the p x p Gauss nodes from q x q nodes: (p^2,
+    q^2) each.
+    """
     nodes = np.polynomial.legendre.leggauss(p)[0]
     L, D = lagrange(chebyshev_nodes(), nodes)
     return np.kron(L, L), np.kron(D, L), np.kron(L, D)

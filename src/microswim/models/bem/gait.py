@@ -23,7 +23,7 @@ from microswim.swimmer.swimmer import Swimmer
 
 
 def turns_as_a_whole(swimmer: Swimmer) -> bool:
-    """Whether one phase holds the whole gait: helix, body of revolution, no wall.
+    """Return whether one phase holds the whole gait: helix, body of revolution, no wall.
 
     Phase turns the surface of a helix about s, whatever its sections, and the surface's velocity
     with it, whatever its motion.
@@ -33,7 +33,7 @@ def turns_as_a_whole(swimmer: Swimmer) -> bool:
 
 
 def half_period_signs(swimmer: Swimmer) -> Array | None:
-    """Signs that carry phase to phase + pi, or None if nothing does."""
+    """Return signs that carry phase to phase + pi, or None if nothing does."""
     alike = swimmer.wall is None and swimmer.body.is_mirrored
     return swimmer.tail.half_period_signs if alike else None
 
@@ -95,7 +95,7 @@ def gait(
     estimate_error: bool = False,
     progress: Callable[[int, int], None] | None = None,
 ) -> Gait:
-    """Gait of a swimmer by boundary elements.
+    """Return the gait of a swimmer by boundary elements.
 
     Parameters
     ----------

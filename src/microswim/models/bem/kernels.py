@@ -19,7 +19,8 @@ CELLS = 2**LEVELS - 1
 
 @njit(cache=True, fastmath=True)
 def evaluate_cell(C, V, D, W, a, b, out):
-    """Points and weighted areas (4, g*g) of the cell (a, b) of a patch with geometry C (q, q,
+    """Return points and weighted areas (4, g*g) of the cell (a, b) of a patch with geometry C (q,
+    q,
     3).
     """
     g, q = V.shape[1], V.shape[2]
@@ -54,7 +55,7 @@ def evaluate_cell(C, V, D, W, a, b, out):
 
 @njit(cache=True, fastmath=True)
 def frame_cell(C, M, S, half, a, b, out):
-    """Centre and half lengths (5,) of the cell (a, b)."""
+    """Return the centre and half lengths (5,) of the cell (a, b)."""
     q = M.shape[1]
     out[:] = 0.0
     u = np.zeros(3)

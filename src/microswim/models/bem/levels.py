@@ -57,7 +57,7 @@ _BY_NAME = {
 
 
 def get_level(name: str, order: int | None = None) -> Level:
-    """Level by name; `order` replaces p on the same patches.
+    """Return the level by name; `order` replaces p on the same patches.
 
     Raises
     ------
@@ -75,5 +75,5 @@ def get_level(name: str, order: int | None = None) -> Level:
 
 
 def coarser(name: str) -> str | None:
-    """Name of the next coarser level, None below coarse and for levels of one's own."""
+    """Return the name of the next coarser level, None below coarse and for levels of one's own."""
     return {"standard": "coarse", "fine": "standard"}.get(name)

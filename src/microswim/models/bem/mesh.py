@@ -88,7 +88,8 @@ def _wanted_length(tail: Tail, phase: float, s: Array, r: Resolution) -> tuple[A
 
 
 def tube_edges(tail: Tail, phase: float, start: float, r: Resolution, root: float | None) -> Array:
-    """Edges of the tube's panels in s: equal shares of int ds/h with h the wanted panel length.
+    """Return edges of the tube's panels in s: equal shares of int ds/h with h the wanted panel
+    length.
 
     root : length of the first panel in filament radii, None for a tail without a body.
     """
@@ -228,7 +229,7 @@ def _flatness(tail: Tail, phase: float, s: Array) -> Array:
 
 
 def inner_pressures(tail: Tail, phase: float, s: Array) -> Array:
-    """Hats along the tail, (m, *s.shape), zero at the joint: pressures of the fluid inside.
+    """Return hats along the tail, (m, *s.shape), zero at the joint: pressures of the fluid inside.
 
     A pressure that varies over a length l drives a flow of order h^3/(r_t l^2) of it along a tube
     of half thickness h; sheared sections flatten the tube to h = r_t/|P'|. The hats' spacing
@@ -246,7 +247,9 @@ def inner_pressures(tail: Tail, phase: float, s: Array) -> Array:
 
 
 def swimmer_surface(body: Body, tail: Tail, phase: float, r: Resolution) -> Surface:
-    """Closed surface of a swimmer at one phase, with the tail's velocity per unit phase rate."""
+    """Return the closed surface of a swimmer at one phase, with the tail's velocity per unit phase
+    rate.
+    """
     alone = body.is_absent
     length = tail.apparent_length
     joint = None if alone else trace_joint(body, tail, phase)

@@ -111,7 +111,7 @@ class Mobility:
         return self.surface.extent[1]
 
     def as_dict(self) -> dict[str, Any]:
-        """Everything but the surface, as the command prints it."""
+        """Return everything but the surface, as the command prints it."""
         names = ("resistance", "about", "mobility", "centre_of_mobility", "chirality", "units",
                  "viscosity", "surface_area", "volume", "expected_error", "level", "unknowns",
                  "seconds", "remarks")  # fmt: skip
@@ -216,7 +216,7 @@ def _of(what: Any, scale: Any, level: str, viscosity: float | None, phase: float
 
 
 def patches_index(level: str) -> int:
-    """0 for coarse, 1 for standard, 2 for fine."""
+    """Return 0 for coarse, 1 for standard, 2 for fine."""
     return list(patches.LEVELS).index(level)
 
 

@@ -19,7 +19,7 @@ AXES = {"s": 0, "q": 1, "r": 2}
 
 
 def quads_of(patches: int, side: int) -> NDArray[np.int64]:
-    """Quadrilaterals (n, 4) of grids of `side` x `side` points, one for each patch."""
+    """Return quadrilaterals (n, 4) of grids of `side` x `side` points, one for each patch."""
     corner = np.arange(side * side).reshape(side, side)
     parts = (corner[:-1, :-1], corner[1:, :-1], corner[1:, 1:], corner[:-1, 1:])
     one = np.stack(parts, axis=-1).reshape(-1, 4)

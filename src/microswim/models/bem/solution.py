@@ -178,12 +178,13 @@ class Solution:
         return V
 
     def combined(self, twist: Array | None = None, rate: float | None = None) -> Array:
-        """Density (3 e p^2,) for a twist (default: the free swimmer's) and a phase rate."""
+        """Return density (3 e p^2,) for a twist (default: the free swimmer's) and a phase rate."""
         V = self.twist if twist is None else np.asarray(twist, float)
         return self.density @ np.append(V, self.rate if rate is None else rate)
 
     def traction(self, twist: Array | None = None, rate: float | None = None) -> Array:
-        """Force per area by the surface on the fluid outside, at the collocation points, (e, p*p,
+        """Return the force per area by the surface on the fluid outside, at the collocation
+        points, (e, p*p,
         3).
 
         Up to a constant pressure, which has no resultant.
@@ -195,7 +196,7 @@ class Solution:
     def wrench(
         self, part: str = "all", twist: Array | None = None, rate: float | None = None
     ) -> Array:
-        """Force and torque (6,) by the fluid on `part` = "all", "body" or "tail"."""
+        """Return the force and torque (6,) by the fluid on `part` = "all", "body" or "tail"."""
         both = np.column_stack([self.raw_resistance, self.propulsion])
         body = self._body_wrenches
         parts = {"all": both, "body": body, "tail": both - body}
@@ -203,7 +204,8 @@ class Solution:
         return -parts[part] @ np.append(V, self.rate if rate is None else rate)
 
     def stationary_wrench(self) -> tuple[float, float]:
-        """Thrust and torque [Tabak Sec. 3.2.1] that the turning tail of the held swimmer exerts
+        """Return the thrust and torque [Tabak Sec. 3.2.1] that the turning tail of the held
+        swimmer exerts
         on the fluid.
 
         Returns
@@ -218,7 +220,7 @@ class Solution:
     def velocity(
         self, points: Array, twist: Array | None = None, rate: float | None = None
     ) -> Array:
-        """Velocity (..., 3) of the fluid, at rest at infinity, at points of the frame sqr.
+        """Return velocity (..., 3) of the fluid, at rest at infinity, at points of the frame sqr.
 
         Near the surface the same adaptive quadrature keeps it accurate; inside the swimmer it is
         the flow of the fluid that fills it.
@@ -228,7 +230,7 @@ class Solution:
         return flat.reshape(points.shape)
 
     def surface_velocity(self, twist: Array | None = None, rate: float | None = None) -> Array:
-        """Velocity of the surface at the collocation points, (e, p*p, 3)."""
+        """Return the velocity of the surface at the collocation points, (e, p*p, 3)."""
         V = self.twist if twist is None else np.asarray(twist, float)
         rate = self.rate if rate is None else rate
         return rigid_modes(self.surface.nodes, self.centre) @ V + self.surface.node_motion * rate
@@ -246,7 +248,7 @@ class Solution:
         return flow.write_field(self.velocity, path, low, high, counts)
 
     def picture(self, plane: str = "sq", **options: Any) -> Any:
-        """Matplotlib figure of the flow in a plane through the joint; see `flow.picture`."""
+        """Return matplotlib figure of the flow in a plane through the joint; see `flow.picture`."""
         units = self.swimmer.units
         return flow.picture(self.surface, self.velocity, units, plane, **options)
 

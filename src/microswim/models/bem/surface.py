@@ -143,20 +143,23 @@ class Surface:
 
 
 def positions(surface: Surface, side: int) -> Array:
-    """Points of a surface at side x side places of every patch, (e, side, side, 3)."""
+    """Return points of a surface at side x side places of every patch, (e, side, side, 3)."""
     L = lagrange(chebyshev_nodes(), np.linspace(-1, 1, side))[0]
     return np.einsum("mi,nj,eijc->emnc", L, L, surface.controls, optimize=True)
 
 
 def values_at(surface: Surface, values: Array, side: int) -> Array:
-    """Density-like values (e, p*p, 3) at side x side points of every patch, (e, side, side, 3)."""
+    """Return the density-like values (e, p*p, 3) at side x side points of every patch, (e, side,
+    side, 3).
+    """
     p = surface.order
     L = lagrange(np.polynomial.legendre.leggauss(p)[0], np.linspace(-1, 1, side))[0]
     return np.einsum("mi,nj,eijc->emnc", L, L, values.reshape(-1, p, p, 3), optimize=True)
 
 
 def sample_parameters(boxes: Array) -> tuple[Array, Array]:
-    """Chart coordinates u, v (e, q, q) of the geometry nodes of rectangles (e, 4): u0, u1, v0,
+    """Return the chart coordinates u, v (e, q, q) of the geometry nodes of rectangles (e, 4): u0,
+    u1, v0,
     v1.
     """
     x = 0.5 * (chebyshev_nodes() + 1.0)
@@ -167,12 +170,12 @@ def sample_parameters(boxes: Array) -> tuple[Array, Array]:
 
 
 def sample(chart: Callable[[Array, Array], Array], boxes: Array) -> Array:
-    """Positions (e, q, q, 3) of a chart X(u, v) on rectangles."""
+    """Return positions (e, q, q, 3) of a chart X(u, v) on rectangles."""
     return chart(*sample_parameters(boxes))
 
 
 def area_misfits(controls: Array) -> tuple[Array, Array]:
-    """Relative error of the area with 4 instead of 8 Gauss points in u and in v, (e,) each.
+    """Return relative error of the area with 4 instead of 8 Gauss points in u and in v, (e,) each.
 
     The quadrature of a cell sees no more than that of a patch: where the map rushes, at a crease or
     where a generator grazes the body, the patch is too large whatever its length.
@@ -194,7 +197,8 @@ def area_misfits(controls: Array) -> tuple[Array, Array]:
 def sample_adapted(
     chart: Callable[[Array, Array], Array], boxes: Array, misfit: float = 3e-3, depth: int = 4
 ) -> Array:
-    """Like `sample`; rectangles whose area is missed by `misfit` are halved, at most `depth` times.
+    """Return what `sample` does; rectangles whose area is missed by `misfit` are halved, at most
+    `depth` times.
 
     Across the direction that is worse, but no patch becomes narrower than a quarter of its length.
     """
@@ -226,30 +230,30 @@ def _halved(boxes: Array, along_u: NDArray[np.bool_]) -> Array:
 
 
 def grid_boxes(u: Array, v: Array) -> Array:
-    """All rectangles of a tensor grid with edges u and v, (e, 4)."""
+    """Return all rectangles of a tensor grid with edges u and v, (e, 4)."""
     a, b = np.meshgrid(np.arange(u.size - 1), np.arange(v.size - 1), indexing="ij")
     a, b = a.ravel(), b.ravel()
     return np.stack([u[a], u[a + 1], v[b], v[b + 1]], axis=-1)
 
 
 def sampled(facets: Iterable[Facet]) -> Array:
-    """Positions (e, q, q, 3) of all patches of smooth parts of a surface."""
+    """Return positions (e, q, q, 3) of all patches of smooth parts of a surface."""
     return np.concatenate([sample(f.chart, grid_boxes(f.u, f.v)) for f in facets])
 
 
 def still(controls: Array, order: int = 2) -> Surface:
-    """Closed surface of patches (e, q, q, 3) that does not move by itself."""
+    """Return the closed surface of patches (e, q, q, 3) that does not move by itself."""
     none = np.zeros(len(controls), bool)
     return Surface(np.ascontiguousarray(controls), np.zeros_like(controls), none, order)
 
 
 def ellipsoid(semi_axes: tuple[float, float, float], splits: int = 2, order: int = 2) -> Surface:
-    """Closed ellipsoid at the origin: six cube faces of splits x splits patches."""
+    """Return the closed ellipsoid at the origin: six cube faces of splits x splits patches."""
     return still(sampled(cubed_sphere(splits)) * np.asarray(semi_axes), order)
 
 
 def torus(ring: float, tube: float, around: int, across: int = 4, order: int = 2) -> Surface:
-    """Torus about the first axis: ring radius, tube radius, patches along and across."""
+    """Return the torus about the first axis: ring radius, tube radius, patches along and across."""
 
     def chart(u: Array, v: Array) -> Array:
         distance = ring + tube * np.cos(u)

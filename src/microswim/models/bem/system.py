@@ -80,7 +80,9 @@ class Layer:
                 done.result()
 
     def matrix(self, border: int = 1) -> Array:
-        """Collocation matrix with `border` further rows and columns of zeros, Fortran order."""
+        """Return the collocation matrix with `border` further rows and columns of zeros, Fortran
+        order.
+        """
         s = self.surface
         n = s.unknowns + border
         A = np.zeros((n, n), order="F")
@@ -112,7 +114,7 @@ class Layer:
             own_blocks(some, s.nodes[some], points, areas, basis, s.order**2, A)
 
     def outer_traction(self, density: Array) -> Array:
-        """Part of a density (e, p*p, 3) that acts on the fluid outside, (e, p*p, 3).
+        """Return the part of a density (e, p*p, 3) that acts on the fluid outside, (e, p*p, 3).
 
         f = f_out + f_in, the rest drives the fluid that fills the surface;
         f_out = f/2 + 3/(4 pi) int r (r . f) (r . n) / r^5 dS,  r = x - y     (principal value)
@@ -139,7 +141,7 @@ class Layer:
         return 0.5 * density + 3 / (4 * np.pi) * total
 
     def velocity(self, points: Array, density: Array) -> Array:
-        """Velocity (t, 3) at points of the fluid for densities (3 e p^2,)."""
+        """Return the velocity (t, 3) at points of the fluid for densities (3 e p^2,)."""
         points = np.atleast_2d(np.asarray(points, float))
         result = np.empty_like(points)
         step = max(1, int(2e7 // self.surface.unknowns))
@@ -158,7 +160,7 @@ def require_memory(unknowns: int) -> None:
 
 
 def rigid_modes(points: Array, centre: Array) -> Array:
-    """Velocities (..., 3, 6) of unit translations and unit rotations about `centre`."""
+    """Return velocities (..., 3, 6) of unit translations and unit rotations about `centre`."""
     x = points - centre
     modes = np.zeros((*points.shape, 6))
     for i in range(3):
@@ -177,7 +179,7 @@ class Densities:
 
 
 def solve_density(layer: Layer, velocities: Array) -> Densities:
-    """Densities for surface velocities (e, p*p, 3, k): one factorisation for all k."""
+    """Return densities for surface velocities (e, p*p, 3, k): one factorisation for all k."""
     s = layer.surface
     require_memory(s.unknowns)
     start = time.perf_counter()
@@ -198,7 +200,7 @@ def solve_density(layer: Layer, velocities: Array) -> Densities:
 
 
 def wrench_rows(surface: Surface, centre: Array, patches: NDArray[np.bool_] | None = None) -> Array:
-    """Rows (6, 3 e p^2) that integrate a density to force and torque about `centre`.
+    """Return rows (6, 3 e p^2) that integrate a density to force and torque about `centre`.
 
     patches : (e,) bool restricts the integral, to the body say.
     """
@@ -223,7 +225,9 @@ def resistance(
     rule: Quadrature | None = None,
     wall: Array | None = None,
 ) -> Array:
-    """Resistance matrix (6, 6) of a rigid closed surface about `centre` (default: the origin)."""
+    """Return the resistance matrix (6, 6) of a rigid closed surface about `centre` (default: the
+    origin).
+    """
     centre = np.zeros(3) if centre is None else np.asarray(centre, float)
     layer = Layer(surface, viscosity, rule or Quadrature(), wall)
     solved = solve_density(layer, rigid_modes(surface.nodes, centre))

@@ -85,7 +85,7 @@ def drive(problem: Problem, phase: np.ndarray) -> Base:
 
 @lru_cache(16)
 def antiperiodic_derivative(T: int) -> np.ndarray:
-    """Derivative at T phases over half a period of what changes sign after it, (T, T).
+    """Return the derivative at T phases over half a period of what changes sign after it, (T, T).
 
     Of the Fourier derivative on 2 T phases, ``(-1)^j cot(j h / 2) / 2``, the images are folded in.
     """
@@ -141,7 +141,7 @@ def _still(problem: Problem) -> Beat:
 
 
 def found(problem: Problem, T: int, n: int) -> Beat:
-    """Newton's method, at a smaller drive first where the whole is too far from rest."""
+    """Return Newton's method, at a smaller drive first where the whole is too far from rest."""
     shapes, f = rod(n, problem.turning), len(problem.drag.free)
     beat = Beat(problem, shapes, np.zeros((T, shapes.count)), np.zeros((T, f)), 0)
     done, step = 0.0, 1.0

@@ -43,7 +43,7 @@ def settled_swimmer(swimmer: Swimmer) -> Swimmer:
 
 
 def gait(swimmer: Swimmer, *, phases: int | None = None) -> Gait:
-    """Gait of the motion that the elastic tail settles to, by resistive force theory.
+    """Return the gait of the motion that the elastic tail settles to, by resistive force theory.
 
     Parameters
     ----------

@@ -45,7 +45,7 @@ class Drag:
     free: tuple[int, ...]
 
     def weights(self, rod: Rod) -> tuple[np.ndarray, np.ndarray]:
-        """Tangential and normal resistance of each node."""
+        """Return the tangential and normal resistance of each node."""
         t, n = self.tangential * rod.weight, self.normal * rod.weight
         return t + self.tip * rod.end, n + self.tip * rod.end
 

@@ -85,7 +85,9 @@ def rod(modes: int, base: float | None = None) -> Rod:
 
 
 def integrals(s: np.ndarray, count: int) -> np.ndarray:
-    """``int_0^s P_k(2 x - 1) dx = (P_{k+1} - P_{k-1}) / (2 (2 k + 1))``, and ``s`` for k = 0."""
+    """Return ``int_0^s P_k(2 x - 1) dx = (P_{k+1} - P_{k-1}) / (2 (2 k + 1))``, and ``s`` for k =
+    0.
+    """
     P = legendre.legvander(2.0 * s - 1.0, count)
     out = np.empty((len(s), count))
     out[:, 0] = s

@@ -53,7 +53,7 @@ class Centreline:
 
 
 def shapes_at(s: np.ndarray, count: int) -> np.ndarray:
-    """``1, Phi_0, Phi_1, ...`` at any s of [0, 1], (len(s), count)."""
+    """Return ``1, Phi_0, Phi_1, ...`` at any s of [0, 1], (len(s), count)."""
     degree = np.sqrt(2.0 * np.arange(count - 1) + 1.0)
     return _with_one(integrals(s, count - 1) * degree)
 
@@ -84,7 +84,7 @@ def settled_tail(tail: ElasticTail, beat: Beat) -> SettledTail:
 
 
 def beat_series(tail: ElasticTail, beat: Beat) -> tuple[np.ndarray, np.ndarray]:
-    """Series in the phase of the tangent angle (at the joint, then along) and of the place.
+    """Return series in the phase of the tangent angle (at the joint, then along) and of the place.
 
     The angle's are (1 + 2 H, 1 + n), of 1 and of each ``Phi_k``; the place across s is over L.
     """
@@ -101,7 +101,9 @@ def beat_series(tail: ElasticTail, beat: Beat) -> tuple[np.ndarray, np.ndarray]:
 def centreline(
     beat: Beat, tail: ElasticTail, phase: np.ndarray
 ) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """Position, slope and velocity per unit phase over L at the rod's nodes, each (T, m, 3)."""
+    """Return the position, slope and velocity per unit phase over L at the rod's nodes, each (T,
+    m, 3).
+    """
     angles, place = beat_series(tail, beat)
     rod = beat.rod
     shapes = rod.shapes if beat.problem.turning is not None else _with_one(rod.shapes)

@@ -68,6 +68,8 @@ def whirled_tail(tail: ElasticTail, found: Whirl) -> WhirledTail:
 
 
 def whirled_centreline(found: Whirl) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """Position, slope and velocity per unit phase over L at the nodes, at phase 0; (1, m, 3)."""
+    """Return the position, slope and velocity per unit phase over L at the nodes, at phase 0; (1,
+    m, 3).
+    """
     at = found.pose
     return at.place[None], at.directors[None, :, 2], np.cross(AXIS, at.place)[None]

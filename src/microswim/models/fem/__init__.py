@@ -43,7 +43,7 @@ def channel_gait(
 
 
 def swim(swimmer: Swimmer, **options: Any) -> xr.Dataset:
-    """Swimming in time from rest, inertia included; see `swimming.swim` for the options."""
+    """Return swimming in time from rest, inertia included; see `swimming.swim` for the options."""
     _require()
     from microswim.models.fem.swimming import swim as march
 
@@ -51,7 +51,7 @@ def swim(swimmer: Swimmer, **options: Any) -> xr.Dataset:
 
 
 def body_resistance(body: Body, **options: Any) -> Any:
-    """6x6 resistance of a body alone in a channel; see `fem.gait.body_resistance`."""
+    """Return 6x6 resistance of a body alone in a channel; see `fem.gait.body_resistance`."""
     _require()
     from microswim.models.fem.gait import body_resistance as solve
 
@@ -59,7 +59,7 @@ def body_resistance(body: Body, **options: Any) -> Any:
 
 
 def last_period(data: xr.Dataset) -> dict[str, Any]:
-    """Means and amplitudes over the last period of what `swim` returned; see `record`."""
+    """Return means and amplitudes over the last period of what `swim` returned; see `record`."""
     _require()
     from microswim.models.fem.record import last_period as summary
 

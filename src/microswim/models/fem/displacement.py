@@ -28,7 +28,7 @@ from microswim.swimmer.swimmer import Swimmer
 
 
 def fade(t: np.ndarray) -> np.ndarray:
-    """1 for t <= 0, 0 for t >= 1, 1 - 3t^2 + 2t^3 between; steepest slope 3/2."""
+    """Return 1 for t <= 0, 0 for t >= 1, 1 - 3t^2 + 2t^3 between; steepest slope 3/2."""
     t = np.clip(t, 0.0, 1.0)
     return 1.0 - t * t * (3.0 - 2.0 * t)
 
@@ -105,7 +105,7 @@ class Wave:
         return np.clip(X[:, 0], start, end)
 
     def displacement(self, X: np.ndarray, phase: float) -> np.ndarray:
-        """x - X at the points X (n, 3) of the straight mesh."""
+        """Return x - X at the points X (n, 3) of the straight mesh."""
         r_t, unit = self.outline.radius, self.outline.unit
         moved = np.zeros_like(X)
         sigma, offset, rho = self._sigma(X)
@@ -164,13 +164,13 @@ class Wave:
         return np.where(behind, fade(away) * (after - before - step[:, 0]), 0.0)
 
     def surface_velocity(self, X: np.ndarray, x: np.ndarray, phase: float) -> np.ndarray:
-        """Velocity per unit phase rate of the tail's surface at x, the image of X."""
+        """Return the velocity per unit phase rate of the tail's surface at x, the image of X."""
         sigma, unit = self._along(X), self.outline.unit
         velocity = geometry.surface_velocity(self.swimmer.tail, x * unit, sigma * unit, phase)
         return velocity / unit
 
     def outward(self, X: np.ndarray, x: np.ndarray, phase: float) -> np.ndarray:
-        """Offset of the tail's surface from the centreline, close to its outward normal."""
+        """Return offset of the tail's surface from the centreline, close to its outward normal."""
         sigma, unit = self._along(X), self.outline.unit
         return x - self._curve(sigma * unit, phase).P / unit
 
@@ -200,7 +200,7 @@ class Carrier:
     outer: float
 
     def place(self, X: np.ndarray, Y: np.ndarray, xi: np.ndarray, turn: np.ndarray) -> np.ndarray:
-        """Positions of mesh points X whose wave-displaced places are Y.
+        """Return positions of mesh points X whose wave-displaced places are Y.
 
         Parameters
         ----------

@@ -59,14 +59,14 @@ class Snapshot:
 
 
 def room_around(outline: Outline, channel: Channel) -> float:
-    """Distance from the tail's straight axis to the nearest wall, in the outline's unit."""
+    """Return distance from the tail's straight axis to the nearest wall, in the outline's unit."""
     s = np.linspace(0.0, outline.length, 41)
     axis = np.stack([s, 0 * s, 0 * s], axis=-1) - outline.middle_of(channel)
     return float(np.min(channel.clearance(outline.unit * axis @ channel.axes))) / outline.unit
 
 
 def wave_in(channel: Channel, swimmer: Swimmer) -> Wave:
-    """The wave of a swimmer in a channel, refused where it makes no sense."""
+    """Return the wave of a swimmer in a channel, refused where it makes no sense."""
     outline = Outline.of(swimmer)
     wave = Wave(swimmer, outline, max(room_around(outline, channel), 0.0))
     check_in_channel(outline, channel, wave.reach + outline.radius)
@@ -75,7 +75,7 @@ def wave_in(channel: Channel, swimmer: Swimmer) -> Wave:
 
 
 def problem(swimmer: Swimmer, channel: Channel, level: Level) -> tuple[Wave, Stokes]:
-    """Wave, and one straight mesh with spaces that carries it through the whole period."""
+    """Return wave, and one straight mesh with spaces that carries it through the whole period."""
     wave, zone = wave_in(channel, swimmer), None
     outline = wave.outline
     for attempt in range(6):
@@ -92,7 +92,7 @@ def problem(swimmer: Swimmer, channel: Channel, level: Level) -> tuple[Wave, Sto
 
 
 def meshes(wave: Wave, channel: Channel, level: Level) -> tuple[bool, Callable[[float], Laid]]:
-    """Whether meshes are filled in anew, and the mesh with the wave on it by phase.
+    """Return whether meshes are filled in anew, and the mesh with the wave on it by phase.
 
     One straight mesh displaced, as long as that does not fold; else one filled in for each phase.
     """
@@ -103,13 +103,13 @@ def meshes(wave: Wave, channel: Channel, level: Level) -> tuple[bool, Callable[[
 
 
 def displaced(wave: Wave, flow: Stokes, phase: float) -> Laid:
-    """The wave laid on the nodes of a straight mesh."""
+    """Return the wave laid on the nodes of a straight mesh."""
     X = flow.nodes.points
     return Laid(flow, X, X + wave.displacement(X, phase))
 
 
 def smallest_jacobian(wave: Wave, flow: Stokes, phases: int = 8) -> float:
-    """Smallest Jacobian of the wave's displacement over the period."""
+    """Return the smallest Jacobian of the wave's displacement over the period."""
     X, angles = flow.nodes.points, np.arange(phases) * 2.0 * np.pi / phases
     return min(flow.smallest_jacobian(X + wave.displacement(X, float(a))) for a in angles)
 
@@ -117,7 +117,7 @@ def smallest_jacobian(wave: Wave, flow: Stokes, phases: int = 8) -> float:
 def tail_data(
     wave: Wave, flow: Stokes, phase: float, straight: np.ndarray | None = None
 ) -> np.ndarray:
-    """Boundary data of the tail's motion per unit phase rate, without net flux.
+    """Return the boundary data of the tail's motion per unit phase rate, without net flux.
 
     `straight`: where the nodes lie on the straight outline, by default where the mesh has them.
     """
@@ -167,7 +167,7 @@ def solved(
 def body_resistance(
     body: Body, *, channel: Channel, level: str | Level = "standard", viscosity: float = 1.0
 ) -> np.ndarray:
-    """6x6 resistance of a body without a tail, held in a channel, about its own centre.
+    """Return 6x6 resistance of a body without a tail, held in a channel, about its own centre.
 
     Parameters
     ----------
@@ -219,7 +219,8 @@ def gait(
     phases: int = 8,
     progress: Callable[[int, int], None] | None = None,
 ) -> Gait:
-    """Gait of a swimmer at rest in the middle of a channel (or elsewhere in it), Stokes flow.
+    """Return the gait of a swimmer at rest in the middle of a channel (or elsewhere in it), Stokes
+    flow.
 
     Parameters
     ----------
@@ -282,29 +283,33 @@ def _of_mesh(flow: Stokes) -> dict[str, Any]:
 
 
 def vessel(swimmer: Swimmer, channel: Channel | None) -> Channel:
-    """The channel asked for, the swimmer's own, or ten body diameters."""
+    """Return the channel asked for, the swimmer's own, or ten body diameters."""
     if swimmer.wall is not None:
         raise SpecError('wall: model = "fem" knows a [channel], not a [wall]; take "bem"')
     return channel or swimmer.channel or Channel.around(swimmer)
 
 
 def is_round(swimmer: Swimmer) -> bool:
-    """Whether turning the tail's phase is turning the swimmer: a helix on an axisymmetric body."""
+    """Return whether turning the tail's phase is turning the swimmer: a helix on an axisymmetric
+    body.
+    """
     return swimmer.tail.is_rigid and swimmer.body.is_axisymmetric
 
 
 def turns_rigidly(swimmer: Swimmer, channel: Channel) -> bool:
-    """Whether one phase tells all: a round swimmer on the axis of a cylinder."""
+    """Return whether one phase tells all: a round swimmer on the axis of a cylinder."""
     return channel.centred and is_round(swimmer)
 
 
 def mirrors_itself(swimmer: Swimmer, channel: Channel) -> bool:
-    """Whether half a period later is the mirror image: a plane wave on the axis of a cylinder."""
+    """Return whether half a period later is the mirror image: a plane wave on the axis of a
+    cylinder.
+    """
     return channel.centred and swimmer.tail.is_planar
 
 
 def mirror_image(shot: Snapshot) -> Snapshot:
-    """The same swimmer seen in the plane q = 0: R -> M R M, F -> M F; torques are axial."""
+    """Return the same swimmer seen in the plane q = 0: R -> M R M, F -> M F; torques are axial."""
     M = np.diag(MIRROR_Q)
     R, body_R = M @ shot.resistance @ M, M @ shot.body_resistance @ M
     return Snapshot(R, M @ shot.propulsion, shot.activity, body_R, M @ shot.body_propulsion)

@@ -60,7 +60,7 @@ LEVELS = {
 
 
 def level_named(level: str | Level) -> Level:
-    """The level of that name; a `Level` of one's own passes through."""
+    """Return the level of that name; a `Level` of one's own passes through."""
     if isinstance(level, Level):
         return level
     if not isinstance(level, str) or level not in LEVELS:
@@ -82,7 +82,7 @@ class Outline:
 
     @classmethod
     def of(cls, swimmer: Swimmer) -> Outline:
-        """The outline of a swimmer, scaled by its body's largest diameter (or half the tail)."""
+        """Return outline of a swimmer, scaled by its body's largest diameter (or half the tail)."""
         body, tail = swimmer.body, swimmer.tail
         r_s, r_q, r_r = axes = ellipsoid_axes(body)
         unit = 2.0 * max(axes) or 0.5 * float(tail.apparent_length)
@@ -113,25 +113,27 @@ class Outline:
         return float(self.rear(self.radius, 0.0)) if self.has_body else 0.0
 
     def rear(self, q: np.ndarray | float, r: np.ndarray | float) -> np.ndarray:
-        """s of the body's rear surface over the point (q, r); its equator beyond the outline."""
+        """Return s of the body's rear surface over the point (q, r); its equator beyond the
+        outline.
+        """
         a, b, c = self.semi_axes
         return -a + a * np.sqrt(np.clip(1.0 - (q / b) ** 2 - (r / c) ** 2, 0.0, None))
 
     def in_body(self, point: tuple[float, float, float]) -> bool:
-        """Whether a point lies in the body."""
+        """Return whether a point lies in the body."""
         if not self.has_body:
             return False
         scaled = (np.asarray(point) - self.centre) / np.asarray(self.semi_axes)
         return bool(scaled @ scaled < 1.0)
 
     def middle_of(self, channel: Channel) -> np.ndarray:
-        """Position of the channel's middle in the swimmer's frame."""
+        """Return the position of the channel's middle in the swimmer's frame."""
         own = np.array([0.5 * (self.nose + self.tip), 0.0, 0.0])
         return own - channel.axes @ np.asarray(channel.position) / self.unit
 
 
 def ellipsoid_axes(body: Body) -> list[float]:
-    """Semi-axes of an ellipsoid, zeros without a body.
+    """Return semi-axes of an ellipsoid, zeros without a body.
 
     Raises
     ------
@@ -215,7 +217,9 @@ class Zone:
 def straight_mesh(
     outline: Outline, channel: Channel, level: Level, zone: Zone | None = None
 ) -> ngs.Mesh:
-    """Curved tetrahedra around body and straight tail; boundaries body, tail, wall (and end)."""
+    """Return the curved tetrahedra around body and straight tail; boundaries body, tail, wall (and
+    end).
+    """
     mesh = ngs.Mesh(_tetrahedra(outline, channel, level, zone))
     mesh.Curve(level.order)
     return mesh
@@ -228,7 +232,7 @@ def _tetrahedra(outline: Outline, channel: Channel, level: Level, zone: Zone | N
 
 
 def surface_mesh(outline: Outline, channel: Channel, level: Level) -> Any:
-    """Netgen's triangles on body, straight tail and channel alone."""
+    """Return Netgen's triangles on body, straight tail and channel alone."""
     only = sizes(outline, channel, level, perfstepsend=MeshingStep.MESHSURFACE)
     return _fluid(outline, channel, level).GenerateMesh(only)
 
@@ -243,7 +247,7 @@ def _fluid(outline: Outline, channel: Channel, level: Level) -> occ.OCCGeometry:
 def sizes(
     outline: Outline, channel: Channel, level: Level, zone: Zone | None = None, **more: Any
 ) -> MeshingParameters:
-    """Netgen's parameters for a level in a channel."""
+    """Return Netgen's parameters for a level in a channel."""
     found = MeshingParameters(
         maxh=level.far * channel.diameter / outline.unit,
         grading=level.grading,

@@ -34,7 +34,7 @@ class Past:
     position: tuple[np.ndarray, ...]
 
     def then(self, velocity: np.ndarray, position: np.ndarray) -> Past:
-        """The past one step later."""
+        """Return the past one step later."""
         return Past((velocity, self.velocity[0]), (position, self.position[0]))
 
     @property
@@ -44,12 +44,12 @@ class Past:
 
 
 def known_part(past: tuple[np.ndarray, ...]) -> np.ndarray:
-    """What the known steps subtract: 2 u - u_old / 2 (BDF2), u (BDF1)."""
+    """Return what the known steps subtract: 2 u - u_old / 2 (BDF2), u (BDF1)."""
     return 2.0 * past[0] - 0.5 * past[1] if len(past) == 2 else past[0]
 
 
 def extrapolated(past: tuple[np.ndarray, ...]) -> np.ndarray:
-    """Value at the new step, second order (first on the first step)."""
+    """Return the value at the new step, second order (first on the first step)."""
     return 2.0 * past[0] - past[1] if len(past) == 2 else past[0]
 
 
@@ -105,14 +105,14 @@ class Step:
         return load
 
     def solve(self, data: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-        """Flow for boundary data with the load, and its reaction K u - f."""
+        """Return the flow for boundary data with the load, and its reaction K u - f."""
         solution = self.flow.solve(data, self.load)
         return solution, self.flow.apply(solution) - self.load
 
     def swim(
         self, data: np.ndarray, modes: list[np.ndarray], free: tuple[bool, ...]
     ) -> tuple[np.ndarray, np.ndarray, dict[str, np.ndarray]]:
-        """Flow with the twist V for which no force and torque act on the free motions.
+        """Return the flow with the twist V for which no force and torque act on the free motions.
 
         With u_0 the flow of `data` and u_j that of mode j alone (no load),
         w_i' (K u_0 - f) + sum_j w_i' K u_j V_j = 0: fluid and constraint at once.

@@ -21,7 +21,7 @@ from scipy.sparse.linalg import splu
 
 
 def lattice(order: int, corners: int) -> np.ndarray:
-    """Barycentric indices (i_1, .., i_corners) that sum to `order`."""
+    """Return the barycentric indices (i_1, .., i_corners) that sum to `order`."""
     grid = product(range(order + 1), repeat=corners)
     return np.array([index for index in grid if sum(index) == order])
 
@@ -73,15 +73,15 @@ class Nodes:
         self._factor = splu(self.matrix.tocsc())
 
     def coefficients(self, values: np.ndarray) -> np.ndarray:
-        """Coefficients of the function with these nodal values, (n,) or (n, m)."""
+        """Return coefficients of the function with these nodal values, (n,) or (n, m)."""
         return self._factor.solve(np.ascontiguousarray(values))
 
     def values(self, coefficients: np.ndarray) -> np.ndarray:
-        """Nodal values of the function with these coefficients."""
+        """Return the nodal values of the function with these coefficients."""
         return self.matrix @ coefficients
 
     def on(self, boundary: str) -> np.ndarray:
-        """Mask of the nodes on the boundaries that match a pattern."""
+        """Return the mask of the nodes on the boundaries that match a pattern."""
         mesh, order = self.space.mesh, self.space.globalorder
         indices = lattice(order, 3)
         mask = np.zeros(len(self.points), dtype=bool)
@@ -90,7 +90,7 @@ class Nodes:
         return mask
 
     def numbers(self, corners: list[int], indices: np.ndarray) -> list[int]:
-        """Numbers of the lattice nodes of a triangle or tetrahedron with these vertices."""
+        """Return numbers of the lattice nodes of a triangle or tetrahedron with these vertices."""
         return [self._numbers[key] for key in _keys(corners, indices)]
 
 

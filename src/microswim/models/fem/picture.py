@@ -39,12 +39,12 @@ def write(flow: Stokes, solution: np.ndarray, path: str | Path) -> Path:
 
 
 def flow_files(folder: str | Path) -> list[Path]:
-    """The flow files in a folder, in the order of their names, without the skins."""
+    """Return the flow files in a folder, in the order of their names, without the skins."""
     return [f for f in sorted(Path(folder).glob("*.vtu")) if not f.stem.endswith(".skin")]
 
 
 def step_of(file: Path) -> int:
-    """Number of the time step in the name of a flow file, ``flow-00012.vtu``."""
+    """Return the number of the time step in the name of a flow file, ``flow-00012.vtu``."""
     return int(file.stem.rpartition("-")[2])
 
 
@@ -101,7 +101,7 @@ class View:
 
     @classmethod
     def of(cls, file: Path, reach: float | None, fastest: float | None) -> View:
-        """Around the swimmer of a flow file, its fastest point on top of the scale."""
+        """Return the speed around the swimmer of a flow file, coloured up to its fastest point."""
         skin = _pyvista().read(file.with_suffix(".skin.vtu"))
         low, high = np.array(skin.bounds).reshape(3, 2).T
         if fastest is None:
@@ -132,7 +132,7 @@ def _draw(plotter: Any, file: Path, view: View) -> None:
 def render(
     file: str | Path, out: str | Path, *, reach: float | None = None, fastest: float | None = None
 ) -> Path:
-    """Picture (PNG) of one VTK file: the swimmer and the speed around it.
+    """Return the picture (PNG) of one VTK file: the swimmer and the speed around it.
 
     Parameters
     ----------
@@ -161,7 +161,7 @@ def animate(
     fastest: float | None = None,
     fps: int = 8,
 ) -> Path:
-    """Animation (GIF) of all VTK files in a folder, in the order of their names."""
+    """Return the animation (GIF) of all VTK files in a folder, in the order of their names."""
     files = flow_files(folder)
     if not files:
         raise MicroswimError(f"folder = {folder}: no .vtu in it; run swim(..., vtk=folder) first")

@@ -39,20 +39,20 @@ class March:
 
     @classmethod
     def at_rest(cls, past: Past) -> March:
-        """Before the first step."""
+        """Return the march before the first step."""
         zero, still = np.zeros(6), np.array([0.0, 0.0, 0.0, 1.0])
         return cls(0, past, zero, zero, np.zeros(3), still, np.zeros((0, 25)))
 
     def then(
         self, past: Past, twist: np.ndarray, shift: np.ndarray, turn: np.ndarray, row: np.ndarray
     ) -> March:
-        """The march one step later."""
+        """Return the march one step later."""
         rows = np.vstack([self.rows, row])
         return March(self.step + 1, past, twist, self.twist, shift, turn, rows)
 
 
 def fingerprint(run: Any) -> str:
-    """What must agree for a run to go on: swimmer, channel, time step and mesh."""
+    """Return what must agree for a run to go on: swimmer, channel, time step and mesh."""
     digest = hashlib.sha256(run.flow.nodes.points.tobytes())
     named = repr((run.swimmer, run.channel, run.dt, run.free))
     digest.update(re.sub(r" at 0x[0-9a-f]+", "", named).encode())
@@ -102,7 +102,9 @@ def load_march(path: str | Path | None, run: Any) -> March | None:
 
 
 def dataset(run: Any, march: March, info: dict[str, Any]) -> xr.Dataset:
-    """Rows in the swimmer's units: velocity ~ l rate, force ~ mu rate l^2, torque ~ mu rate l^3."""
+    """Return rows in the swimmer's units: velocity ~ l rate, force ~ mu rate l^2, torque ~ mu rate
+    l^3.
+    """
     unit, rate = run.wave.outline.unit, run.rate
     lengths = np.repeat([unit, 1.0], 3)
     strengths = run.swimmer.fluid.viscosity * rate * np.repeat([unit**2, unit**3], 3)
@@ -128,7 +130,7 @@ def dataset(run: Any, march: March, info: dict[str, Any]) -> xr.Dataset:
 
 
 def last_period(data: xr.Dataset) -> dict[str, Any]:
-    """Means and amplitudes over the last full period of a run, or over all of a shorter one.
+    """Return means and amplitudes over the last full period of a run, or over all of a shorter one.
 
     Parameters
     ----------

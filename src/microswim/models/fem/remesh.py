@@ -70,7 +70,7 @@ class Skin:
 
 
 def filled(wave: Wave, channel: Channel, level: Level, phase: float) -> Laid:
-    """Mesh of the fluid about the wave at one phase.
+    """Return the mesh of the fluid about the wave at one phase.
 
     Raises
     ------
@@ -95,7 +95,7 @@ def filled(wave: Wave, channel: Channel, level: Level, phase: float) -> Laid:
 
 @lru_cache(maxsize=4)
 def straight_skin(outline: Outline, channel: Channel, level: Level) -> Skin:
-    """The surface of the straight mesh with its curved lattice nodes."""
+    """Return the surface of the straight mesh with its curved lattice nodes."""
     net = surface_mesh(outline, channel, level)
     mesh = ngs.Mesh(net)
     mesh.Curve(level.order)

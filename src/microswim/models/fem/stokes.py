@@ -95,11 +95,11 @@ class Stokes:
         self.mesh.SetDeformation(self.deformation)
 
     def smallest_jacobian(self, places: np.ndarray) -> float:
-        """Smallest det(1 + grad d) at quadrature points with the nodes at `places`."""
+        """Return the smallest det(1 + grad d) at quadrature points with the nodes at `places`."""
         return float(np.min(self.jacobians(places)))
 
     def jacobians(self, places: np.ndarray) -> np.ndarray:
-        """Smallest det(1 + grad d) of each element with the nodes at `places`."""
+        """Return the smallest det(1 + grad d) of each element with the nodes at `places`."""
         self.position = self.nodes.coefficients(places)
         self.mesh.UnsetDeformation()
         self.deformation.vec.FV().NumPy()[:] = (self.position - self._straight).T.ravel()
@@ -140,28 +140,28 @@ class Stokes:
         return one
 
     def apply(self, vector: np.ndarray) -> np.ndarray:
-        """K times a vector."""
+        """Return ``k`` times a vector."""
         x, y = self.matrix.CreateColVector(), self.matrix.CreateColVector()
         x.FV().NumPy()[:] = vector
         y.data = self.matrix * x
         return y.FV().NumPy().copy()
 
     def given(self, velocity: np.ndarray, where: np.ndarray) -> np.ndarray:
-        """Boundary data: the nodal velocity (n, 3) at nodes `where`, zero elsewhere."""
+        """Return the boundary data: the nodal velocity (n, 3) at nodes `where`, zero elsewhere."""
         coefficients = self.nodes.coefficients(np.where(where[:, None], velocity, 0.0))
         data = np.zeros(self.unknowns)
         data[: self.size] = np.where(self._held, coefficients.T.ravel(), 0.0)
         return data
 
     def without_flux(self, data: np.ndarray, normal: np.ndarray) -> np.ndarray:
-        """Boundary data less the multiple of `normal` that carries their net flux."""
+        """Return the boundary data less the multiple of `normal` that carries their net flux."""
         if not self.closed:
             return data
         flux, area = self._flux @ data[: self.size], self._flux @ normal[: self.size]
         return data - flux / area * normal
 
     def solve(self, data: np.ndarray, load: np.ndarray | None = None) -> np.ndarray:
-        """Velocity and pressure for boundary data and a load f."""
+        """Return the velocity and pressure for boundary data and a load f."""
         right, answer = self.matrix.CreateColVector(), self.matrix.CreateColVector()
         right.FV().NumPy()[:] = (0.0 if load is None else load) - self.apply(data)
         start = time.perf_counter()
@@ -175,7 +175,9 @@ class Stokes:
         return solution
 
     def rigid_modes(self, centre: np.ndarray, axes: np.ndarray = AXES) -> list[np.ndarray]:
-        """Boundary data of unit translations and turns about `centre` along axes (columns)."""
+        """Return the boundary data of unit translations and turns about `centre` along axes
+        (columns).
+        """
         constant = self.nodes.coefficients(np.ones(len(self.nodes.points)))
         arm = self.position - np.outer(constant, centre)
         on_swimmer = self.dofs["body"] | self.dofs["tail"]
@@ -186,13 +188,13 @@ class Stokes:
         return list(data)
 
     def forces(self, reaction: np.ndarray, modes: list[np.ndarray], part: str) -> np.ndarray:
-        """Force and torque (6,) of the part (body or tail) on the fluid from ``K u - f``."""
+        """Return force and torque (6,) of the part (body or tail) on the fluid from ``K u - f``."""
         held = self.dofs[part]
         return np.array([mode[: self.size][held] @ reaction[: self.size][held] for mode in modes])
 
 
 def factorised(matrix: Any, free: ngs.BitArray) -> Any:
-    """Direct factorisation: MKL's PARDISO (metis ordering, symmetric), else UMFPACK."""
+    """Return the direct factorisation: MKL's PARDISO (metis ordering, symmetric), else UMFPACK."""
     flags = {"ordering": "metis", "symmetric": True}
     try:
         return matrix.Inverse(free, inverse="pardiso", flags=flags)

@@ -70,7 +70,7 @@ class Swim:
             )
 
     def start(self) -> March:
-        """Everything at rest, the tail at phase 0."""
+        """Return everything at rest, the tail at phase 0."""
         X = self.flow.nodes.points
         self.flow.move(X + self.wave.displacement(X, 0.0))
         still = np.zeros(self.flow.size)
@@ -78,13 +78,13 @@ class Swim:
         return March.at_rest(past)
 
     def pose(self, march: March) -> tuple[np.ndarray, Rotation]:
-        """Pose of the new step: displacement of the centre, and turn of the body."""
+        """Return the pose of the new step: displacement of the centre, and turn of the body."""
         twist = 1.5 * march.twist - 0.5 * march.twist_old if march.step > 1 else march.twist
         turn = Rotation.from_rotvec(self.dt * twist[3:]) * Rotation.from_quat(march.turn)
         return march.shift + self.dt * twist[:3], turn
 
     def shape(self, turn: Rotation, phase: float) -> tuple[float, Rotation]:
-        """Phase of the mesh's wave and turn of the mesh.
+        """Return the phase of the mesh's wave and turn of the mesh.
 
         A helix on a round body takes the spin about s into its phase, so that the mesh need not
         follow it: Spin(psi) P(phase) = P(phase + sign psi).
@@ -97,7 +97,7 @@ class Swim:
         return phase + float(self.swimmer.tail.sign) * spin, swing
 
     def step(self, march: March) -> March:
-        """One time step: pose, mesh, flow and twist, wrenches."""
+        """Return one time step: pose, mesh, flow and twist, wrenches."""
         now = (march.step + 1) * self.dt
         shift, turn = self.pose(march)
         wave_phase, swing = self.shape(turn, self.direction * now)
@@ -125,7 +125,7 @@ class Swim:
 
 
 def carrier_of(wave: Wave, channel: Channel) -> Carrier:
-    """Blending of the swimmer's rigid motion between the wave's zone and the walls."""
+    """Return the blending of the swimmer's rigid motion between the wave's zone and the walls."""
     outline = wave.outline
     ends = np.array([[outline.nose, 0, 0], [outline.tip, 0, 0]]) - outline.middle_of(channel)
     outer = float(np.min(channel.clearance(outline.unit * ends @ channel.axes))) / outline.unit
@@ -207,7 +207,9 @@ def forget_flows_after(step: int, folder: Path) -> None:
 
 
 def write_vtk(flow: Stokes, solution: np.ndarray, path: Path) -> None:
-    """Velocity and pressure on the moved mesh (body diameters and phase rates) to ``path.vtu``."""
+    """Write velocity and pressure on the moved mesh (body diameters and phase rates) to
+    ``path.vtu``.
+    """
     from microswim.models.fem.picture import write
 
     write(flow, solution, path)

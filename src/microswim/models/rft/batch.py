@@ -61,7 +61,7 @@ SECONDS = {
 
 @checks.given(swimmer=checks.swimmer, values=checks.mapping)
 def evaluate(swimmer: Swimmer, values: dict[str, Any], tolerance: float = 1e-8) -> dict[str, Any]:
-    """Surrogate results for n designs that differ in some numbers of the spec.
+    """Return the surrogate results for n designs that differ in some numbers of the spec.
 
     Parameters
     ----------
@@ -132,7 +132,7 @@ def as_python(swimmer: Swimmer, designs: int) -> float:
 
 
 def expected_errors(swimmer: Swimmer, values: dict[str, Any]) -> np.ndarray:
-    """Expected relative error of the mean forward velocity (n,) of a calibrated surrogate.
+    """Return expected relative error of the mean forward velocity (n,) of a calibrated surrogate.
 
     NaN outside its region. It costs more than the evaluation itself, so searches do without.
     """
@@ -237,7 +237,7 @@ def _calibrated(swimmer: Swimmer, arrays: dict, good: np.ndarray, rate: Any) -> 
 
 
 def is_regular(swimmer: Swimmer, arrays: dict[str, Any]) -> bool:
-    """Whether the symmetries hold on which the batched evaluation rests."""
+    """Return whether the symmetries hold on which the batched evaluation rests."""
     if not swimmer.tail.in_batches or swimmer.interaction.is_coupled:
         return False
     if not swimmer.body.is_balanced:

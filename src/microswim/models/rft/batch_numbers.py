@@ -25,7 +25,7 @@ OUTPUTS = (
 
 
 def of_helices(swimmer: Swimmer, V: Any, power: Any, body: Any, rate: Any) -> dict[str, Any]:
-    """Results of rigid helices from phase 0: the lateral parts turn with the tail.
+    """Return results of rigid helices from phase 0: the lateral parts turn with the tail.
 
     In the frame of the tail the twist is constant, so the axis of the screw motion is along
     ``W + sign rate e_s`` and the swimming speed ``U . (W + sign rate e_s) / |W + sign rate e_s|``.
@@ -63,7 +63,7 @@ def blank(n: int) -> dict[str, np.ndarray]:
 
 
 def of_plane_waves(V: Any, power: Any, rate: Any, body: Any, work: Any = None) -> dict[str, Any]:
-    """Results of plane waves from half a period, the other half mirrored in q.
+    """Return results of plane waves from half a period, the other half mirrored in q.
 
     The motion is planar: heading ``int W_r dt``, displacement ``int R(heading) U dt``.
     """
@@ -103,6 +103,6 @@ def _results(mean: Any, amplitude: Any, speed: Any, power: Any, work: Any, rate:
 
 
 def share_of(work: Any, power: Any) -> Any:
-    """Efficiency: zero without power, NaN where there is no answer."""
+    """Return the efficiency: zero without power, NaN where there is no answer."""
     with np.errstate(invalid="ignore", divide="ignore"):
         return np.where(np.isnan(power), np.nan, np.where(power != 0, work / power, 0.0))

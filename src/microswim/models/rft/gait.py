@@ -52,7 +52,7 @@ ALONE, TOGETHER = 5e-5, 1.5e-4
 
 
 def parameters(swimmer: Swimmer) -> np.ndarray:
-    """Kernel parameters of a swimmer with a wave tail, shape (..., 11), as in `segment`."""
+    """Return kernel parameters of a swimmer with a wave tail, shape (..., 11), as in `segment`."""
     tail, x = as_wave(swimmer.tail), swimmer.interaction.tail
     local = swimmer.coefficients.local(tail, swimmer.fluid.viscosity)
     values = (
@@ -67,7 +67,7 @@ def parameters(swimmer: Swimmer) -> np.ndarray:
 
 
 def body_resistance(swimmer: Swimmer) -> np.ndarray:
-    """Body resistance with its interaction coefficients [Tabak Eqs. 3, 21, 22]."""
+    """Return the body resistance with its interaction coefficients [Tabak Eqs. 3, 21, 22]."""
     body, mu = swimmer.body, swimmer.fluid.viscosity
     if not body.is_balanced:
         return swimmer.interaction.coupled(body.resistance(mu))
@@ -75,7 +75,7 @@ def body_resistance(swimmer: Swimmer) -> np.ndarray:
 
 
 def rules(swimmer: Swimmer, nodes: int | None = None) -> tuple[Any, Any]:
-    """Quadrature rules for ramp and rest; `nodes` overrides the number on the rest.
+    """Return the quadrature rules for ramp and rest; `nodes` overrides the number on the rest.
 
     Raises
     ------
@@ -97,7 +97,7 @@ def rules(swimmer: Swimmer, nodes: int | None = None) -> tuple[Any, Any]:
 
 
 def gait(swimmer: Swimmer, *, nodes: int | None = None, phases: int | None = None) -> Gait:
-    """Gait by resistive force theory.
+    """Return the gait by resistive force theory.
 
     Parameters
     ----------
@@ -136,7 +136,7 @@ def gait(swimmer: Swimmer, *, nodes: int | None = None, phases: int | None = Non
 
 
 def unchecked(swimmer: Swimmer, nodes: int | None = None, phases: int | None = None) -> Gait:
-    """`gait` of any coefficients, for searches that pass through what no fluid would do."""
+    """Return `gait` of any coefficients, for searches that pass through what no fluid would do."""
     body = body_resistance(swimmer)
     tail = swimmer.tail
     if tail.is_rigid and tail.in_batches:
@@ -185,7 +185,7 @@ def _about(swimmer: Swimmer) -> dict[str, Any]:
 def series_over_period(
     samples: Callable[[int], tuple[np.ndarray, ...]], phases: int | None
 ) -> tuple[np.ndarray, ...]:
-    """Series of ``B_t``, ``F_p``, G of a tail that deforms; doubled until they are resolved.
+    """Return series of ``B_t``, ``F_p``, G of a tail that deforms; doubled until they are resolved.
 
     ``samples(n)`` gives the three at 2 n phases; `phases` fixes n.
     """
@@ -214,7 +214,7 @@ def _samples(swimmer: Swimmer, nodes: int | None, n: int) -> tuple[np.ndarray, .
 
 
 def with_mirror_image(R: np.ndarray, F: np.ndarray, G: np.ndarray) -> tuple[np.ndarray, ...]:
-    """``B_t``, ``F_p``, G over a whole period of what mirrors itself in q after half of it."""
+    """Return ``B_t``, ``F_p``, G over the period of what mirrors itself in q after half of it."""
     mirrored = R * MIRROR_Q[:, None] * MIRROR_Q, F * MIRROR_Q, G
     return tuple(np.concatenate(pair) for pair in zip((R, F, G), mirrored))
 
@@ -235,7 +235,7 @@ def _any_samples(swimmer: Swimmer, nodes: int | None, phases: np.ndarray) -> tup
 def centreline_sums(
     swimmer: Swimmer, at: tuple[np.ndarray, ...], ds: np.ndarray, tip: tuple[np.ndarray, ...]
 ) -> tuple[np.ndarray, ...]:
-    """``B_t``, ``F_p``, G at m phases of a tail that is given by its centreline.
+    """Return ``B_t``, ``F_p``, G at m phases of a tail that is given by its centreline.
 
     Parameters
     ----------

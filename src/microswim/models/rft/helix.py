@@ -48,7 +48,7 @@ MOST_ON_RAMP = 96
 
 @compiled()
 def ramp_nodes(turns: Any, bk: Any, digits: float) -> Any:
-    """Nodes on the ramp for a number of digits, in fours; `turns` are the waves on it.
+    """Return nodes on the ramp for a number of digits, in fours; `turns` are the waves on it.
 
     The sines take nodes in proportion to the turns; the arc length, analytic to a distance
     ``1/bk`` of the ramp's root, takes some more. Found by trial for 8 and 12 digits, and linear
@@ -129,7 +129,7 @@ def add_constant_part(R: Any, F: Any, p: Any, phase: Any, arc: bool) -> Any:
 
 @compiled(fastmath=FAST)
 def fill_trig(trig: Any, xi: Any, turn: Any, phase: Any) -> None:
-    """Cosine and sine of ``turn xi - phase`` on nodes that lie in pairs about the middle."""
+    """Fill in cos and sin of ``turn xi - phase`` on nodes that lie in pairs about the middle."""
     m = xi.size
     c, d = np.cos(turn / 2.0 - phase), np.sin(turn / 2.0 - phase)
     for i in range((m + 1) // 2):
@@ -165,7 +165,7 @@ def add_ramp(R: Any, F: Any, p: Any, phase: Any, arc: bool, rule: Any, trig: Any
 
 @compiled()
 def helix_tail(arc: bool, p: Any, phase: Any, ramp_rule: Any) -> Any:
-    """``(B_t, F_p, G)`` of a rigid helix at one phase; p as in `segment`."""
+    """Return ``(B_t, F_p, G)`` of a rigid helix at one phase; p as in `segment`."""
     R = np.zeros((6, 6, *p.shape[1:]), dtype=p.dtype)
     F = np.zeros((6, *p.shape[1:]), dtype=p.dtype)
     trig = np.empty((2, ramp_rule[0].size, *p.shape[1:]), dtype=p.dtype)

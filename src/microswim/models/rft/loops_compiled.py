@@ -36,7 +36,8 @@ def _ramp_rules() -> tuple[np.ndarray, np.ndarray]:
 def solve_helices(
     arc: bool, p: np.ndarray, body: np.ndarray, free: np.ndarray, counts: np.ndarray
 ) -> tuple[np.ndarray, np.ndarray]:
-    """Twists at phase 0 and tail powers ``F_p . V + G`` per unit rate of many helices, in parallel.
+    """Return twists at phase 0 and tail powers ``F_p . V + G`` per unit rate of many helices, in
+    parallel.
 
     `p` (n, 11), `body` (n, 6, 6), `counts` (n,) the nodes on each ramp; where the count is negative
     the result is NaN. Returns (n, 6) and (n,).
@@ -78,7 +79,7 @@ def _helices(arc: bool, p: Any, body: Any, free: Any, counts: Any, xi: Any, weig
 def solve_waves(
     arc: bool, p: Any, body: Any, phases: Any, free: Any, ramp_rule: Any, rule: Any
 ) -> Any:
-    """Twists and tail powers ``F_p . V + G`` per unit rate of many plane waves, in parallel.
+    """Return twists and tail powers ``F_p . V + G`` per unit rate of many plane waves, in parallel.
 
     `p` (n, 11), `body` (n, 6, 6). Returns V (n, m, 6) and the powers (n, m) over the m phases.
     """

@@ -18,7 +18,7 @@ from microswim.numerics.solve6 import solve
 def solve_helices(
     arc: bool, p: np.ndarray, body: np.ndarray, free: np.ndarray, counts: np.ndarray
 ) -> tuple[np.ndarray, np.ndarray]:
-    """As `loops_compiled.solve_helices`."""
+    """Return what `loops_compiled.solve_helices` does."""
     V, power = np.full((len(p), 6), np.nan), np.full(len(p), np.nan)
     for count in np.unique(counts[counts >= 0]):
         group = counts == count
@@ -36,7 +36,7 @@ def solve_waves(
     ramp_rule: Any,
     rule: Any,
 ) -> tuple[np.ndarray, np.ndarray]:
-    """As `loops_compiled.solve_waves`."""
+    """Return what `loops_compiled.solve_waves` does."""
     sums = side_by_side(arc, p.T, phases, ramp_rule, rule)
     solved = [_solved(R, F, G, body, free) for R, F, G in zip(*sums)]
     V, power = (np.stack(part, axis=1) for part in zip(*solved))

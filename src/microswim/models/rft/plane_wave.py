@@ -48,7 +48,7 @@ SEGMENT = 3e-7
 
 @compiled(fastmath=FAST)
 def fill_nodes(nodes: Any, p: Any, ramp_rule: Any, rule: Any) -> None:
-    """Rows of `nodes`: x, weight, a, a', cos ks, sin ks; p as in `segment`."""
+    """Fill in the rows of `nodes`: x, weight, a, a', cos ks, sin ks; p as in `segment`."""
     m = len(ramp_rule[0])
     fill_ramp(nodes[:, :m], p, ramp_rule)
     fill_rest(nodes[:, m:], p, rule)
@@ -134,7 +134,7 @@ def add_wave(R: Any, F: Any, p: Any, nodes: Any, phase: float, arc: bool) -> Any
 
 @compiled()
 def in_a_row(arc: bool, p: Any, phases: Any, ramp_rule: Any, rule: Any) -> Any:
-    """`wave_phases`, one phase after the other."""
+    """Return `wave_phases`, one phase after the other."""
     m = phases.size
     R = np.zeros((m, 6, 6), dtype=p.dtype)
     F = np.zeros((m, 6), dtype=p.dtype)
@@ -151,7 +151,9 @@ def in_a_row(arc: bool, p: Any, phases: Any, ramp_rule: Any, rule: Any) -> Any:
 
 
 def side_by_side(arc: bool, p: Any, phases: Any, ramp_rule: Any, rule: Any) -> Any:
-    """`wave_phases` as Python, all phases at once, and all designs of p (11, n): (m, 6, 6, n)..."""
+    """Return `wave_phases` as Python, all phases at once, and all designs of p (11, n): (m, 6, 6,
+    n)...
+    """
     each, m, n = p.shape[1:], phases.size, ramp_rule[0].size
     nodes = np.empty((6, n + rule[0].size, *each), dtype=p.dtype)
     in_rows = [[x.reshape(1, -1, *[1] * len(each)) for x in r] for r in (ramp_rule, rule)]
@@ -173,7 +175,7 @@ def side_by_side(arc: bool, p: Any, phases: Any, ramp_rule: Any, rule: Any) -> A
 
 
 def wave_phases(arc: bool, p: Any, phases: Any, ramp_rule: Any, rule: Any) -> Any:
-    """``(B_t, F_p, G)`` of a plane wave at several phases: shapes (m, 6, 6), (m, 6), (m,)."""
+    """Return ``(B_t, F_p, G)`` of a plane wave at m phases: shapes (m, 6, 6), (m, 6), (m,)."""
     segments = phases.size * (ramp_rule[0].size + rule[0].size)
     run = in_a_row.dispatcher if pays(segments * SEGMENT) else side_by_side
     return run(arc, p, phases, ramp_rule, rule)

@@ -29,7 +29,7 @@ MOST_NODES = 100_000
 
 @compiled(error_model="numpy")
 def node_numbers(kind: int, waves: Any, bk: Any, ramp: Any) -> tuple[Any, Any]:
-    """Nodes on the ramp and on the rest that reach rounding error (plane wave: about 1e-12).
+    """Return nodes on the ramp and on the rest that reach rounding error (plane wave: about 1e-12).
 
     The integrand of a helix holds products of two sines: Gauss-Legendre needs a little more than
     ``pi`` nodes a wave, and some for the tail of its convergence. The arc length of a plane wave,
@@ -44,7 +44,7 @@ def node_numbers(kind: int, waves: Any, bk: Any, ramp: Any) -> tuple[Any, Any]:
 
 @compiled(fastmath=FAST)
 def cosine_sine(x: Any) -> tuple[Any, Any]:
-    """``cos x`` and ``sin x`` to rounding, by the series at ``x/16`` within half a turn.
+    """Return ``cos x`` and ``sin x`` to rounding, by the series at ``x/16`` within half a turn.
 
     Plain arithmetic, which the compiler does for several nodes at once.
     """
@@ -60,20 +60,22 @@ def cosine_sine(x: Any) -> tuple[Any, Any]:
 
 @compiled(fastmath=FAST, inline="always")
 def in_plane(a: Any, a_s: Any, k: Any, c: Any, d: Any) -> tuple[Any, Any, Any]:
-    """``q = a c``, its slope ``a' c - a k d`` and velocity ``a d``; c, d of ``k s - phase``."""
+    """Return ``q = a c``, slope ``a' c - a k d``, velocity ``a d``; c, d of ``k s - phase``."""
     u = a * d
     return a * c, a_s * c - k * u, u
 
 
 @compiled(fastmath=FAST, inline="always")
 def out_of_plane(g: Any, a_s: Any, k: Any, q: Any, u: Any, d: Any) -> tuple[Any, Any, Any]:
-    """``r = -g a d``, its slope ``-g (a' d + a k c)`` and velocity ``g a c``, from those of q."""
+    """Return ``r = -g a d``, its slope ``-g (a' d + a k c)`` and velocity ``g a c``, from those of
+    q.
+    """
     return -g * u, -g * (a_s * d + k * q), g * q
 
 
 @compiled(fastmath=FAST, error_model="numpy", inline="always")
 def resistances(ds: Any, v2: Any, arc: bool, c: Any) -> tuple[Any, Any, Any]:
-    """``n = c_n dl``, ``d = (c_t - c_n) dl / v^2``, ``w = c_r dl / v^2``; c holds the three.
+    """Return ``n = c_n dl``, ``d = (c_t - c_n) dl / v^2``, ``w = c_r dl / v^2``; c holds the three.
 
     v is the length of the tangent; the line element is ``dl = v ds``, or ds without `arc`.
     """
@@ -84,7 +86,7 @@ def resistances(ds: Any, v2: Any, arc: bool, c: Any) -> tuple[Any, Any, Any]:
 
 @compiled(fastmath=FAST)
 def wave_nodes(kind: int, x: Any, phase: Any, on_ramp: Any, p: Any) -> Any:
-    """Centreline, slope and velocity at ``s = x L`` [Tabak Eqs. 11, 12]."""
+    """Return the centreline, slope and velocity at ``s = x L`` [Tabak Eqs. 11, 12]."""
     L, b, k = p[LENGTH], p[AMPLITUDE], p[WAVENUMBER]
     ramp, g, s = p[RAMP], p[SIGN], x * L
     if on_ramp:
@@ -185,7 +187,7 @@ def add_tip(kind: int, R: Any, F: Any, p: Any, phase: Any) -> Any:
 
 @compiled(fastmath=FAST)
 def wave_tail(kind: int, arc: bool, p: Any, phase: Any, ramp_rule: Any, rule: Any) -> Any:
-    """``(B_t, F_p, G)`` of a wave tail at one phase; p from `LENGTH` to `TIP`."""
+    """Return ``(B_t, F_p, G)`` of a wave tail at one phase; p from `LENGTH` to `TIP`."""
     R = np.zeros((6, 6, *p.shape[1:]), dtype=p.dtype)
     F = np.zeros((6, *p.shape[1:]), dtype=p.dtype)
     L, ramp, offset, spin = p[LENGTH], p[RAMP], p[OFFSET], p[SPIN]
@@ -211,7 +213,9 @@ def wave_tail(kind: int, arc: bool, p: Any, phase: Any, ramp_rule: Any, rule: An
 
 @compiled(fastmath=FAST)
 def centreline_tail(X: Any, P_s: Any, U_all: Any, ds: Any, arc: bool, c: Any, spin: float) -> Any:
-    """``(B_t, F_p, G)`` from a centreline on nodes: arrays (n, 3), quadrature weights ds (n,)."""
+    """Return ``(B_t, F_p, G)`` from a centreline on nodes: arrays (n, 3), quadrature weights ds
+    (n,).
+    """
     R = np.zeros((6, 6, *X.shape[2:]), dtype=X.dtype)
     F = np.zeros((6, *X.shape[2:]), dtype=X.dtype)
     sums, local = nothing(0 * X[0, 0]), (c[1], c[0] - c[1], c[2])

@@ -36,7 +36,7 @@ SAMPLES = 48  # per period of the trajectory
 
 @checks.given(swimmer=checks.swimmer, gait=checks.gait)
 def numbers(swimmer: Swimmer, gait: Gait) -> dict[str, Any]:
-    """The numbers of a run: what ``microswim run --json`` prints.
+    """Return the numbers of a run: what ``microswim run --json`` prints.
 
     Parameters
     ----------
@@ -110,7 +110,7 @@ def dataset(
     known: dict[str, Any] | None = None,
     **loads: Any,
 ) -> xr.Dataset:
-    """Everything about a run: velocities over the period, path, numbers, provenance.
+    """Return everything about a run: velocities over the period, path, numbers, provenance.
 
     Parameters
     ----------

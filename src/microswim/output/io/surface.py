@@ -37,12 +37,12 @@ class Surface:
     part: np.ndarray
 
     def moved(self, position: Any, rotation: Any) -> Surface:
-        """The surface at a pose: rotation matrix (3, 3) body to lab, then position (3,)."""
+        """Return the surface at a pose: rotation matrix (3, 3) body to lab, then position (3,)."""
         return Surface(self.points @ np.transpose(rotation) + position, self.quads, self.part)
 
 
 def surface(swimmer: Swimmer, phase: float = 0.0, *, fineness: float = 1.0) -> Surface:
-    """Surface of a swimmer at a phase, about its body's centre.
+    """Return the surface of a swimmer at a phase, about its body's centre.
 
     Parameters
     ----------
@@ -100,7 +100,7 @@ def _tube(tail: Tail, phase: float, fineness: float, closed: bool) -> np.ndarray
 
 
 def transported(P: np.ndarray, tangent: np.ndarray) -> np.ndarray:
-    """Normals that do not twist along a curve: double reflection (Wang et al. 2008)."""
+    """Return normals that do not twist along a curve: double reflection (Wang et al. 2008)."""
     normal = np.empty_like(P)
     across = np.eye(3)[np.argmin(np.abs(tangent[0]))]
     normal[0] = across - (across @ tangent[0]) * tangent[0]

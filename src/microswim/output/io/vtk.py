@@ -30,7 +30,7 @@ def poly_data(
     point_data: dict[str, np.ndarray] | None = None,
     cell_data: dict[str, np.ndarray] | None = None,
 ) -> str:
-    """Text of a ``.vtp`` file.
+    """Return the text of a ``.vtp`` file.
 
     Parameters
     ----------
@@ -72,7 +72,7 @@ def poly_data(
 def image_data(
     low: np.ndarray, step: np.ndarray, counts: tuple[int, int, int], data: dict[str, np.ndarray]
 ) -> str:
-    """Text of a ``.vti`` file: fields on a box of points.
+    """Return the text of a ``.vti`` file: fields on a box of points.
 
     Parameters
     ----------
@@ -103,7 +103,7 @@ def image_data(
 
 
 def collection(frames: Iterable[tuple[float, str]]) -> str:
-    """Text of a ``.pvd`` file: the files of a series with their times.
+    """Return the text of a ``.pvd`` file: the files of a series with their times.
 
     Examples
     --------

@@ -68,7 +68,8 @@ def design_map(
     region: Mapping[str, tuple[float, float]] | None = None,
     label: str | None = None,
 ) -> Figure:
-    """Contours of a result of a sweep over two numbers, with the optimum and the neighbourhood.
+    """Return contours of a result of a sweep over two numbers, with the optimum and the
+    neighbourhood.
 
     Parameters
     ----------
@@ -164,7 +165,7 @@ def _expected(axes: Axes, result: xr.Dataset, x: Any, y: Any) -> None:
 
 
 def front(result: xr.Dataset, swimmer: Swimmer, drawn: int = 4) -> Figure:
-    """A Pareto front of two or three objectives, with designs along it to scale.
+    """Return a Pareto front of two or three objectives, with designs along it to scale.
 
     Parameters
     ----------
@@ -221,7 +222,7 @@ def front(result: xr.Dataset, swimmer: Swimmer, drawn: int = 4) -> Figure:
 
 
 def sensitivity(optimum: Optimum, most: int = 10) -> Figure:
-    """Bars: what one per cent of each number does to the optimum, and how far each may move.
+    """Return bars: what one per cent of each number does to the optimum, and how far each may move.
 
     Parameters
     ----------
@@ -250,7 +251,7 @@ def sensitivity(optimum: Optimum, most: int = 10) -> Figure:
 
 
 def indices(result: xr.Dataset) -> Figure:
-    """Bars of Sobol indices with their 95 % intervals; result of `sobol_indices`."""
+    """Return bars of Sobol indices with their 95 % intervals; result of `sobol_indices`."""
     order = np.argsort(result.total.values)
     found = result.isel(name=order)
     at = np.arange(found.sizes["name"])
@@ -270,7 +271,7 @@ def indices(result: xr.Dataset) -> Figure:
 def robustness(
     made: xr.Dataset, merit: str = "swimming_speed", nominal: float | None = None
 ) -> Figure:
-    """Histogram of a merit over made robots, good and bad; result of `robustness`."""
+    """Return the histogram of a merit over made robots, good and bad; result of `robustness`."""
     merit = current(merit)
     factor, name = _axis(made[merit], merit.replace("_", " "))
     values, good = factor * made[merit].values, made.good.values

@@ -32,7 +32,7 @@ class Camera:
 
     @classmethod
     def behind(cls, basis: np.ndarray, azimuth: float, elevation: float) -> Camera:
-        """Camera beside a swimmer that swims along ``basis[0]``, with ``basis[2]`` up."""
+        """Return camera beside a swimmer that swims along ``basis[0]``, with ``basis[2]`` up."""
         a, e = np.radians([azimuth, elevation])
         right = np.cos(a) * basis[0] + np.sin(a) * basis[1]
         level = np.cross(right, basis[2])
@@ -40,7 +40,7 @@ class Camera:
         return cls(np.array([right, np.cross(towards, right), towards]))
 
     def project(self, points: np.ndarray) -> np.ndarray:
-        """Points (..., 3) to right, up and depth towards the viewer."""
+        """Return points (..., 3) to right, up and depth towards the viewer."""
         return points @ self.axes.T
 
 
@@ -76,7 +76,7 @@ def draw_surface(axes: Axes, mesh: Surface, camera: Camera, strength: float = 1.
 
 
 def scale_bar(axes: Axes, length: float, unit: str) -> None:
-    """A bar of a round length of about a third of `length`, with its size, below the scene."""
+    """Draw a bar of a round length of about a third of `length`, with its size, below the scene."""
     step = 10.0 ** np.floor(np.log10(length / 3.0))
     size = step * max(m for m in (1, 2, 5) if m * step <= length / 3.0 * 1.0001)
     factor, name = prefixed(size, unit)
@@ -95,7 +95,7 @@ def scale_bar(axes: Axes, length: float, unit: str) -> None:
 
 
 def triad(axes: Axes, camera: Camera) -> None:
-    """The lab's axes in the upper left corner."""
+    """Draw the lab's axes in the upper left corner."""
     inset = axes.inset_axes((0.0, 0.72, 0.1, 0.26))
     for end, name in zip(camera.project(np.eye(3))[:, :2], "xyz"):
         arrow = {"arrowstyle": "-|>", "lw": 0.8, "color": GREY, "shrinkA": 0, "shrinkB": 0}

@@ -37,7 +37,7 @@ if TYPE_CHECKING:
 
 @checks.given(run=checks.dataset, swimmer=checks.swimmer)
 def trajectory(run: xr.Dataset, swimmer: Swimmer | None = None) -> Figure:
-    """The path of a run: the swimmer drawn to scale, the path seen from behind, and in time.
+    """Return the path of a run: the swimmer drawn to scale, the path seen from behind, and in time.
 
     Parameters
     ----------
@@ -74,7 +74,7 @@ def trajectory(run: xr.Dataset, swimmer: Swimmer | None = None) -> Figure:
 
 @checks.given(run=checks.dataset)
 def velocity(run: xr.Dataset) -> Figure:
-    """Velocity, body rate and motor power over one period of the tail.
+    """Return the velocity, body rate and motor power over one period of the tail.
 
     Parameters
     ----------

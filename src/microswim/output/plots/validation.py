@@ -25,7 +25,7 @@ NAMES = {
 
 
 def error_maps(result: Validation) -> Any:
-    """Figure of a validation over one or two axes.
+    """Return the figure of a validation over one or two axes.
 
     Raises
     ------

@@ -54,7 +54,7 @@ class Table:
 
 
 def numbers_table(numbers: dict[str, Any], name: str) -> Table:
-    """The numbers of a run in readable units.
+    """Return the numbers of a run in readable units.
 
     Parameters
     ----------
@@ -114,7 +114,7 @@ def numbers_table(numbers: dict[str, Any], name: str) -> Table:
 
 
 def percent(error: float | None) -> str:
-    """A relative error in per cent, or that it is not known."""
+    """Return a relative error in per cent, or that it is not known."""
     return "not known" if error is None else f"{significant(100.0 * error, 2)} %"
 
 
@@ -123,7 +123,7 @@ def _time(si: bool) -> str:
 
 
 def derived(swimmer: Swimmer) -> dict[str, Any]:
-    """What a swimmer works out to, as numbers: wave, local resistance, Reynolds number.
+    """Return what a swimmer works out to, as numbers: wave, local resistance, Reynolds number.
 
     Examples
     --------
@@ -154,7 +154,7 @@ def derived(swimmer: Swimmer) -> dict[str, Any]:
 
 
 def spec_table(swimmer: Swimmer) -> Table:
-    """What a swimmer works out to, in readable units; the numbers are those of `derived`.
+    """Return what a swimmer works out to, in readable units; the numbers are those of `derived`.
 
     Examples
     --------
@@ -197,7 +197,7 @@ def spec_table(swimmer: Swimmer) -> Table:
 
 
 def png(figure: Any) -> bytes:
-    """A figure as PNG.
+    """Return a figure as PNG.
 
     Examples
     --------
@@ -218,7 +218,7 @@ def page(
     pictures: Sequence[tuple[str, bytes]],
     lead: str = "",
 ) -> str:
-    """The report as one HTML page.
+    """Return the report as one HTML page.
 
     Parameters
     ----------

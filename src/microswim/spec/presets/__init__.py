@@ -15,7 +15,7 @@ _HERE = files(__name__)
 
 
 def names() -> list[str]:
-    """Names of all presets, ``"family/member"``, in alphabetical order.
+    """Return names of all presets, ``"family/member"``, in alphabetical order.
 
     Examples
     --------
@@ -29,7 +29,7 @@ def names() -> list[str]:
 
 
 def read(name: str) -> str:
-    """Text of a preset, comments included.
+    """Return the text of a preset, comments included.
 
     Parameters
     ----------

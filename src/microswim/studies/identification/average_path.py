@@ -89,20 +89,20 @@ class AveragePath:
         return float(np.ptp(self.heading))
 
     def seen_from(self, t: np.ndarray, x: np.ndarray) -> np.ndarray:
-        """Positions off the path, along and across it; in a plane."""
+        """Return positions off the path, along and across it; in a plane."""
         off = x - np.stack([np.interp(t, self.time, column) for column in self.position.T], axis=-1)
         turned = np.exp(-1j * np.interp(t, self.time, self.heading)) * (off[:, 0] + 1j * off[:, 1])
         return np.stack([turned.real, turned.imag], axis=-1)
 
     def narrower(self) -> AveragePath | None:
-        """The same path with a window that leaves five independent velocities, or None."""
+        """Return the same path with a window that leaves five independent velocities, or None."""
         fits = [w for w in WINDOWS if w <= min(self.window, len(self.mean) // 5)]
         if not fits:
             return None
         return self if fits[-1] == self.window else smoothed(self.time, self.mean, fits[-1])
 
     def speed(self) -> Estimate:
-        """Mean speed along the path, its noise taken off.
+        """Return the mean speed along the path, its noise taken off.
 
         A window w cuts corners as ``w^2``: what half of it says extrapolates to none [Richardson],
         and how far that goes is in the interval.
@@ -126,7 +126,8 @@ class AveragePath:
 
 
 def mean_error(values: np.ndarray, apart: int) -> float:
-    """Half the 95 % interval of a mean of correlated values, by batches [Law and Carson 1979].
+    """Return half the 95 % interval of a mean of correlated values, by batches [Law and Carson
+    1979].
 
     Parameters
     ----------

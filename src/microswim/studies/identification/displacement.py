@@ -36,7 +36,9 @@ def mean_squared_displacement(t: np.ndarray, x: np.ndarray) -> tuple[np.ndarray,
 
 
 def turning_rate(path: AveragePath) -> Estimate:
-    """Mean rate of turning of the heading: with its sign in 2-D (to the left), without in 3-D."""
+    """Return the mean rate of turning of the heading: with its sign in 2-D (to the left), without
+    in 3-D.
+    """
     v, step = path.independent, path.spacing
     size = np.linalg.norm(v, axis=1)
     if v.shape[1] == 2:
@@ -55,7 +57,7 @@ def turning_rate(path: AveragePath) -> Estimate:
 
 
 def persistence_time(path: AveragePath) -> Estimate | None:
-    """Time over which the heading is forgotten: ``|<u(0) u(t)>| = exp(-t / tau)``.
+    """Return the time over which the heading is forgotten: ``|<u(0) u(t)>| = exp(-t / tau)``.
 
     A steady turn of a path in a plane is no forgetting (headings as complex numbers). None for a
     path too short; infinite, with its lower end, for one that does not forget within the track.

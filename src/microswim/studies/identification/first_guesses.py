@@ -18,7 +18,7 @@ PHASES = 16
 
 
 def first_guesses(problem: PathProblem, count: int) -> list[dict[str, float]]:
-    """Designs whose speed, wobble and frequency are those of the track, the best first.
+    """Return designs whose speed, wobble and frequency are those of the track, the best first.
 
     They are local minima of the misfit over a grid of amplitudes (0.3 to 3 times the swimmer's own)
     and numbers of waves (0.75 to 5.5); what is not unknown keeps its value.
@@ -79,7 +79,7 @@ def _minima(misfit: np.ndarray) -> list[tuple[int, int]]:
 
 
 def initial_poses(problem: PathProblem, values: np.ndarray, count: int = 2) -> list[np.ndarray]:
-    """Parameters with the phases that suit a design best, each with its pose in closed form."""
+    """Return parameters with a design's best phases, each with its pose in closed form."""
     found = []
     for phase in 2.0 * np.pi * np.arange(PHASES) / PHASES:
         path, _ = problem.body_path(values, phase)
@@ -90,7 +90,7 @@ def initial_poses(problem: PathProblem, values: np.ndarray, count: int = 2) -> l
 
 
 def pose_of(problem: PathProblem, path: np.ndarray) -> np.ndarray:
-    """Rotation and position that lay a path onto the track (Kabsch 1976).
+    """Return the rotation and position that lay a path onto the track (Kabsch 1976).
 
     For a projection of a 3-D path only the heading in the image is chosen, the swimmer lies in it.
     """
@@ -108,7 +108,7 @@ def pose_of(problem: PathProblem, path: np.ndarray) -> np.ndarray:
 
 
 def rotation_vector(Q: np.ndarray) -> np.ndarray:
-    """Rotation vector of a rotation matrix."""
+    """Return the rotation vector of a rotation matrix."""
     from scipy.spatial.transform import Rotation
 
     return Rotation.from_matrix(Q).as_rotvec()

@@ -136,7 +136,7 @@ def identify_swimmer(
 
 
 def fit(problem: PathProblem, guess: dict[str, float], motor: bool = False) -> list[Any]:
-    """Least squares from a guess, with a few initial phases; empty if none works.
+    """Return the least squares from a guess, with a few initial phases; empty if none works.
 
     `motor`: the guess holds the motor's frequency, not that of the wobble.
     """
@@ -189,7 +189,7 @@ def _sizes(problem: PathProblem, z: np.ndarray) -> np.ndarray:
 
 
 def outcome(problem: PathProblem, fits: list[Any], model_error: bool) -> Identification:
-    """Everything there is to say about the best fit."""
+    """Return everything there is to say about the best fit."""
     best = fits[0]
     n, m = len(problem.unknowns), best.fun.size
     degrees = m - best.x.size

@@ -70,7 +70,7 @@ def left_over(problem: PathProblem, path: np.ndarray) -> str:
 
 
 def model_errors(own: Gait) -> np.ndarray | None:
-    """Relative errors to expect of the six velocities, None where nobody measured them."""
+    """Return relative errors to expect of the six velocities, None where nobody measured them."""
     found = own.info.get("expected_error")
     if found is None:
         return None
@@ -95,7 +95,8 @@ def covariance_of_model(
     problem: PathProblem, z: np.ndarray, own: np.ndarray, nuisance: np.ndarray, spread: float,
     errors: np.ndarray,
 ) -> np.ndarray:  # fmt: skip
-    """Covariance of the values by errors of the model's velocities, independent of each other.
+    """Return the covariance of the values by errors of the model's velocities, independent of each
+    other.
 
     A velocity larger by a share moves the path by d; the values that make up for it move by
     ``-own^+ d``, pose and phase projected out. The errors are those of 19 of 20: two deviations.

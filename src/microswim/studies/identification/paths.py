@@ -25,7 +25,8 @@ SAMPLES = 64
 def path_of(
     swimmer: Swimmer, gait: Gait, times: np.ndarray, phase: float
 ) -> tuple[np.ndarray, np.ndarray]:
-    """Positions (n, 3) and attitudes ``wxyz`` (n, 4) from the origin, axes parallel to the lab's.
+    """Return positions (n, 3) and attitudes ``wxyz`` (n, 4) from the origin, axes parallel to the
+    lab's.
 
     Parameters
     ----------
@@ -106,6 +107,6 @@ def _plane_wave(gait: Gait, t: np.ndarray, phase: float) -> tuple[np.ndarray, np
 
 
 def quaternion_of(turn: np.ndarray) -> np.ndarray:
-    """Unit quaternion of a rotation vector."""
+    """Return the unit quaternion of a rotation vector."""
     angle = float(np.linalg.norm(turn))
     return np.concatenate([[np.cos(angle / 2)], 0.5 * np.sinc(angle / (2 * np.pi)) * turn])

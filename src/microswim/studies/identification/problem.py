@@ -52,12 +52,12 @@ class PathProblem:
         return max(float(left.std()), 1e-12)
 
     def gait(self, z: np.ndarray) -> Gait:
-        """Gait of a design whose frequency is that of the wobble, see `wobble_ratio`."""
+        """Return the gait of a design whose frequency is that of the wobble, see `wobble_ratio`."""
         made = self._gait(z)
         return made.at_rate(made.rate / self._ratio(made)) if self.wobbles else made
 
     def wobble_ratio(self, values: np.ndarray) -> float:
-        """Frequency of the wobble in the lab over the motor's: ``1 + sign w_s / rate``."""
+        """Return frequency of the wobble in the lab over the motor's: ``1 + sign w_s / rate``."""
         return self._ratio(self._gait(values))
 
     def _ratio(self, gait: Gait) -> float:
@@ -92,14 +92,16 @@ class PathProblem:
         return rigid and FREQUENCY in self.names
 
     def physical(self, z: np.ndarray) -> np.ndarray:
-        """Values of the unknowns, the motor's frequency among them, from the fit's parameters."""
+        """Return values of the unknowns, the motor's frequency among them, from the fit's
+        parameters.
+        """
         values = np.array(z[: len(self.unknowns)], dtype=float)
         if self.wobbles:
             values[self.names.index(FREQUENCY)] /= self.wobble_ratio(values)
         return values
 
     def slope(self, z: np.ndarray) -> np.ndarray:
-        """d parameters / d values: the inverse of d physical / d z, by central differences."""
+        """Return d parameters / d values, inverse of d physical / d z, by central differences."""
         n = len(self.unknowns)
         columns = []
         for i in range(n):
@@ -109,11 +111,11 @@ class PathProblem:
         return np.linalg.inv(np.stack(columns, axis=-1))
 
     def body_path(self, values: np.ndarray, phase: float) -> tuple[np.ndarray, np.ndarray]:
-        """Path and attitude of the design from the origin, axes parallel to the lab's."""
+        """Return path and attitude of the design from the origin, axes parallel to the lab's."""
         return path_of(self.swimmer, self.gait(values), self.track.time, float(phase))
 
     def place(self, path: np.ndarray, pose: np.ndarray) -> np.ndarray:
-        """Path of a swimmer that starts with a pose, in the track's coordinates."""
+        """Return the path of a swimmer that starts with a pose, in the track's coordinates."""
         d = self.track.dimensions
         if self.planar:
             c, s = np.cos(pose[0]), np.sin(pose[0])
@@ -121,16 +123,16 @@ class PathProblem:
         return (path @ rotation_matrix(quaternion_of(pose[:3])).T)[:, :d] + pose[3:]
 
     def pose_size(self) -> int:
-        """Number of pose parameters: heading or rotation vector, and position."""
+        """Return the number of pose parameters: heading or rotation vector, and position."""
         return 3 if self.planar else 3 + self.track.dimensions
 
     def residuals(self, z: np.ndarray) -> np.ndarray:
-        """(path - track) / scale, then attitude errors / sigma_attitude."""
+        """Return (path - track) / scale, then attitude errors / sigma_attitude."""
         n = len(self.unknowns)
         return self._off(*self.body_path(z[:n], z[n]), z[n + 1 :])
 
     def residuals_of(self, gait: Gait, z: np.ndarray) -> np.ndarray:
-        """Residuals with another gait in place of the design's."""
+        """Return residuals with another gait in place of the design's."""
         n = len(self.unknowns)
         path = path_of(self.swimmer, gait, self.track.time, float(z[n]))
         return self._off(*path, z[n + 1 :])
@@ -146,7 +148,7 @@ class PathProblem:
         return np.concatenate([off.ravel(), turn.ravel() / self.sigma_attitude])
 
     def jacobian(self, z: np.ndarray) -> np.ndarray:
-        """Central differences; those of the pose need no new path."""
+        """Return the central differences; those of the pose need no new path."""
         n = len(self.unknowns)
         here = self.body_path(z[:n], z[n])
         columns = []

@@ -78,7 +78,8 @@ class Identification:
         return np.full_like(known, np.inf) if self.withheld else known
 
     def interval(self, level: float = 0.95) -> np.ndarray:
-        """Confidence interval of each value, shape (n, 2): of normal noise and the model's error.
+        """Return the confidence interval of each value, shape (n, 2): of normal noise and the
+        model's error.
 
         It is infinite where the track does not tell and where it is withheld.
         """
@@ -86,7 +87,7 @@ class Identification:
         return np.stack([self.values - half, self.values + half], axis=-1)
 
     def as_dict(self) -> dict[str, Any]:
-        """What there is to print or to store as JSON."""
+        """Return what there is to print or to store as JSON."""
         u = [float(x) if np.isfinite(x) else None for x in self.uncertainty]
         bounds = [[float(x) if np.isfinite(x) else None for x in row] for row in self.interval()]
         return {
@@ -108,7 +109,7 @@ def remarks(
     others: tuple[np.ndarray, ...],
     misfit: float | None,
 ) -> tuple[str, ...]:
-    """What cannot be determined, and whether the noise that was given explains the misfit."""
+    """Return what cannot be determined, and whether the given noise explains the misfit."""
     out = []
     blind = [n for n, v in zip(names, np.diag(covariance)) if not np.isfinite(v)]
     if blind:
@@ -128,7 +129,9 @@ def remarks(
 def distinct_from(
     best: np.ndarray, others: list[np.ndarray], covariance: np.ndarray
 ) -> tuple[np.ndarray, ...]:
-    """Those of the others that are more than four uncertainties from the best and each other."""
+    """Return those of the others that are more than four uncertainties from the best and each
+    other.
+    """
     variance = np.diag(covariance)
     near = 4.0 * np.sqrt(np.where(np.isfinite(variance), variance, 1e300)) + 1e-6 * np.abs(best)
     kept = [best]

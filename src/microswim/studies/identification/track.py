@@ -97,14 +97,15 @@ class Track:
         return float(steps.sum() / self.duration)
 
     def spectrum(self) -> tuple[np.ndarray, np.ndarray]:
-        """Frequencies and power of the wobble, from two cycles in the track to the Nyquist limit.
+        """Return frequencies and power of the wobble, from two cycles in the track to the Nyquist
+        limit.
 
         Least squares of a sine at each frequency (Lomb 1976), so uneven sampling is allowed.
         """
         return power(self.time, self.position - self.smooth)
 
     def wobble(self) -> tuple[float, float, float]:
-        """Frequency, amplitude and share of the strongest line of the spectrum.
+        """Return the frequency, amplitude and share of the strongest line of the spectrum.
 
         Raises
         ------

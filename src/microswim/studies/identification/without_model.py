@@ -86,7 +86,7 @@ class TrackNumbers:
     frame_rate: float
 
     def as_dict(self) -> dict[str, Any]:
-        """What there is to store: values, 95 % intervals, what cannot be known."""
+        """Return what there is to store: values, 95 % intervals, what cannot be known."""
         found: dict[str, Any] = {"track": self.name, "positions": self.positions}
         found |= {"duration": self.duration, "frame_rate": self.frame_rate, "noise": self.noise}
         found |= {name: e and e.value for name, e in self.numbers.items()}

@@ -97,14 +97,16 @@ class Constraint:
         return self.left.names | self.right.names
 
     def margin(self, values: Mapping[str, Any]) -> Any:
-        """How far inside: positive where it holds, 1 when the left side is zero below a bound."""
+        """Return how far inside: positive where it holds, 1 when the left side is zero below a
+        bound.
+        """
         bound = self.right(values)
         size = magnitude(bound)
         return self.sense * (bound - self.left(values)) / np.where(size == 0, 1.0, size)[()]
 
 
 def parse(text: str, known: Any) -> Expression:
-    """An expression of known quantities.
+    """Return an expression of known quantities.
 
     Raises
     ------
@@ -126,7 +128,7 @@ def parse(text: str, known: Any) -> Expression:
 
 
 def constraints(text: str, known: Any) -> tuple[Constraint, ...]:
-    """Constraints with commas between them; ``a <= x <= b`` makes two.
+    """Return constraints with commas between them; ``a <= x <= b`` makes two.
 
     Raises
     ------

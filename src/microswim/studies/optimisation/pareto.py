@@ -43,7 +43,7 @@ def pareto(
     generations: int = 80,
     seed: int = 0,
 ) -> xr.Dataset:
-    """Designs that cannot be improved in one objective without losing in another.
+    """Return designs that cannot be improved in one objective without losing in another.
 
     Parameters
     ----------
@@ -115,7 +115,7 @@ def pareto(
 
 
 def undominated(F: np.ndarray) -> np.ndarray:
-    """Which rows are not beaten in every column (all to be large) by another row."""
+    """Return which rows are not beaten in every column (all to be large) by another row."""
     keep = np.ones(len(F), dtype=bool)
     for i, row in enumerate(F):
         gain = F - row

@@ -57,7 +57,7 @@ class Problem:
     def of(
         cls, swimmer: Swimmer, over: Any, maximize: Any, minimize: Any, subject_to: Any
     ) -> Problem:
-        """Problem from what a user says.
+        """Return the problem from what a user says.
 
         Raises
         ------
@@ -100,7 +100,7 @@ class Problem:
         return frozenset().union(*parts)
 
     def variants(self) -> Iterator[tuple[dict[str, Any], Problem]]:
-        """The problem for every combination of choices, constraints of buildability added."""
+        """Yield the problem for every combination of choices, constraints of buildability added."""
         found, complaint = False, None
         for combination in product(*self.choices.values()):
             picked = dict(zip(self.choices, combination))
@@ -125,7 +125,7 @@ class Problem:
         return bool(hands) and not kind.is_rigid and picked["tail.handedness"] != hands[0]
 
     def numbers(self, x: np.ndarray) -> dict[str, Any]:
-        """Numbers of the spec at points of the unit cube, (d,) or (n, d)."""
+        """Return numbers of the spec at points of the unit cube, (d,) or (n, d)."""
         x = np.asarray(x)
         return {
             name: low + (high - low) * x[..., i]
@@ -133,7 +133,9 @@ class Problem:
         }
 
     def many(self, x: np.ndarray, tolerance: float = COARSE) -> tuple[np.ndarray, np.ndarray]:
-        """Objectives (n, o), all to be made large, and margins (n, m); -inf where impossible."""
+        """Return objectives (n, o), all to be made large, and margins (n, m); -inf where
+        impossible.
+        """
         values = of_many(self.swimmer, self.numbers(x), tolerance, self.needs)
         n = len(x)
         goals = [np.broadcast_to(s * o(values), (n,)) for o, s in self.objectives]
@@ -145,7 +147,8 @@ class Problem:
         return F, np.where(np.isnan(G), -np.inf, G)
 
     def one(self, x: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-        """First objective and margins at a point, stacked (1 + m,), and their derivatives in x.
+        """Return the first objective and margins at a point, stacked (1 + m,), and their
+        derivatives in x.
 
         Raises
         ------
@@ -164,11 +167,11 @@ class Problem:
         return np.real(stepped[:, 0]), derivative_from(stepped) * widths
 
     def values(self, numbers: Mapping[str, Any]) -> np.ndarray:
-        """First objective and margins for numbers of the spec."""
+        """Return the first objective and margins for numbers of the spec."""
         return self._stack(lifted(self.swimmer, numbers))
 
     def derivative(self, numbers: Mapping[str, Any], name: str) -> np.ndarray:
-        """Exact derivative of `values` with respect to any number of the spec."""
+        """Return the exact derivative of `values` with respect to any number of the spec."""
         at = lifted(self.swimmer, numbers)
         value = numbers[name] if name in numbers else at.numbers[name]
         return derivative_from(self._stack(lifted(at, {name: value + 1j * STEP})))

@@ -49,7 +49,7 @@ def robust_design(
     samples: int = 128,
     seed: int = 0,
 ) -> Optimum:
-    """The design whose unlucky robots are best, and of which enough meet the constraints.
+    """Return the design whose unlucky robots are best, and of which enough meet the constraints.
 
     Maximizes the `quantile` of the objective over robots that differ by chance (for `minimize`
     the upper one), by differential evolution with the same samples for every design.

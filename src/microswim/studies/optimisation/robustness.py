@@ -47,7 +47,7 @@ class Uncertainty:
     relative: bool
 
     def sample(self, u: np.ndarray, nominal: Any) -> Any:
-        """Values for u uniform in (0, 1)."""
+        """Return values for u uniform in (0, 1)."""
         if not self.relative:
             return self.low + (self.high - self.low) * u
         tail = norm.cdf(-SIGMAS)
@@ -55,7 +55,8 @@ class Uncertainty:
 
 
 def uncertainties(swimmer: Swimmer, uncertain: Mapping[str, Any]) -> dict[str, Uncertainty]:
-    """From what a user says: ``0.05`` or ``"5%"`` (normal, relative), or ``(low, high)``.
+    """Return the spread that a user means: ``0.05`` or ``"5%"`` (normal, relative), or ``(low,
+    high)``.
 
     Raises
     ------
@@ -93,7 +94,7 @@ def _spread(
 
 
 def spec_numbers(swimmer: Swimmer) -> dict[str, float]:
-    """Numbers of the spec, both of waves and wavelength."""
+    """Return numbers of the spec, both of waves and wavelength."""
     both = both_of_the_wave(swimmer.tail) if isinstance(swimmer.tail, WaveTail) else {}
     return both | dict(swimmer.numbers)
 
@@ -113,7 +114,7 @@ def robustness(
     samples: int = 4096,
     seed: int = 0,
 ) -> xr.Dataset:
-    """Merits of robots that differ from the design by chance.
+    """Return merits of robots that differ from the design by chance.
 
     Parameters
     ----------
@@ -177,7 +178,7 @@ def robustness(
 
 
 def sobol_points(d: int, samples: int, seed: int) -> np.ndarray:
-    """At least `samples` points of a scrambled Sobol sequence in the open unit cube."""
+    """Return at least `samples` points of a scrambled Sobol sequence in the open unit cube."""
     n = 1 << (max(2, int(samples)) - 1).bit_length()
     return np.clip(qmc.Sobol(d, rng=np.random.default_rng(seed)).random(n), 1e-12, 1 - 1e-12)
 
@@ -197,7 +198,7 @@ def sobol_indices(
     samples: int = 1024,
     seed: int = 0,
 ) -> xr.Dataset:
-    """Which uncertain number is to blame for the spread of a merit, and by how much.
+    """Return which uncertain number is to blame for the spread of a merit, and by how much.
 
     Parameters
     ----------

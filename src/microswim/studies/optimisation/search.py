@@ -90,7 +90,7 @@ class Optimum:
     history: tuple[dict[str, Any], ...] = ()
 
     def as_dict(self) -> dict[str, Any]:
-        """Everything as plain numbers and words."""
+        """Return everything as plain numbers and words."""
         found = {
             "values": self.values,
             "objective": ("maximize " if self.sense > 0 else "minimize ") + self.objective,
@@ -111,7 +111,7 @@ class Optimum:
 def search(
     problem: Problem, seed: int = 0, samples: int | None = None, begun: float | None = None
 ) -> Optimum:
-    """Best design over all choices; see `design`."""
+    """Return the best design over all choices; see `design`."""
     begun = time.perf_counter() if begun is None else begun
     found, count = [], 0
     for picked, variant in problem.variants():
@@ -198,7 +198,7 @@ def _polish(problem: Problem, x: np.ndarray) -> tuple[tuple[float, np.ndarray] |
 def outcome(
     problem: Problem, x: np.ndarray, picked: dict[str, Any], count: int, seconds: float
 ) -> Optimum:
-    """The optimum at a point of the unit cube, with its sensitivity."""
+    """Return the optimum at a point of the unit cube, with its sensitivity."""
     numbers = {k: float(v) for k, v in problem.numbers(x).items()}
     swimmer = vary(problem.swimmer, numbers) if numbers else problem.swimmer
     gait = swimmer.gait()

@@ -49,7 +49,7 @@ class Sensitivity:
     room: float | None = None
 
     def as_dict(self) -> dict[str, Any]:
-        """As plain numbers and words."""
+        """Return its numbers and words as plain Python."""
         found = {"value": self.value, "varied": self.varied, "elasticity": self.elasticity}
         return plain(found | {"bound": self.bound, "one_percent_range": self.room})
 
@@ -62,7 +62,7 @@ class Sensitivity:
 
 
 def sensitivities(problem: Problem, x: np.ndarray) -> dict[str, Sensitivity]:
-    """Sensitivity to every number of the spec that is not zero, the most important first."""
+    """Return sensitivity to every number of the spec that is not zero, the most important first."""
     numbers = {k: float(v) for k, v in problem.numbers(x).items()}
     values, slopes = problem.one(x)
     if values[0] == 0:

@@ -26,7 +26,7 @@ ITEMS = (
 
 
 def item(name: str) -> ModuleType:
-    """Module of a table or figure.
+    """Return the module of a table or figure.
 
     Raises
     ------

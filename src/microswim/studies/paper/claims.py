@@ -153,7 +153,7 @@ class Judgement:
 
 
 def load() -> tuple[Claim, ...]:
-    """All claims, in the order of the paper."""
+    """Return all claims, in the order of the paper."""
     text = files("microswim.studies.paper").joinpath("claims.toml").read_text(encoding="utf-8")
     return tuple(Claim(**entry) for entry in tomllib.loads(text)["claim"])
 
@@ -191,7 +191,7 @@ def _within(claim: Claim, ours: Any) -> bool:
 
 
 def shown(value: Any) -> str:
-    """A number or array for people."""
+    """Return a number or array for people."""
     if value is None:
         return "–"
     if isinstance(value, str):

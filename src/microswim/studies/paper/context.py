@@ -29,12 +29,12 @@ PAPER_RANGE = {AMPLITUDE: (0.01, 0.15), WAVES: (2.0, 4.0)}
 
 
 def swimmer(tail: str, coefficients: str, changes: dict[str, Any] | None = None) -> Swimmer:
-    """The paper's swimmer: base case of Table 1 with Table 3's interaction coefficients."""
+    """Return the paper's swimmer: base case of Table 1 with Table 3's interaction coefficients."""
     return Swimmer.preset(f"tabak/{tail}-{coefficients}").with_(changes or {})
 
 
 def observed(gait: Gait) -> np.ndarray:
-    """What the paper plots: mean u_s, amplitude of the lateral velocity, body rotation.
+    """Return what the paper plots: mean u_s, amplitude of the lateral velocity, body rotation.
 
     The third is the mean rate about s (helix) or the amplitude of the rate about r (plane wave),
     in revolutions per period as in Table 4 and the figures.
@@ -81,14 +81,14 @@ class Context:
         return {AMPLITUDE: np.array(b), WAVES: n}
 
     def once(self, key: tuple, make: Callable[[], Any]) -> Any:
-        """What `make` gives, computed once in this run."""
+        """Return what `make` gives, computed once in this run."""
         name = repr(key)
         if name not in self._memory:
             self._memory[name] = make()
         return self._memory[name]
 
     def reference(self, who: Swimmer) -> Gait:
-        """Gait by boundary elements, from the store if it was solved before.
+        """Return the gait by boundary elements, from the store if it was solved before.
 
         What the motion is free to do, and the surrogate's coefficients, do not matter to R and F_p.
 
@@ -117,7 +117,7 @@ class Context:
 
 
 def lines(who: Swimmer, values: dict[str, np.ndarray]) -> np.ndarray:
-    """What `observed` gives, of the surrogate at many designs, shape (n, 3)."""
+    """Return what `observed` gives, of the surrogate at many designs, shape (n, 3)."""
     result = evaluate(who, values)
     V, A = result["mean_velocity"], result["velocity_amplitude"]
     turn = A[:, 5] if who.motion.mask[5] else V[:, 3]
@@ -125,14 +125,14 @@ def lines(who: Swimmer, values: dict[str, np.ndarray]) -> np.ndarray:
 
 
 def circles(context: Context, tail: str, parameter: str) -> np.ndarray:
-    """`observed` of the reference along a sweep, shape (n, 3)."""
+    """Return `observed` of the reference along a sweep, shape (n, 3)."""
     points = context.sweeps[parameter]
     gaits = [context.reference(swimmer(tail, "constant", {parameter: float(x)})) for x in points]
     return np.array([observed(gait) for gait in gaits]).reshape(-1, 3)
 
 
 def sweep(context: Context, tail: str) -> dict[str, Any]:
-    """Lines of both coefficient sets and reference circles of Figs. 4 and 5.
+    """Return lines of both coefficient sets and reference circles of Figs. 4 and 5.
 
     Returns
     -------

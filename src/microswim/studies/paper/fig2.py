@@ -41,7 +41,7 @@ GAMMA = (2.37, 1.49)
 def model(
     name: str, gamma: tuple[float, float] = GAMMA, changes: dict[str, Any] | None = None
 ) -> np.ndarray:
-    """Speed (um/s) and body rate (Hz) of a specimen with ``Gamma_N,s`` and ``Gamma_R,s``."""
+    """Return speed (um/s) and body rate (Hz) of a specimen with ``Gamma_N,s`` and ``Gamma_R,s``."""
     who = Swimmer.preset(f"goto/{name}").with_(
         {
             "interaction.translation": (gamma[0], 1.0, 1.0),
@@ -54,7 +54,7 @@ def model(
 
 
 def inferred(context: Context | None = None) -> dict[str, np.ndarray]:
-    """Measured speed (um/s) and body rate (Hz) that the paper's statements imply; NaN: none.
+    """Return measured speed (um/s) and body rate (Hz) that the paper's statements imply; NaN: none.
 
     At F the corrected rate errs by 6.5 %. Measured below the model it would make the uncorrected
     error there larger than the 47.2 % that is said to be the largest; so it lies above.
@@ -69,7 +69,7 @@ def inferred(context: Context | None = None) -> dict[str, np.ndarray]:
 
 
 def compute(context: Context) -> dict[str, Any]:
-    """Rows: specimen, uncorrected and corrected speed and rate, inferred measurement."""
+    """Return rows: specimen, uncorrected and corrected speed and rate, inferred measurement."""
     plain = np.array([model(n, (1.0, 1.0)) for n in SPECIMENS])
     corrected = np.array([model(n) for n in SPECIMENS])
     measured = inferred()
@@ -83,7 +83,7 @@ def compute(context: Context) -> dict[str, Any]:
 
 
 def plot(result: dict[str, Any]) -> Figure:
-    """Two panels, one group of marks per specimen."""
+    """Return two panels, one group of marks per specimen."""
     with look():
         figure, axes = panels(1, 2, (WIDE, 2.8))
         x = np.arange(len(SPECIMENS))
@@ -103,13 +103,15 @@ def plot(result: dict[str, Any]) -> Figure:
 
 
 def speed_error_at_g(context: Context, **changes: Any) -> float:
-    """Uncorrected error of the speed at G (percent), measured inferred from 8.2 % corrected."""
+    """Return the uncorrected error of the speed at G (percent), measured inferred from 8.2 %
+    corrected.
+    """
     measured = model("G", GAMMA, changes)[0] / 1.082
     return float(100.0 * (model("G", (1.0, 1.0), changes)[0] / measured - 1.0))
 
 
 def gamma_from_g(context: Context) -> float:
-    """``Gamma_N`` that turns 87 % at G into 8.2 %: both errors are of the same measurement."""
+    """Return ``Gamma_N`` that turns 87 % at G into 8.2 %: both are errors of one measurement."""
     from scipy.optimize import brentq
 
     plain = model("G", (1.0, 1.0))[0]
@@ -118,11 +120,15 @@ def gamma_from_g(context: Context) -> float:
 
 
 def rate_error_at_b(context: Context) -> float:
-    """Corrected error of the rate at B (percent), measured inferred from 47.2 % uncorrected."""
+    """Return the corrected error of the rate at B (percent), measured inferred from 47.2 %
+    uncorrected.
+    """
     return float(100.0 * abs(model("B")[1] / inferred()["rate"][1] - 1.0))
 
 
 def rate_error_at_f(context: Context) -> np.ndarray:
-    """Uncorrected error of the rate at F (percent) if it was measured 6.5 % below or above."""
+    """Return the uncorrected error of the rate at F (percent) if it was measured 6.5 % below or
+    above.
+    """
     plain, corrected = model("F", (1.0, 1.0))[1], model("F")[1]
     return 100.0 * (plain * np.array([1.065, 0.935]) / corrected - 1.0)

@@ -32,14 +32,14 @@ CAPTION = (
 
 
 def ratio(tail: str, coefficients: str, changes: dict[str, float]) -> float:
-    """``c_n / c_t`` of one design."""
+    """Return ``c_n / c_t`` of one design."""
     who = swimmer(tail, coefficients, changes)
     c_t, c_n = who.coefficients.pair(who.tail, who.fluid.viscosity)
     return float(c_n / c_t)
 
 
 def compute(context: Context) -> dict[str, Any]:
-    """Ratios of both tails along both sweeps, and that of the constant pair."""
+    """Return ratios of both tails along both sweeps, and that of the constant pair."""
     out: dict[str, Any] = {"constant": ratio("helix", "constant", {})}
     for parameter, x in ((WAVES, np.linspace(1, 5, 81)), (AMPLITUDE, np.linspace(0.01, 0.15, 57))):
         lines = {t: np.array([ratio(t, "sbt", {parameter: v}) for v in x]) for t in TAILS}
@@ -48,7 +48,7 @@ def compute(context: Context) -> dict[str, Any]:
 
 
 def plot(result: dict[str, Any]) -> Figure:
-    """Two panels: against the number of waves and against the amplitude."""
+    """Return two panels: against the number of waves and against the amplitude."""
     lines = {
         "helix": {"color": BLUE, "ls": "-", "label": "rotating rigid helix, SBT"},
         "plane_wave": {"color": ORANGE, "ls": (0, (4, 2)), "label": "travelling plane wave, SBT"},

@@ -41,17 +41,17 @@ ROWS = (
 
 
 def compute(context: Context) -> dict[str, Any]:
-    """Both sweeps of the helical tail."""
+    """Return both sweeps of the helical tail."""
     return sweep(context, "helix")
 
 
 def plot(result: dict[str, Any]) -> Figure:
-    """Six panels as in the paper."""
+    """Return six panels as in the paper."""
     return six_panels(result, ROWS)
 
 
 def six_panels(result: dict[str, Any], rows: tuple[str, ...]) -> Figure:
-    """Two columns of sweeps, three rows of quantities."""
+    """Return two columns of sweeps, three rows of quantities."""
     with look():
         figure, axes = panels(2, 3, (WIDE, 4.4))
         for j, parameter in enumerate(AXES):
@@ -69,7 +69,7 @@ def six_panels(result: dict[str, Any], rows: tuple[str, ...]) -> Figure:
 
 
 def peaks(x: np.ndarray, y: np.ndarray, low: float = 2.2, high: float = 4.8) -> np.ndarray:
-    """Places of the local maxima of y inside (low, high), polished by a parabola."""
+    """Return places of the local maxima of y inside (low, high), polished by a parabola."""
     i = np.flatnonzero((y[1:-1] > y[:-2]) & (y[1:-1] >= y[2:])) + 1
     i = i[(x[i] > low) & (x[i] < high)]
     bend = y[i - 1] - 2.0 * y[i] + y[i + 1]
@@ -79,7 +79,7 @@ def peaks(x: np.ndarray, y: np.ndarray, low: float = 2.2, high: float = 4.8) -> 
 def peak_places(
     context: Context, tail: str = "helix", coefficients: str = "sbt", quantity: int = 1
 ) -> np.ndarray:
-    """Numbers of waves between 2.2 and 4.8 at which a line of Fig. 4 or 5 peaks."""
+    """Return numbers of waves between 2.2 and 4.8 at which a line of Fig. 4 or 5 peaks."""
     x = np.linspace(2.0, 5.0, 241)
     return peaks(x, lines(swimmer(tail, coefficients), {WAVES: x})[:, quantity])
 
@@ -87,7 +87,7 @@ def peak_places(
 def peaks_both_ramps(
     context: Context, tail: str, coefficients: str = "sbt", quantity: int = 1
 ) -> np.ndarray:
-    """`peak_places` with the ramp and without it, shape (2, n)."""
+    """Return `peak_places` with the ramp and without it, shape (2, n)."""
     x = np.linspace(2.0, 5.0, 241)
     return np.array([
         peaks(x, lines(swimmer(tail, coefficients, change), {WAVES: x})[:, quantity])
@@ -96,7 +96,9 @@ def peaks_both_ramps(
 
 
 def errors_both_rates(context: Context, coefficients: str) -> np.ndarray:
-    """`error_at` of the body rate at b = 0.15, the tail's rate relative to body and in the lab."""
+    """Return `error_at` of the body rate at b = 0.15, the tail's rate relative to body and in the
+    lab.
+    """
     who = swimmer("helix", coefficients, {AMPLITUDE: 0.15})
     reference = observed(context.reference(swimmer("helix", "constant", {AMPLITUDE: 0.15})))[2]
     rates = [
@@ -107,7 +109,7 @@ def errors_both_rates(context: Context, coefficients: str) -> np.ndarray:
 
 
 def lateral_loss(context: Context, coefficients: str = "sbt") -> np.ndarray:
-    """Lateral amplitude at its peaks near N = 1.5, 2.5, 3.5, 4.5, relative to the first."""
+    """Return lateral amplitude at its peaks near N = 1.5, 2.5, 3.5, 4.5, relative to the first."""
     x = np.linspace(1.0, 5.0, 321)
     y = lines(swimmer("helix", coefficients), {WAVES: x})[:, 1]
     tops = np.array([y[(x >= n) & (x <= n + 1)].max() for n in (1, 2, 3, 4)])
@@ -115,18 +117,18 @@ def lateral_loss(context: Context, coefficients: str = "sbt") -> np.ndarray:
 
 
 def last_peak(context: Context, coefficients: str = "sbt") -> float:
-    """Lateral amplitude at the peak near N = 4.5 over that near 1.5."""
+    """Return the lateral amplitude at the peak near N = 4.5 over that near 1.5."""
     return float(lateral_loss(context, coefficients)[-1])
 
 
 def spread(context: Context, coefficients: str = "sbt", quantity: int = 0) -> float:
-    """How much a line of Fig. 4 varies over 2 to 4 waves: (largest - least) / mean, percent."""
+    """Return how much a line of Fig. 4 varies over 2 to 4 waves, (largest - least) / mean (%)."""
     y = lines(swimmer("helix", coefficients), {WAVES: np.linspace(2.0, 4.0, 81)})[:, quantity]
     return float(100.0 * np.ptp(y) / abs(y.mean()))
 
 
 def errors(context: Context, tail: str, coefficients: str, parameter: str) -> dict[str, np.ndarray]:
-    """Model and reference at the circles inside the paper's range, each (n, 3)."""
+    """Return the model and reference at the circles inside the paper's range, each (n, 3)."""
     low, high = PAPER_RANGE[parameter]
     x = context.sweeps[parameter]
     inside = (x >= low) & (x <= high)
@@ -140,7 +142,7 @@ def errors(context: Context, tail: str, coefficients: str, parameter: str) -> di
 def error(
     context: Context, tail: str, coefficients: str, parameter: str, quantity: int, which: str
 ) -> float:
-    """Error of the model against our reference: mean or greatest, absolute or in percent."""
+    """Return error of the model against our reference: mean or greatest, absolute or in percent."""
     found = errors(context, tail, coefficients, parameter)
     model, reference = found["model"][:, quantity], found["reference"][:, quantity]
     off = np.abs(model - reference)
@@ -149,7 +151,7 @@ def error(
 
 
 def error_at(context: Context, coefficients: str, b: float = 0.15, quantity: int = 2) -> float:
-    """Error of the helical model at one amplitude, percent of the reference."""
+    """Return the error of the helical model at one amplitude, percent of the reference."""
     who = swimmer("helix", coefficients, {AMPLITUDE: b})
     model = lines(who, {AMPLITUDE: np.array([b])})[0, quantity]
     reference = observed(context.reference(swimmer("helix", "constant", {AMPLITUDE: b})))[quantity]

@@ -25,24 +25,26 @@ ROWS = (
 
 
 def compute(context: Context) -> dict[str, Any]:
-    """Both sweeps of the plane wave."""
+    """Return both sweeps of the plane wave."""
     return sweep(context, "plane_wave")
 
 
 def plot(result: dict[str, Any]) -> Figure:
-    """Six panels as in the paper."""
+    """Return six panels as in the paper."""
     return six_panels(result, ROWS)
 
 
 def many_waves(context: Context, coefficients: str = "sbt") -> float:
-    """Change of the speed from its maximum to five waves, percent (negative: it falls)."""
+    """Return the change of the speed from its maximum to five waves (%; negative: it falls)."""
     x = np.linspace(1.0, 5.0, 161)
     speed = -lines(swimmer("plane_wave", coefficients), {WAVES: x})[:, 0]
     return float(100.0 * (speed[-1] / speed.max() - 1.0))
 
 
 def swing(context: Context, source: str = "sbt") -> float:
-    """Contrast of the rate about r over 2 to 4 waves: (largest - least) / (largest + least)."""
+    """Return the contrast of the rate about r over 2 to 4 waves: (largest - least) / (largest +
+    least).
+    """
     x = np.linspace(2.0, 4.0, 81)
     if source == "reference":
         n = context.sweeps[WAVES]
@@ -53,5 +55,5 @@ def swing(context: Context, source: str = "sbt") -> float:
 
 
 def swing_ratio(context: Context) -> float:
-    """`swing` of the model (constant pair) over that of the reference."""
+    """Return `swing` of the model (constant pair) over that of the reference."""
     return swing(context, "constant") / swing(context, "reference")

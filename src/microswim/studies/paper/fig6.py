@@ -30,13 +30,13 @@ CAPTION = (
 
 
 def grid(context: Context) -> tuple[np.ndarray, np.ndarray]:
-    """Amplitudes and numbers of waves of the maps."""
+    """Return amplitudes and numbers of waves of the maps."""
     step = 2 if context.quick else 1
     return np.linspace(0.01, 0.5, 50)[::-step][::-1], np.linspace(0.5, 5.0, 91)[::step]
 
 
 def closed(coefficients: str, b: Any, n: Any, frame: str = "lab") -> tuple[Any, Any]:
-    """``|u_s|`` and efficiency of a helix by force and torque balance of Eq. (20).
+    """Return ``|u_s|`` and efficiency of a helix by force and torque balance of Eq. (20).
 
     With the tail's rate in the lab frame the force balance alone gives u_s; relative to the body,
     the torque balance ``T_t(u_s, omega + Omega) = 8 pi mu r_b^3 gamma Omega`` joins it.
@@ -59,7 +59,7 @@ def closed(coefficients: str, b: Any, n: Any, frame: str = "lab") -> tuple[Any, 
 
 
 def full(who: Swimmer, b: np.ndarray, n: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """``|u_s|`` and efficiency of the model with all its free motions on the grid b x n.
+    """Return ``|u_s|`` and efficiency of the model with all its free motions on the grid b x n.
 
     NaN where the law of the coefficients fails or the tail touches itself.
     """
@@ -70,7 +70,7 @@ def full(who: Swimmer, b: np.ndarray, n: np.ndarray) -> tuple[np.ndarray, np.nda
 
 
 def compute(context: Context) -> dict[str, Any]:
-    """The four maps in the readings that meet the paper's velocities."""
+    """Return the four maps in the readings that meet the paper's velocities."""
     b, n = grid(context)
     helix = closed("constant", b[:, None], n[None, :])
     plane = full(swimmer("plane_wave", "constant"), b, n)
@@ -80,7 +80,7 @@ def compute(context: Context) -> dict[str, Any]:
 
 
 def readings(context: Context) -> list[dict[str, Any]]:
-    """Fastest and most efficient design of every reading, on a coarser grid."""
+    """Return the fastest and most efficient design of every reading, on a coarser grid."""
     b, n = np.linspace(0.02, 0.5, 13), np.linspace(0.5, 5.0, 46)
     rows = []
     for c in ("constant", "sbt"):
@@ -110,7 +110,7 @@ def _row(tail: str, reading: str, c: str, b: Any, n: Any, maps: Any) -> dict[str
 
 def optimum(context: Context, tail: str, quantity: str = "velocity", coefficients: str = "constant",
             frame: str = "lab") -> np.ndarray:  # fmt: skip
-    """Largest value of a map, its amplitude and number of waves, on a grid of 0.05 waves.
+    """Return largest value of a map, its amplitude and number of waves, on a grid of 0.05 waves.
 
     Helix: closed form; plane wave: the model.
     """
@@ -129,24 +129,24 @@ def optimum(context: Context, tail: str, quantity: str = "velocity", coefficient
 
 
 def speed_at(context: Context, tail: str, b: float, n: float) -> float:
-    """``|u_s|`` of the constant pair at one design, in the reading that is drawn."""
+    """Return ``|u_s|`` of the constant pair at one design, in the reading that is drawn."""
     if tail == "helix":
         return float(closed("constant", b, n)[0])
     return float(full(swimmer(tail, "constant"), np.array([b]), np.array([n]))[0][0, 0])
 
 
 def height(context: Context, **which: Any) -> float:
-    """Largest value of a map alone."""
+    """Return the largest value of a map alone."""
     return float(optimum(context, **which)[0])
 
 
 def place(context: Context, **which: Any) -> np.ndarray:
-    """Amplitude and number of waves of the largest value."""
+    """Return the amplitude and number of waves of the largest value."""
     return optimum(context, **which)[1:]
 
 
 def plot(result: dict[str, Any]) -> Figure:
-    """Maps (a, b) of velocity and (c, d) of efficiency; a cross marks each optimum."""
+    """Return maps (a, b) of velocity and (c, d) of efficiency; a cross marks each optimum."""
     titles = {"helix": "rotating helix", "plane_wave": "travelling plane wave"}
     with look():
         figure, axes = panels(2, 2, (WIDE, 5.2), sharex=True, sharey=True)
@@ -190,24 +190,26 @@ def _mark(ax: Any, result: dict[str, Any], values: np.ndarray, unit: str) -> Non
 
 
 def flatness(context: Context) -> float:
-    """Helical speed at (0.5, 1) over the largest of the map."""
+    """Return the helical speed at (0.5, 1) over the largest of the map."""
     return speed_at(context, "helix", 0.5, 1.0) / height(context, tail="helix")
 
 
 def ridge(context: Context, line: str = "arc", fewest: float = 1.0) -> float:
-    """Largest efficiency (percent) of the plane wave with the constant pair for N >= `fewest`."""
+    """Return the largest efficiency (percent) of the plane wave with the constant pair for N >=
+    `fewest`.
+    """
     b, n = np.linspace(0.02, 0.5, 25), np.linspace(fewest, 5.0, 41)
     who = swimmer("plane_wave", "constant", {"motion.line_element": line})
     return float(100.0 * np.nanmax(full(who, b, n)[1]))
 
 
 def efficiency(context: Context, **which: Any) -> float:
-    """Largest efficiency of a map, percent."""
+    """Return the largest efficiency of a map, percent."""
     return 100.0 * height(context, quantity="efficiency", **which)
 
 
 def helix_leads(context: Context, quantity: str = "velocity") -> float:
-    """Largest value of the helix over that of the plane wave, constant pair."""
+    """Return the largest value of the helix over that of the plane wave, constant pair."""
     return height(context, tail="helix", quantity=quantity) / height(
         context, tail="plane_wave", quantity=quantity
     )

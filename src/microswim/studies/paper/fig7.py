@@ -25,7 +25,7 @@ CAPTION = (
 
 
 def compute(context: Context) -> dict[str, Any]:
-    """Both integrals over alpha squared from 0.05 to 1."""
+    """Return both integrals over alpha squared from 0.05 to 1."""
     square = np.linspace(0.05, 1.0, 120)
     alpha = np.sqrt(square)
     tail = as_wave(swimmer("helix", "sbt").tail)
@@ -38,7 +38,7 @@ def compute(context: Context) -> dict[str, Any]:
 
 
 def plot(result: dict[str, Any]) -> Figure:
-    """A_1 and A_2 against alpha squared."""
+    """Return A_1 and A_2 against alpha squared."""
     with look():
         figure, axes = panels(1, 1, (NARROW, 2.6))
         ax, x = axes[0, 0], result["alpha_squared"]
@@ -58,5 +58,5 @@ def plot(result: dict[str, Any]) -> Figure:
 
 
 def unity_limit(context: Context) -> np.ndarray:
-    """``A_1, A_2`` of a straight thin filament, alpha = 1, epsilon to 0."""
+    """Return ``A_1, A_2`` of a straight thin filament, alpha = 1, epsilon to 0."""
     return np.array(lighthill_integrals(1.0, THIN))

@@ -55,7 +55,8 @@ VARIANTS = (
 
 
 def study(swimmer: Swimmer, reference: Gait) -> list[dict[str, Any]]:
-    """Each variant's coefficients and how far its velocities, R and F_p are from the reference.
+    """Return each variant's coefficients and how far its velocities, R and F_p are from the
+    reference.
 
     Parameters
     ----------
@@ -68,7 +69,7 @@ def study(swimmer: Swimmer, reference: Gait) -> list[dict[str, Any]]:
 
 
 def fitted(swimmer: Swimmer, reference: Gait, variant: Variant) -> dict[str, Any]:
-    """Coefficients of one variant, largest error of a velocity, rms errors of R and F_p."""
+    """Return coefficients of one variant, largest error of a velocity, rms errors of R and F_p."""
     values = dict(START)
     truth = _measures(reference)
     own = _own_block(reference) if variant.own_body else None

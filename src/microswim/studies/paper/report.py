@@ -98,7 +98,7 @@ def reproduce(
 
 
 def as_dict(judgement: Judgement) -> dict[str, Any]:
-    """A judged claim as plain numbers and text."""
+    """Return a judged claim as plain numbers and text."""
     claim = judgement.claim
     mine = None if judgement.ours is None else np.asarray(judgement.ours, float).tolist()
     return {
@@ -110,7 +110,7 @@ def as_dict(judgement: Judgement) -> dict[str, Any]:
 
 
 def counts(judged: Iterable[Judgement]) -> dict[str, int]:
-    """How many claims have which verdict."""
+    """Return how many claims have which verdict."""
     out: dict[str, int] = {}
     for j in judged:
         key = j.kind.removesuffix(", because")
@@ -141,7 +141,7 @@ def _section(module: Any, result: dict[str, Any], svg: str) -> str:
 
 
 def table(rows: list[dict[str, Any]]) -> str:
-    """Rows as an HTML table; entries that are arrays are left out."""
+    """Return rows as an HTML table; entries that are arrays are left out."""
     names = [k for k, v in rows[0].items() if not isinstance(v, np.ndarray)]
     body = (f"<tr>{''.join(_cell(row[name]) for name in names)}</tr>\n" for row in rows)
     return document_table([html.escape(name) for name in names], body)

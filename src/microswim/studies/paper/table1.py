@@ -30,7 +30,9 @@ MOTIONS = tuple((s, m) for s in ("perpendicular", "sheared") for m in ("rigid", 
 
 
 def compute(context: Context) -> dict[str, Any]:
-    """The table's rows with our values where they follow from others; the reference if wanted."""
+    """Return the table's rows with our values where they follow from others; the reference if
+    wanted.
+    """
     table = data.load("tabak-table-1")
     ours = derived(swimmer("helix", "constant"))
     rows = [
@@ -45,7 +47,7 @@ def compute(context: Context) -> dict[str, Any]:
 
 
 def derived(who: Swimmer) -> dict[str, float]:
-    """Reynolds number and body resistances that follow from the other entries."""
+    """Return the Reynolds number and body resistances that follow from the other entries."""
     force, torque = who.body.diagonal(who.fluid.viscosity)[::3]
     reynolds = who.fluid.density * who.tail.frequency * 1.0 / who.fluid.viscosity
     return {
@@ -56,24 +58,24 @@ def derived(who: Swimmer) -> dict[str, float]:
 
 
 def resistances(context: Context) -> np.ndarray:
-    """``6 pi mu r_b`` and ``8 pi mu r_b^3``."""
+    """Return ``6 pi mu r_b`` and ``8 pi mu r_b^3``."""
     return np.array(swimmer("helix", "constant").body.diagonal(100.0))[[0, 3]]
 
 
 def reynolds(context: Context) -> float:
-    """Scaling Reynolds number."""
+    """Return the scaling Reynolds number."""
     return derived(swimmer("helix", "constant"))["reynolds_number"]
 
 
 def velocity(context: Context, model: str = "bem", tail: str = "helix", coefficients: str =
              "constant") -> np.ndarray:  # fmt: skip
-    """Base case: mean u_s, lateral amplitude, body rotation (rad per unit time)."""
+    """Return the base case: mean u_s, lateral amplitude, body rotation (rad per unit time)."""
     who = swimmer(tail, coefficients)
     return observed(_gait(context, who, model)) * np.array([1.0, 1.0, 2.0 * np.pi])
 
 
 def component(context: Context, index: int, **which: Any) -> float:
-    """One entry of `velocity`."""
+    """Return one entry of `velocity`."""
     return float(velocity(context, **which)[index])
 
 
@@ -82,7 +84,7 @@ def _gait(context: Context, who: Swimmer, model: str) -> Gait:
 
 
 def surface_motions(context: Context) -> list[dict[str, Any]]:
-    """Base case by the reference for the four ways in which the tail's surface may move."""
+    """Return base case by the reference for the four ways in which the tail's surface may move."""
     rows = []
     for sections, motion in MOTIONS:
         who = swimmer("helix", "constant").with_(
@@ -95,24 +97,26 @@ def surface_motions(context: Context) -> list[dict[str, Any]]:
 
 
 def spread(context: Context, quantity: str) -> np.ndarray:
-    """Values of one column of `surface_motions`."""
+    """Return values of one column of `surface_motions`."""
     return np.array([row[quantity] for row in surface_motions(context)])
 
 
 def held(context: Context) -> np.ndarray:
-    """Axial force and torque by the fluid on the tail of the held swimmer (reference)."""
+    """Return axial force and torque by the fluid on the tail of the held swimmer (reference)."""
     gait = context.reference(swimmer("helix", "constant"))
     body = np.asarray(gait.body_propulsion_series)
     return -gait.rate * (gait.propulsion_series[0] - body[0])[[0, 3]]
 
 
 def held_torque(context: Context) -> float:
-    """Axial torque by the fluid on the tail of the held swimmer (reference)."""
+    """Return the axial torque by the fluid on the tail of the held swimmer (reference)."""
     return float(held(context)[1])
 
 
 def held_pair(context: Context) -> np.ndarray:
-    """``c_n, c_t`` that Eq. (20) gives for the reference's thrust and torque of the held tail."""
+    """Return ``c_n, c_t`` that Eq. (20) gives for the reference's thrust and torque of the held
+    tail.
+    """
     tail = swimmer("helix", "constant").tail
     thrust, torque = held(context)
     pair = Constant.from_held_tail(tail, thrust, torque)
@@ -120,25 +124,25 @@ def held_pair(context: Context) -> np.ndarray:
 
 
 def implied_thrust(context: Context) -> float:
-    """Thrust that the paper's pair implies through Eq. (20), over the reference's."""
+    """Return the thrust that the paper's pair implies through Eq. (20), over the reference's."""
     tail = swimmer("helix", "constant").tail
     return float(closed_form(tail, c_n=995.5, c_t=775.2)[0] / held(context)[0])
 
 
 def round_trip(context: Context) -> np.ndarray:
-    """The paper's pair through Eq. (20) to thrust and torque and back."""
+    """Return the paper's pair through Eq. (20) to thrust and torque and back."""
     tail = swimmer("helix", "constant").tail
     pair = Constant.from_held_tail(tail, *closed_form(tail, c_n=995.5, c_t=775.2))
     return np.array([pair.normal, pair.tangential])
 
 
 def body_force(context: Context) -> float:
-    """Mean axial drag on the body of the free swimmer (reference)."""
+    """Return the mean axial drag on the body of the free swimmer (reference)."""
     return float(body_forces(context)[0])
 
 
 def body_forces(context: Context) -> np.ndarray:
-    """`body_force` for the four ways in which the tail's surface may move."""
+    """Return `body_force` for the four ways in which the tail's surface may move."""
     out = []
     for sections, motion in MOTIONS:
         who = swimmer("helix", "constant").with_(
@@ -149,26 +153,28 @@ def body_forces(context: Context) -> np.ndarray:
 
 
 def body_lateral_force(context: Context) -> float:
-    """Amplitude of the lateral force on the body of the free swimmer (reference)."""
+    """Return the amplitude of the lateral force on the body of the free swimmer (reference)."""
     gait = context.reference(swimmer("helix", "constant"))
     return float(np.hypot(*gait.body_wrench(0.0)[1:3]))
 
 
 def ripple(context: Context, index: int) -> float:
-    """Variation of a velocity over the period, percent of its mean (reference)."""
+    """Return the variation of a velocity over the period, percent of its mean (reference)."""
     gait = context.reference(swimmer("helix", "constant"))
     V = gait.velocity(np.linspace(0.0, 2.0 * np.pi, 33))[:, index]
     return float(100.0 * np.ptp(V) / abs(V.mean()))
 
 
 def waves_and_wavenumber(context: Context, which: str) -> float:
-    """Number of waves or wavenumber of the base case."""
+    """Return the number of waves or wavenumber of the base case."""
     tail = as_wave(swimmer("helix", "constant").tail)
     return float(tail.number_of_waves if which == "waves" else tail.wavenumber)
 
 
 def seconds_of_a_rotation(context: Context) -> float:
-    """Wall time of one rotation of the helix, 64 poses in the lab frame, after compilation."""
+    """Return the wall time of one rotation of the helix, 64 poses in the lab frame, after
+    compilation.
+    """
     from time import perf_counter
 
     from microswim.path.trajectory import trajectory
@@ -183,7 +189,7 @@ def seconds_of_a_rotation(context: Context) -> float:
 
 
 def plot(result: dict[str, Any]) -> Figure:
-    """Both swimmers from the side, to scale."""
+    """Return both swimmers from the side, to scale."""
     with look():
         figure, axes = panels(1, 2, (WIDE, 1.6), sharey=True)
         for ax, tail, name in zip(axes[0], ("helix", "plane_wave"), "ab"):
@@ -196,7 +202,7 @@ def plot(result: dict[str, Any]) -> Figure:
 
 
 def draw(ax: Any, who: Swimmer) -> None:
-    """A swimmer from the side: body, and the tail as thick as it is."""
+    """Draw a swimmer from the side: body, and the tail as thick as it is."""
     r_s = who.body.semi_axes3[0]
     tail = who.tail
     s = np.linspace(0.0, tail.apparent_length, 600)

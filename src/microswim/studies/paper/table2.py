@@ -20,7 +20,7 @@ MICRO = 1e6
 
 
 def compute(context: Context) -> dict[str, Any]:
-    """The table, and what our presets make of it: the filament's apparent length."""
+    """Return the table, and what our presets make of it: the filament's apparent length."""
     table = data.load("tabak-table-2")
     rows = []
     for name in SPECIMENS:
@@ -37,7 +37,7 @@ def compute(context: Context) -> dict[str, Any]:
 
 
 def preset_numbers(context: Context, field: str) -> np.ndarray:
-    """One column of the table out of our presets, in its unit."""
+    """Return one column of the table out of our presets, in its unit."""
     paths = {
         "frequency": ("tail.frequency", 1.0), "tail_length": ("tail.length", MICRO),
         "body_semi_axis_s": ("body.semi_axes[0]", MICRO),
@@ -48,7 +48,7 @@ def preset_numbers(context: Context, field: str) -> np.ndarray:
 
 
 def plot(result: dict[str, Any]) -> Figure:
-    """The seven cells below each other, to scale."""
+    """Return the seven cells below each other, to scale."""
     with look():
         figure, axes = panels(1, 1, (WIDE, 3.4))
         ax = axes[0, 0]

@@ -41,13 +41,13 @@ COLUMNS = {
 
 
 def printed(tail: str, coefficients: str) -> np.ndarray:
-    """The paper's three coefficients."""
+    """Return the paper's three coefficients."""
     row = data.load("tabak-table-3").sel(tail=tail, coefficients=coefficients)
     return np.array([float(row[c]) for c in COLUMNS[tail]])
 
 
 def from_printed_cfd(context: Context, coefficients: str) -> np.ndarray:
-    """Inverse problem for the helix with the velocities that the paper prints."""
+    """Return the inverse problem for the helix with the velocities that the paper prints."""
     start = swimmer("helix", coefficients)
     velocities = {k: (v, abs(v) * 0.01) for k, v in PRINTED_CFD.items()}
     key = ("printed", coefficients)
@@ -55,7 +55,7 @@ def from_printed_cfd(context: Context, coefficients: str) -> np.ndarray:
 
 
 def from_reference(context: Context, tail: str, coefficients: str) -> np.ndarray:
-    """Inverse problem with the velocities of our reference."""
+    """Return the inverse problem with the velocities of our reference."""
     start = swimmer(tail, coefficients)
     key = ("table3", tail, coefficients)
     names = usual(start)
@@ -63,18 +63,20 @@ def from_reference(context: Context, tail: str, coefficients: str) -> np.ndarray
 
 
 def ratios(context: Context, tail: str) -> np.ndarray:
-    """Direct ratios of force to velocity of the reference's body (``Section 3.2.1``)."""
+    """Return the direct ratios of force to velocity of the reference's body (``Section 3.2.1``)."""
     start = swimmer(tail, "constant")
     return calibrate(start, context.reference(start), method="ratios").values
 
 
 def ratio(context: Context, tail: str, index: int) -> float:
-    """One entry of `ratios`."""
+    """Return one entry of `ratios`."""
     return float(ratios(context, tail)[index])
 
 
 def plane_wave_drag(context: Context) -> np.ndarray:
-    """``gamma_N,s`` by direct ratio for three ways in which the plane wave's surface may move."""
+    """Return ``gamma_N,s`` by direct ratio for three ways in which the plane wave's surface may
+    move.
+    """
     out = []
     ways = (
         ("sheared", "translating"),
@@ -93,39 +95,43 @@ def plane_wave_drag(context: Context) -> np.ndarray:
 
 
 def drag_ratio_of_printed(context: Context) -> float:
-    """Drag factor from the printed drag and velocity, ``81.7 / (6 pi mu r_b 0.038)``."""
+    """Return the drag factor from the printed drag and velocity, ``81.7 / (6 pi mu r_b 0.038)``."""
     return float(81.7 / (swimmer("helix", "constant").body.diagonal(100.0)[0] * 0.038))
 
 
 def lateral_ratio_of_printed(context: Context) -> float:
-    """Lateral factor from the printed force and velocity, ``7.235 / (6 pi mu r_b 0.015)``."""
+    """Return the lateral factor from the printed force and velocity, ``7.235 / (6 pi mu r_b
+    0.015)``.
+    """
     return float(7.235 / (swimmer("helix", "constant").body.diagonal(100.0)[1] * 0.015))
 
 
 def one(context: Context, source: str, index: int, coefficients: str, tail: str = "helix") -> float:
-    """One coefficient by the inverse problem for the printed velocities or our reference."""
+    """Return one coefficient by the inverse problem for the printed velocities or our reference."""
     if source == "cfd":
         return float(from_printed_cfd(context, coefficients)[index])
     return float(from_reference(context, tail, coefficients)[index])
 
 
 def base_component(context: Context, index: int, coefficients: str) -> float:
-    """One entry of `base_case`."""
+    """Return one entry of `base_case`."""
     return float(base_case(context, coefficients)[index])
 
 
 def sign_of_turn(context: Context, coefficients: str) -> float:
-    """Sign of the plane wave's ``gamma_R,r`` by the inverse problem for our reference."""
+    """Return sign of the plane wave's ``gamma_R,r`` by the inverse problem for our reference."""
     return float(np.sign(from_reference(context, "plane_wave", coefficients)[2]))
 
 
 def base_case(context: Context, coefficients: str) -> np.ndarray:
-    """Base case of the helix with Table 3's coefficients: u_s, lateral, Omega_s (rad)."""
+    """Return base case of the helix with Table 3's coefficients: u_s, lateral, Omega_s (rad)."""
     return observed(swimmer("helix", coefficients).gait()) * np.array([1.0, 1.0, 2.0 * np.pi])
 
 
 def total_is_definite(context: Context, coefficients: str = "constant") -> float:
-    """Least eigenvalue of the plane wave's total R over the free motions, over the greatest."""
+    """Return the least eigenvalue of the plane wave's total R over the free motions, over the
+    greatest.
+    """
     gait = swimmer("plane_wave", coefficients).gait()
     f = np.flatnonzero(gait.free)
     phases = np.linspace(0.0, 2.0 * np.pi, 24, endpoint=False)
@@ -134,7 +140,7 @@ def total_is_definite(context: Context, coefficients: str = "constant") -> float
 
 
 def compute(context: Context) -> dict[str, Any]:
-    """Rows: tail, coefficients, the paper's, from the printed CFD, from our reference."""
+    """Return rows: tail, coefficients, the paper's, from the printed CFD, from our reference."""
     rows = []
     for tail in TAILS:
         for c in SETS:
@@ -151,7 +157,7 @@ def compute(context: Context) -> dict[str, Any]:
 
 
 def plot(result: dict[str, Any]) -> Figure:
-    """Three panels, one per coefficient; groups are tails and coefficient sets."""
+    """Return three panels, one per coefficient; groups are tails and coefficient sets."""
     names = ["helix\nconst.", "helix\nSBT", "plane w.\nconst.", "plane w.\nSBT"]
     labels = {"s": r"$\gamma_{N,s}$", "q": r"$\gamma_{N,q}$",
               "turn": r"$\gamma_{R,s}$ (helix), $\gamma_{R,r}$ (plane wave)"}  # fmt: skip

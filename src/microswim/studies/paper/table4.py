@@ -39,7 +39,7 @@ VARIED = {"waves": WAVES, "amplitude": AMPLITUDE}
 
 
 def printed(tail: str, quantity: int, varied: str, coefficients: str) -> np.ndarray:
-    """The paper's error and the two ends of its range."""
+    """Return the paper's error and the two ends of its range."""
     keys = {"tail": tail, "quantity": QUANTITIES[tail][quantity], "varied": varied,
             "coefficients": coefficients}  # fmt: skip
     row = data.load("tabak-table-4").sel(keys)
@@ -49,7 +49,7 @@ def printed(tail: str, quantity: int, varied: str, coefficients: str) -> np.ndar
 def line(
     tail: str, quantity: int, varied: str, coefficients: str, changes: dict[str, Any] | None = None
 ) -> np.ndarray:
-    """The model's values along a sweep over the paper's range."""
+    """Return the model's values along a sweep over the paper's range."""
     parameter = VARIED[varied]
     x = np.linspace(*PAPER_RANGE[parameter], 57)
     return lines(swimmer(tail, coefficients, changes), {parameter: x})[:, quantity]
@@ -58,14 +58,14 @@ def line(
 def span(
     context: Context, tail: str, quantity: int, varied: str, coefficients: str, **changes: Any
 ) -> np.ndarray:
-    """Range of the model: the ends of least and of largest magnitude, as printed."""
+    """Return the range of the model: the ends of least and of largest magnitude, as printed."""
     y = line(tail, quantity, varied, coefficients, changes)
     order = np.argsort(np.abs(y))
     return y[order[[0, -1]]]
 
 
 def refitted(context: Context, quantity: int, varied: str, coefficients: str) -> np.ndarray:
-    """`span` of the helix, gamma from the inverse problem for the printed CFD velocities."""
+    """Return `span` of the helix, gamma from the inverse problem for the printed CFD velocities."""
     from microswim.studies.paper.table3 import from_printed_cfd
 
     s, q, turn = (float(g) for g in from_printed_cfd(context, coefficients))
@@ -74,7 +74,7 @@ def refitted(context: Context, quantity: int, varied: str, coefficients: str) ->
 
 
 def rows(context: Context) -> list[dict[str, Any]]:
-    """All entries of the table beside ours."""
+    """Return all entries of the table beside ours."""
     out = []
     for tail in TAILS:
         for quantity, name in enumerate(QUANTITIES[tail]):
@@ -96,12 +96,12 @@ def rows(context: Context) -> list[dict[str, Any]]:
 
 
 def compute(context: Context) -> dict[str, Any]:
-    """Rows of the table."""
+    """Return rows of the table."""
     return {"rows": rows(context)}
 
 
 def plot(result: dict[str, Any]) -> Figure:
-    """Ranges as bars: the paper's above ours, one panel per tail, scaled by the larger end."""
+    """Draw ranges as bars: the paper's above ours, one panel per tail, scaled by the larger end."""
     with look():
         figure, axes = panels(1, 2, (WIDE, 3.8))
         for ax, tail, name in zip(axes[0], TAILS, "ab"):
@@ -129,7 +129,7 @@ def end(
     context: Context, which: str, tail: str, quantity: int, varied: str, coefficients: str,
     **changes: Any,
 ) -> float:  # fmt: skip
-    """One end of a range: ``which`` is least or largest (in magnitude)."""
+    """Return one end of a range: ``which`` is least or largest (in magnitude)."""
     found = span(context, tail, quantity, varied, coefficients, **changes)
     return float(found[0 if which == "least" else 1])
 
@@ -137,7 +137,7 @@ def end(
 def end_both_rates(
     context: Context, which: str, quantity: int, varied: str, coefficients: str
 ) -> np.ndarray:
-    """`end` of the helix with the tail's rate relative to the body and in the lab frame."""
+    """Return `end` of the helix with the tail's rate relative to the body and in the lab frame."""
     both = [
         end(
             context, which, "helix", quantity, varied, coefficients, **{"motion.frequency_frame": x}
@@ -150,7 +150,7 @@ def end_both_rates(
 def end_both_lines(
     context: Context, which: str, quantity: int, varied: str, coefficients: str
 ) -> np.ndarray:
-    """`end` of the plane wave integrated over the apparent length and along the arc."""
+    """Return `end` of the plane wave integrated over the apparent length and along the arc."""
     both = [
         end(
             context,
@@ -169,14 +169,14 @@ def end_both_lines(
 def least_both_samplings(
     context: Context, tail: str, quantity: int, coefficients: str
 ) -> np.ndarray:
-    """Least magnitude over the number of waves, sampled finely and in quarters of a wave."""
+    """Return least magnitude over the number of waves, sampled finely and in quarters of a wave."""
     who = swimmer(tail, coefficients)
     samplings = np.linspace(2.0, 4.0, 161), np.linspace(2.0, 4.0, 9)
     return np.array([np.abs(lines(who, {WAVES: n})[:, quantity]).min() for n in samplings])
 
 
 def amplitude_needed(context: Context, tail: str, quantity: int, coefficients: str) -> float:
-    """Amplitude at which the model gives the printed least value of the amplitude sweep."""
+    """Return amplitude at which the model gives the printed least value of the amplitude sweep."""
     wanted = abs(printed(tail, quantity, "amplitude", coefficients)[1])
     b = np.geomspace(0.005, 0.03, 60)
     y = np.abs(lines(swimmer(tail, coefficients), {AMPLITUDE: b})[:, quantity])
@@ -184,7 +184,7 @@ def amplitude_needed(context: Context, tail: str, quantity: int, coefficients: s
 
 
 def implied_cfd(context: Context, tail: str, quantity: int) -> np.ndarray:
-    """The paper's CFD at b = 0.15 by both sets: printed largest value less (or plus) its error.
+    """Return paper's CFD at b = 0.15 by both sets: printed largest value less (or plus) its error.
 
     The error is read as the difference at the largest amplitude, where it is greatest. Of the four
     pairs of signs, those whose values agree within 1 % are candidates; the lower one is taken.
@@ -200,7 +200,7 @@ def implied_cfd(context: Context, tail: str, quantity: int) -> np.ndarray:
 
 
 def reference_at_largest(context: Context, tail: str, quantity: int) -> float:
-    """Our reference at b = 0.15, magnitude."""
+    """Return our reference's rate at b = 0.15, magnitude."""
     from microswim.studies.paper.context import observed
 
     gait = context.reference(swimmer(tail, "constant", {AMPLITUDE: 0.15}))
@@ -208,7 +208,7 @@ def reference_at_largest(context: Context, tail: str, quantity: int) -> float:
 
 
 def largest_error(context: Context, coefficients: str) -> float:
-    """Largest body rate of the amplitude sweep less the CFD's that the text implies, 0.1206.
+    """Return largest body rate of the amplitude sweep less the CFD's that the text implies, 0.1206.
 
     ``0.1349 / 1.118 = 0.1722 / 1.427 = 0.1207``: both percentages of Section 3.2.2 give one value.
     """

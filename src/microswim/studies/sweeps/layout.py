@@ -54,7 +54,7 @@ def said(name: str, units: str) -> dict[str, str]:
 
 
 def blank(rows: int) -> dict[str, np.ndarray]:
-    """Rows that hold nothing yet."""
+    """Return rows that hold nothing yet."""
     out: dict[str, np.ndarray] = {name: np.full((rows, 6), np.nan) for name in VECTORS}
     out |= {name: np.full(rows, np.nan) for name in NUMBERS}
     out["status"] = np.zeros(rows, dtype=np.int8)

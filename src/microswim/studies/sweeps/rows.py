@@ -44,7 +44,7 @@ class Job:
 
 
 def solve_rows(job: Job, columns: Mapping[str, np.ndarray]) -> dict[str, np.ndarray]:
-    """Results of designs, one a row: the batched kernel for the surrogate, else one by one.
+    """Return results of designs, one a row: the batched kernel for the surrogate, else one by one.
 
     Parameters
     ----------
@@ -153,7 +153,7 @@ def outputs(gait: Any) -> dict[str, Any]:
 
 
 def groups(columns: Mapping[str, np.ndarray]) -> list[tuple[dict[str, Any], np.ndarray]]:
-    """Rows by their discrete choices: ``(choices, indices of the rows)``."""
+    """Return rows by their discrete choices: ``(choices, indices of the rows)``."""
     rows = len(next(iter(columns.values())))
     words = [name for name, column in columns.items() if column.dtype.kind in "USOb"]
     if not words:

@@ -42,7 +42,8 @@ class Space:
 
     @classmethod
     def of(cls, over: Any, block: int) -> Space:
-        """From a mapping of axes (grid), or a sequence of mappings or a table (list).
+        """Return the space of a mapping of axes (grid), or of a sequence of mappings or a table
+        (list).
 
         Raises
         ------
@@ -93,7 +94,7 @@ class Space:
         return tuple(reversed(out))
 
     def blocks(self) -> Iterator[tuple[tuple[slice, ...], int, int]]:
-        """Every block: its place in the grid, first row and row after the last."""
+        """Yield every block: its place in the grid, first row and row after the last."""
         counts = [-(-n // c) for n, c in zip(self.shape, self.chunks)]
         start = 0
         for index in np.ndindex(*counts):
@@ -105,7 +106,7 @@ class Space:
             start = stop
 
     def columns(self, rows: np.ndarray) -> dict[str, np.ndarray]:
-        """Value of every name at the rows."""
+        """Return the value of every name at the rows."""
         if not self.grid:
             return {name: v[rows] for name, v in zip(self.names, self.values)}
         index = np.unravel_index(rows, self.shape)

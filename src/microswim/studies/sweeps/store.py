@@ -120,11 +120,11 @@ class SweepStore:
         return store
 
     def status(self, place: Any) -> np.ndarray:
-        """Status of the designs of a block."""
+        """Return the status of the designs of a block."""
         return np.asarray(self._arrays["status"][place]).reshape(-1)
 
     def read(self, place: Any) -> dict[str, np.ndarray]:
-        """A block as it stands."""
+        """Return a block as it stands."""
         block = {}
         for name, array in self._arrays.items():
             values = np.asarray(array[place])

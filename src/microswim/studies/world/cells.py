@@ -84,7 +84,7 @@ CELLS = (
 
 
 def measured(cell: Cell) -> dict[str, tuple[float, float]]:
-    """Mean and spread of the speed and of each number of the spec, in SI units."""
+    """Return the mean and spread of the speed and of each number of the spec, in SI units."""
     row = data.load(cell.table).sel(Species=cell.species)
 
     def pair(column: str, unit: float) -> tuple[float, float]:
@@ -98,7 +98,7 @@ def measured(cell: Cell) -> dict[str, tuple[float, float]]:
 
 
 def swimmer(cell: Cell) -> Swimmer:
-    """The cell at the mean geometry; Gray and Hancock's law with spin, all six velocities free.
+    """Return cell at the mean geometry; Gray and Hancock's law with spin, all six velocities free.
 
     Examples
     --------
@@ -127,7 +127,8 @@ def swimmer(cell: Cell) -> Swimmer:
 
 
 def spread(cell: Cell, samples: int = SAMPLES, seed: int = 1) -> np.ndarray:
-    """Speeds that resistive force theory gives for geometries drawn from the measured spread.
+    """Return speeds that resistive force theory gives for geometries drawn from the measured
+    spread.
 
     Independent normal errors, cut at three standard deviations and at a tenth of the mean;
     geometries that make no swimmer are left out.
@@ -146,7 +147,7 @@ def spread(cell: Cell, samples: int = SAMPLES, seed: int = 1) -> np.ndarray:
 
 
 def rows(bem: bool = True, level: str = "coarse", folder: Any = None) -> list[dict[str, Any]]:
-    """One row per cell: measured and predicted speeds in um/s, with their spreads."""
+    """Return one row per cell: measured and predicted speeds in um/s, with their spreads."""
     made = [swimmer(cell) for cell in CELLS]
     found: list[Any] = [None] * len(made)
     if bem:
@@ -173,7 +174,7 @@ def rows(bem: bool = True, level: str = "coarse", folder: Any = None) -> list[di
 
 
 def picture(table: list[dict[str, Any]]) -> Any:
-    """Figure: predicted against measured speed, with spreads."""
+    """Return the figure: predicted against measured speed, with spreads."""
     with look():
         figure, grid = panels(1, 1, (6.4, 4.2))
         _speeds(grid[0, 0], table)
@@ -202,7 +203,7 @@ def _speeds(ax: Any, table: list[dict[str, Any]]) -> None:
 
 
 def without_spread(cell: Cell) -> list[str]:
-    """Numbers that the bank gives without a spread."""
+    """Return numbers that the bank gives without a spread."""
     row = data.load(cell.table).sel(Species=cell.species)
     columns = [column for column, _ in _COLUMNS.values()]
     return [c for c in columns if not np.isfinite(float(row[f"d{c}"]))]

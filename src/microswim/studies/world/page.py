@@ -30,7 +30,7 @@ LEVEL = "coarse"  #: of the boundary elements: filaments of many turns are long
 
 
 def vibrio() -> list[Row]:
-    """Specimens of Goto et al.: coefficients from C, the others predicted.
+    """Return specimens of Goto et al.: coefficients from C, the others predicted.
 
     The measured values are inferred from the paper's statements, not read from Goto et al.
     """
@@ -63,7 +63,7 @@ def vibrio() -> list[Row]:
 
 
 def rodenborn(bem: bool = True, level: str = LEVEL) -> list[Row]:
-    """Thrust, torque and drag of a rigid helix, measured against each law and the judge."""
+    """Return thrust, torque and drag of a rigid helix, measured against each law and the judge."""
     measured = data.load("rodenborn2013-helix")
     R, length, radius, mu = 6.3e-3, 130e-3, 0.397e-3, 100.0
     scale = np.array([mu * R**2, mu * R**3, mu * R])
@@ -110,7 +110,8 @@ def _helix_row(pitch: float, model: str, values: np.ndarray, truth: np.ndarray) 
 
 
 def table_3() -> list[Row]:
-    """Table 3 of the paper from its own CFD velocities, for both readings of the tail's rate.
+    """Return Table 3 of the paper from its own CFD velocities, for both readings of the tail's
+    rate.
 
     For the plane wave the paper gives no velocities of the base case in numbers; there each set of
     coefficients is found from the velocities that the paper's other set implies.
@@ -139,7 +140,7 @@ def _row_3(tail: str, law: str, source: str, values: Any) -> Row:
 
 
 def boso(bem: bool = True, level: str = LEVEL) -> list[Row]:
-    """Cells of the BOSO-Micro bank: measured and predicted speed, with spreads."""
+    """Return cells of the BOSO-Micro bank: measured and predicted speed, with spreads."""
     return cells.rows(bem, level)
 
 
@@ -177,7 +178,7 @@ def _cells_part(table_: list[Row], picture: str | None) -> list[str]:
 
 
 def page(bem: bool = True, picture: str | None = None, found: list[Row] | None = None) -> str:
-    """The page "Against the world" as Markdown, every number computed now.
+    """Return the page "Against the world" as Markdown, every number computed now.
 
     Parameters
     ----------
@@ -215,7 +216,7 @@ def page(bem: bool = True, picture: str | None = None, found: list[Row] | None =
 
 
 def table(rows: list[Row]) -> str:
-    """Rows as a Markdown table."""
+    """Return rows as a Markdown table."""
     names = list(dict.fromkeys(name for row in rows for name in row))
     lines = ["| " + " | ".join(names) + " |", "|" + "---|" * len(names)]
     for row in rows:

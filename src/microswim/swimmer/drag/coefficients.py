@@ -71,10 +71,10 @@ class Coefficients(ABC):
 
     @abstractmethod
     def pair(self, tail: Tail, viscosity: Any) -> tuple[Any, Any]:
-        """``(c_t, c_n)``: force per unit length and velocity, along and across the filament."""
+        """Return ``(c_t, c_n)``: force per length and velocity, along and across the filament."""
 
     def local(self, tail: Tail, viscosity: Any) -> tuple[Any, Any, Any]:
-        """``(c_t, c_n, c_r)`` per unit length: along, across, and of spin.
+        """Return ``(c_t, c_n, c_r)`` per unit length: along, across, and of spin.
 
         ``c_r = 4 pi mu r_t^2``, the torque on an infinite cylinder turning about its axis.
         """
@@ -82,7 +82,7 @@ class Coefficients(ABC):
         return (*self.pair(tail, viscosity), spin)
 
     def end(self, tail: Tail, viscosity: Any) -> Any:
-        """Force and velocity of the tip, in all directions: half a sphere, half its drag."""
+        """Return force and velocity of the tip, in all directions: half a sphere, half its drag."""
         return 3.0 * np.pi * viscosity * tail.radius if self.tip else 0.0 * tail.radius
 
 
@@ -111,7 +111,7 @@ class Lighthill(Coefficients):
         return self.spin and not self.tip
 
     def pair(self, tail: Tail, viscosity: Any) -> tuple[Any, Any]:
-        """``(c_t, c_n)``.
+        """Return ``(c_t, c_n)``.
 
         ``c_n = 4 pi mu / (-ln eps + (2 alpha^2 - 1) A_1 + 2 (1 - alpha^2) A_2)``   [Tabak Eq. 7]
         ``c_t = 2 pi mu / (-ln eps - 1/2 + alpha^2 A_1 + (1 - alpha^2) A_2)``       [Tabak Eq. 8]
@@ -139,7 +139,7 @@ class Unchosen(Lighthill):
     """
 
     def pair(self, tail: Tail, viscosity: Any) -> tuple[Any, Any]:
-        """``(c_t, c_n)`` by Lighthill's law, which needs a wave; without one by Cox's."""
+        """Return ``(c_t, c_n)`` by Lighthill's law, which needs a wave; without one by Cox's."""
         law = Cox() if tail.wavelength_along_s is None else super()
         return law.pair(tail, viscosity)
 
@@ -184,7 +184,9 @@ class GrayHancock(Coefficients):
     law: ClassVar[str] = "gray_hancock"
 
     def pair(self, tail: Tail, viscosity: Any) -> tuple[Any, Any]:
-        """``c_t = 2 pi mu/(ln(2 lambda/a) - 1/2)``, ``c_n = 4 pi mu/(ln(2 lambda/a) + 1/2)``."""
+        """Return ``c_t = 2 pi mu/(ln(2 lambda/a) - 1/2)``, ``c_n = 4 pi mu/(ln(2 lambda/a) +
+        1/2)``.
+        """
         _, wavelength = _wave(tail, self.law)
         return _logarithmic(viscosity, 2.0 * wavelength / tail.radius, 0.5, -0.5, "wavelength")
 
@@ -210,7 +212,7 @@ class Cox(Coefficients):
     law: ClassVar[str] = "cox"
 
     def pair(self, tail: Tail, viscosity: Any) -> tuple[Any, Any]:
-        """``c_t = 2 pi mu / (ln(2 l/a) - 3/2)``, ``c_n = 4 pi mu / (ln(2 l/a) - 1/2)``."""
+        """Return ``c_t = 2 pi mu / (ln(2 l/a) - 3/2)``, ``c_n = 4 pi mu / (ln(2 l/a) - 1/2)``."""
         return _logarithmic(viscosity, 2.0 * tail.arc_length / tail.radius, -0.5, -1.5, "length")
 
 
@@ -261,7 +263,7 @@ class Constant(Coefficients):
         checks.positive("coefficients.tangential", self.tangential)
 
     def pair(self, tail: Tail, viscosity: Any) -> tuple[Any, Any]:
-        """The pair as given."""
+        """Return the pair as given."""
         return self.tangential, self.normal
 
     @classmethod
@@ -271,7 +273,7 @@ class Constant(Coefficients):
         torque=partial(checks.number, allowed="a finite torque"),
     )
     def from_held_tail(cls, tail: Tail, thrust: float, torque: float, **options: Any) -> Constant:
-        """The pair that gives a held swimmer's thrust and torque through Eq. (20).
+        """Return the pair that gives a held swimmer's thrust and torque through Eq. (20).
 
         Parameters
         ----------
@@ -308,7 +310,7 @@ class Constant(Coefficients):
     u_s=checks.reals,
 )
 def closed_form(tail: Tail, *, c_n: Any, c_t: Any, u_s: Any = 0.0) -> tuple[Any, Any]:
-    """Axial force and torque by the fluid on a helical tail without ramp [Tabak Eq. 20].
+    """Return the axial force and torque by the fluid on a helical tail without ramp [Tabak Eq. 20].
 
     ``[F; T] = -(L/alpha) alpha^2 ([[b^2k^2, 1], [b^2k, -b^2k]] u_s
     + [[k, -k], [1, b^2k^2]] b^2 omega) [c_n; c_t]``, the paper's ``alpha L`` being the arc

@@ -92,7 +92,7 @@ class Interaction:
         return self.coupling != _ZERO
 
     def body_resistance(self, isolated: tuple[Any, ...]) -> np.ndarray:
-        """Body resistance ``B_b`` about its centre [Tabak Eqs. 3, 21, 22].
+        """Return the body resistance ``B_b`` about its centre [Tabak Eqs. 3, 21, 22].
 
         Parameters
         ----------

@@ -98,7 +98,7 @@ def _at(a: Any, e: Any, table: Any, xi: Any, weight: Any) -> Any:
 
 
 def lighthill_integrals(alpha: Any, epsilon: Any) -> tuple[Any, Any]:
-    """Lighthill's periodic integrals ``A_1`` and ``A_2`` [Tabak Eqs. 25-28].
+    """Return Lighthill's periodic integrals ``A_1`` and ``A_2`` [Tabak Eqs. 25-28].
 
     Parameters
     ----------

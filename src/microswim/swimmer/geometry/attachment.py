@@ -18,7 +18,7 @@ MEND = "a ramp, such as tail.ramp = 0.1, leads it there; or use a smaller amplit
 
 
 def misses(body: Body, tail: Tail, phase: float = 0.0) -> bool:
-    """Whether the centreline passes the body by.
+    """Return whether the centreline passes the body by.
 
     Parameters
     ----------

@@ -27,7 +27,7 @@ from microswim.swimmer.geometry.solids.surface_file import SurfaceFile
 
 
 def ellipsoid_resistance(semi_axes: tuple[Any, Any, Any], viscosity: Any) -> tuple[Any, ...]:
-    r"""Six diagonal resistances of an isolated ellipsoid, ``(s, q, r)`` force then torque.
+    r"""Return six diagonal resistances of an isolated ellipsoid, ``(s, q, r)`` force then torque.
 
     .. math:: \chi = \int_0^\infty d\lambda/\Delta, \quad
               \alpha_i = \int_0^\infty d\lambda/((a_i^2+\lambda)\Delta), \quad
@@ -76,11 +76,11 @@ class EllipsoidalBody(Body):
         return float(max(self.semi_axes3))
 
     def opening(self, pole: Array, first: Array, reach: float) -> Opening:
-        """The equator about the root: an ellipsoid has no edges."""
+        """Return the equator about the root: an ellipsoid has no edges."""
         return Opening(np.array([pole, first, np.cross(pole, first)]), 0.5 * np.pi)
 
     def facets(self, splits: int, opening: Opening | None = None) -> list[Facet]:
-        """A cubed sphere, stretched; beyond the equator half of one."""
+        """Return a cubed sphere, stretched; beyond the equator half of one."""
         side = splits + int(max(self.semi_axes3) > 1.5 * min(self.semi_axes3))
         if opening is None:
             return [f.mapped(self.surface_point) for f in cubed_sphere(side)]
@@ -88,7 +88,7 @@ class EllipsoidalBody(Body):
         return [f.mapped(self.surface_point) for f in half_sphere(-pole, second, first, side)]
 
     def drawing(self, fineness: float = 1.0) -> tuple[np.ndarray, np.ndarray]:
-        """A grid of the two angles."""
+        """Return a grid of the two angles."""
         points, quads = sphere_grid(int(24 * fineness) + 1, int(36 * fineness))
         return points * np.array(self.semi_axes3), quads
 
@@ -187,7 +187,7 @@ class Spheroid(EllipsoidalBody):
         return (r_s, r_q, r_q)
 
     def diagonal(self, viscosity: Any) -> tuple[Any, ...]:
-        """Six isolated resistances, exact or the paper's.
+        """Return six isolated resistances, exact or the paper's.
 
         ``D_N,s = 4 pi mu r_s / (log(2 r_s / r_q) - 1/2)``   [Tabak Eq. 18]
         ``D_R,s = (16/3) pi mu r_s r_q^2``                   [Tabak Eq. 19]

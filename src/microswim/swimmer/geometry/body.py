@@ -81,23 +81,25 @@ class Body(ABC):
 
     @abstractmethod
     def diagonal(self, viscosity: Any) -> tuple[Any, ...]:
-        """Six isolated resistances ``(F_s, F_q, F_r, T_s, T_q, T_r)`` about the centre."""
+        """Return six isolated resistances ``(F_s, F_q, F_r, T_s, T_q, T_r)`` about the centre."""
 
     def resistance(self, viscosity: float) -> np.ndarray:
-        """Isolated resistance matrix about the centre, shape (6, 6) (exact unless said)."""
+        """Return isolated resistance matrix about the centre, shape (6, 6) (exact unless said)."""
         return np.diag(np.array(self.diagonal(viscosity)))
 
     @abstractmethod
     def level(self, X: Array) -> Array:
-        """Level function at points (..., 3): negative inside the body, zero on its surface."""
+        """Return the level function at points (..., 3): negative inside the body, zero on its
+        surface.
+        """
 
     @abstractmethod
     def surface_point(self, direction: Array) -> Array:
-        """Points (..., 3) of the surface that unit directions (..., 3) are mapped to."""
+        """Return points (..., 3) of the surface that unit directions (..., 3) are mapped to."""
 
     @abstractmethod
     def direction(self, X: Array) -> Array:
-        """Unit direction (3,) that is mapped to a point (3,) of the surface."""
+        """Return the unit direction (3,) that is mapped to a point (3,) of the surface."""
 
     @property
     @abstractmethod
@@ -106,7 +108,7 @@ class Body(ABC):
 
     @abstractmethod
     def opening(self, pole: Array, first: Array, reach: float) -> Opening:
-        """Circle on the unit sphere up to which the surface about a root is free of edges.
+        """Return circle on the unit sphere up to which the surface about a root is free of edges.
 
         Parameters
         ----------
@@ -123,12 +125,12 @@ class Body(ABC):
 
     @abstractmethod
     def facets(self, splits: int, opening: Opening | None = None) -> list[Facet]:
-        """Smooth parts of the surface, `splits` patches along a quarter of its girth.
+        """Return smooth parts of the surface, `splits` patches along a quarter of its girth.
 
         All of it, or what lies beyond an `opening`.
         """
 
     def drawing(self, fineness: float = 1.0) -> tuple[np.ndarray, np.ndarray]:
-        """Corners (n, 3) about the centre and quadrilaterals (m, 4), for pictures and files."""
+        """Return corners (n, 3) about the centre and quadrilaterals (m, 4), to draw or to write."""
         points, quads = sampled_quads(self.facets(2), max(2, int(6 * fineness)))
         return points - self.centre, quads

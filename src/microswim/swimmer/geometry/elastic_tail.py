@@ -175,12 +175,12 @@ class ElasticTail(Tail):
         return not self.amplitude
 
     def base_motion(self, phase: Any) -> tuple[Any, Any]:
-        """Place across s and angle about r of the base that the drive holds."""
+        """Return the place across s and angle about r of the base that the drive holds."""
         c = np.cos(phase)
         return (self.amplitude or 0.0) * c, (self.angle or 0.0) * c
 
     def centreline(self, s: Any, phase: Any) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-        """Refuse: the shape is not known before it is solved for.
+        """Return the refuse: the shape is not known before it is solved for.
 
         Raises
         ------
@@ -193,11 +193,11 @@ class ElasticTail(Tail):
         )  # fmt: skip
 
     def continued(self, s: Any, phase: Any) -> np.ndarray:
-        """Position at s of a tail that does not bend, behind the joint straight on."""
+        """Return the position at s of a tail that does not bend, behind the joint straight on."""
         return self.stiff(s, phase)[0]
 
     def stiff(self, s: Any, phase: Any) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-        """Centreline, slope and velocity per unit phase rate of a tail too stiff to bend."""
+        """Return centreline, slope and velocity per unit phase rate of a tail too stiff to bend."""
         s, phase = np.broadcast_arrays(s, phase)
         none, tilt = 0.0 * s * phase, self.angle or 0.0
         if self.turns:

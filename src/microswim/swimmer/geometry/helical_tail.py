@@ -70,7 +70,7 @@ class HelicalTail(WaveTail):
         return 2.0 * np.pi * self.amplitude * self.number_of_waves
 
     def room(self) -> Any:
-        """Least of the radius of curvature and half the distance of neighbouring turns."""
+        """Return least of the radius of curvature and half the distance of neighbouring turns."""
         b, k = self.amplitude, self.wavenumber
         B2 = np.asarray((b * k) ** 2)
         with np.errstate(divide="ignore", over="ignore"):

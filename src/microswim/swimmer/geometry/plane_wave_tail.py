@@ -52,7 +52,7 @@ class PlaneWaveTail(WaveTail):
         return 0.0
 
     def stretch(self, bk: Any) -> Any:
-        """Arc length over apparent length, the mean of ``sqrt(1 + (bk cos x)^2)``."""
+        """Return the arc length over apparent length, the mean of ``sqrt(1 + (bk cos x)^2)``."""
         x = np.linspace(0.0, np.pi, 512, endpoint=False)
         return np.mean(np.sqrt(1.0 + np.multiply.outer(bk**2, np.cos(x) ** 2)), axis=-1)
 
@@ -77,7 +77,7 @@ class PlaneWaveTail(WaveTail):
         return self.sections != "sheared"
 
     def room(self) -> Any:
-        """Least of the radius of curvature and half the distance of neighbouring limbs.
+        """Return the least of the radius of curvature and half the distance of neighbouring limbs.
 
         A tail displaced section by section in q (sheared sections) never touches itself.
         """

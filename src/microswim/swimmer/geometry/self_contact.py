@@ -11,7 +11,7 @@ SHALLOW = 4.60333885
 
 
 def nearest_turn(B2: np.ndarray, waves: Any) -> Any:
-    """Distance, times k, from a point to the next turn; infinite where there is none near.
+    """Return distance, times k, from a point to the next turn; infinite where there is none near.
 
     Points an angle theta apart are ``sqrt(theta^2 + 2 B2 (1 - cos theta)) / k`` from each other,
     ``B2 = (bk)^2``; beyond half a turn a shallow helix only moves away from itself.

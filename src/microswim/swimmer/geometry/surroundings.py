@@ -63,12 +63,12 @@ class Wall:
         return (math.sin(self.tilt), *across)
 
     def plane(self, centre: Any) -> Array:
-        """Point and unit normal (6,) of the wall for a body centred at `centre`."""
+        """Return the point and unit normal (6,) of the wall for a body centred at `centre`."""
         n = np.array(self.normal)
         return np.concatenate([np.asarray(centre, float) - self.distance * n, n])
 
     def stays(self, free: Sequence[bool]) -> bool:
-        """Whether the wall stays where it is, seen from a swimmer with these freedoms.
+        """Return whether the wall stays where it is, seen from a swimmer with these freedoms.
 
         It does if the swimmer slides along the wall and turns about nothing but its normal.
         """
@@ -151,7 +151,7 @@ class Channel:
         return self.is_cylinder and self.tilt == 0.0 and not aside
 
     def stays(self, free: Sequence[bool]) -> bool:
-        """Whether the channel stays where it is, seen from a swimmer with these freedoms.
+        """Return whether the channel stays where it is, seen from a swimmer with these freedoms.
 
         It does on the axis of a cylinder (as long as the swimmer does not leave it), and for a
         swimmer that does nothing but slide along a channel which is not tilted.
@@ -165,7 +165,8 @@ class Channel:
         return np.array([[c, n, 0.0], [-n, c, 0.0], [0.0, 0.0, 1.0]])
 
     def clearance(self, points: np.ndarray) -> np.ndarray:
-        """Distance to the nearest wall of points (n, 3) in the channel's axes from its middle.
+        """Return the distance to the nearest wall of points (n, 3) in the channel's axes from its
+        middle.
 
         Negative outside; open ends count as walls.
         """
@@ -189,7 +190,7 @@ class Channel:
 
     @classmethod
     def around(cls, swimmer: Any) -> Channel:
-        """The default: ten body diameters wide, and as long (or three swimmers, if longer).
+        """Return the default: ten body diameters wide, and as long (or three swimmers, if longer).
 
         Table 1 of the paper for its base case [Tabak Sec. 2.2].
         """

@@ -91,10 +91,14 @@ class Tail(ABC):
 
     @abstractmethod
     def centreline(self, s: Any, phase: Any) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-        """Position, derivative along s, derivative in phase; each broadcast(s, phase) + (3,)."""
+        """Return the position, derivative along s, derivative in phase; each broadcast(s, phase) +
+        (3,).
+        """
 
     def continued(self, s: Any, phase: Any) -> np.ndarray:
-        """Position at s, behind the joint (s < 0) straight on; broadcast(s, phase) + (3,)."""
+        """Return the position at s, behind the joint (s < 0) straight on; broadcast(s, phase) +
+        (3,).
+        """
         s, phase = np.broadcast_arrays(s, phase)
         P, slope, _ = self.centreline(np.maximum(s, 0.0), phase)
         return P + np.minimum(s, 0.0)[..., None] * slope

@@ -106,7 +106,9 @@ class WaveTail(Tail, ABC):
 
     @abstractmethod
     def wound_length(self) -> float:
-        """Arc length of the tail squeezed flat along s: the least that holds its windings."""
+        """Return the arc length of the tail squeezed flat along s: the least that holds its
+        windings.
+        """
 
     @property
     def may_touch_itself(self) -> bool:
@@ -115,7 +117,7 @@ class WaveTail(Tail, ABC):
 
     @abstractmethod
     def room(self) -> Any:
-        """Largest filament radius before the tail touches itself."""
+        """Return the largest filament radius before the tail touches itself."""
 
     @property
     def apparent_length(self) -> Any:
@@ -142,7 +144,7 @@ class WaveTail(Tail, ABC):
 
     @abstractmethod
     def stretch(self, bk: Any) -> Any:
-        """Arc length over apparent length of a wave of amplitude x wavenumber `bk`."""
+        """Return the arc length over apparent length of a wave of amplitude x wavenumber `bk`."""
 
     @abstractmethod
     def _apparent_from_arc(self, wound: Any) -> Any:
@@ -167,7 +169,7 @@ class WaveTail(Tail, ABC):
         return self.apparent_length * self.stretch(self.amplitude * self.wavenumber)
 
     def envelope(self, s: Any) -> tuple[Any, Any]:
-        """Local amplitude ``b_s(s)`` and its derivative: linear on the ramp, then b."""
+        """Return the local amplitude ``b_s(s)`` and its derivative: linear on the ramp, then b."""
         s = np.asarray(s)
         end = self.ramp * self.apparent_length
         if np.real(end) == 0:
@@ -177,7 +179,7 @@ class WaveTail(Tail, ABC):
         return np.where(grows, slope * s, self.amplitude), np.where(grows, slope, 0.0)
 
     def continued(self, s: Any, phase: Any) -> np.ndarray:
-        """Position at s, behind the joint by the same formula."""
+        """Return the position at s, behind the joint by the same formula."""
         return self.centreline(s, phase)[0]
 
     @property
@@ -186,7 +188,7 @@ class WaveTail(Tail, ABC):
         return float(np.real(self.ramp)) > 0.0
 
     def centreline(self, s: Any, phase: Any) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-        """Centreline, slope and velocity per unit phase rate [Tabak Eqs. 11, 12].
+        """Return the centreline, slope and velocity per unit phase rate [Tabak Eqs. 11, 12].
 
         ``P = [s, b_s cos(ks - phase), out b_s sin(ks - phase)]`` with `out_of_plane`.
 

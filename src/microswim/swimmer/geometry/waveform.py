@@ -88,7 +88,7 @@ class Waveform:
         return self.beat.filmed
 
     def as_dict(self) -> dict[str, Any]:
-        """What there is to print or to store as JSON."""
+        """Return what there is to print or to store as JSON."""
         half = 1.96 * self.frequency_error
         return {
             "frequency": self.frequency,
@@ -105,7 +105,7 @@ class Waveform:
         }
 
     def tail(self, *, radius: float, **fields: Any) -> WaveformTail:
-        """Tail with this beat; fields as `WaveformTail` takes them."""
+        """Return the tail with this beat; fields as `WaveformTail` takes them."""
         own: dict[str, Any] = {"length": self.length, "frequency": self.frequency}
         return WaveformTail(modes=self.modes, radius=radius, **{**own, **fields})
 

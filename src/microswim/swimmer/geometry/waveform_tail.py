@@ -108,7 +108,7 @@ class WaveformTail(SampledTail):
         return partial(_position, np.array(self.modes), float(np.real(self.length)))
 
     def angle(self, s: Any, phase: Any) -> np.ndarray:
-        """Tangent angle to s (rad), of shape broadcast(s, phase)."""
+        """Return the tangent angle to s (rad), of shape broadcast(s, phase)."""
         return tangent_angle(np.array(self.modes), float(np.real(self.length)), s, phase)
 
 

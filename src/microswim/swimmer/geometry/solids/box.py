@@ -110,7 +110,7 @@ class Box(SolvedBody):
         return np.real(np.array(self.semi_axes3)) - float(np.real(self.fillet))
 
     def opening(self, pole: Array, first: Array, reach: float) -> Opening:
-        """A circle in the flat of the rear face."""
+        """Return a circle in the flat of the rear face."""
         depth, across = float(np.real(self.semi_axes3[0])), self._flat[1:].min()
         room = np.arctan(ROUND * across / depth)
         own = float(np.arccos(np.clip(pole[0], -1.0, 1.0)))
@@ -124,7 +124,9 @@ class Box(SolvedBody):
         return Opening(np.eye(3), room, room * (1.0 - ROUND))
 
     def facets(self, splits: int, opening: Opening | None = None) -> list[Facet]:
-        """Faces, edges, corners; the rear face about an opening in four patches and rectangles."""
+        """Return faces, edges, corners; the rear face about an opening in four patches and
+        rectangles.
+        """
         parts = []
         for axis, sign in product(range(3), (1.0, -1.0)):
             u, v = (self._edges(k, splits) for k in _across(axis, sign))

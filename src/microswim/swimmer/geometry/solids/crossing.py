@@ -13,7 +13,7 @@ Indices = NDArray[np.int64]
 
 
 def winding(at: Array, points: Array, faces: Indices) -> float:
-    """Winding number of a closed surface about a point: solid angles over 4 pi.
+    """Return the winding number of a closed surface about a point: solid angles over 4 pi.
 
     tan(w/2) = a . (b x c) / (abc + (a.b) c + (b.c) a + (c.a) b)   [van Oosterom, Strackee 1983]
     """

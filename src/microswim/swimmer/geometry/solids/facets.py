@@ -35,7 +35,7 @@ class Facet:
     v: Array
 
     def mapped(self, onto: Callable[[Array], Array]) -> Facet:
-        """The facet whose points are carried on by a map that keeps the orientation."""
+        """Return the facet whose points are carried on by a map that keeps the orientation."""
         return Facet(lambda u, v: onto(self.chart(u, v)), self.u, self.v)
 
 
@@ -65,7 +65,7 @@ def check_fillet(value: Any, most: float) -> None:
 
 
 def graded(edges: Array, wanted: Array, at: Array) -> Array:
-    """Edges of patches between given edges, of a wanted length that is known on a grid.
+    """Return edges of patches between given edges, of a wanted length that is known on a grid.
 
     Parameters
     ----------
@@ -87,14 +87,14 @@ def graded(edges: Array, wanted: Array, at: Array) -> Array:
 
 
 def towards_both(half: float, size: float, end: float) -> Array:
-    """Edges from -half to half, of length `size`, and of length `end` at both ends."""
+    """Return edges from -half to half, of length `size`, and of length `end` at both ends."""
     at = np.linspace(-half, half, 801)
     wanted = np.minimum(size, end + GROWTH * (half - np.abs(at)))
     return graded(np.array([-half, half]), wanted, at)
 
 
 def sampled_quads(facets: list[Facet], side: int) -> tuple[np.ndarray, np.ndarray]:
-    """Corners (n, 3) and quadrilaterals (m, 4) of `side` x `side` cells of every patch."""
+    """Return corners (n, 3) and quadrilaterals (m, 4) of `side` x `side` cells of every patch."""
     points, quads, count = [], [], 0
     for facet in facets:
         u, v = (_refined(edges, side) for edges in (facet.u, facet.v))

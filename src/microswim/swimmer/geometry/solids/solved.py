@@ -30,7 +30,7 @@ class SolvedBody(Body):
 
     @abstractmethod
     def scaled(self, factor: float) -> Self:
-        """The same shape with all lengths times a factor."""
+        """Return the same shape with all lengths times a factor."""
 
     def diagonal(self, viscosity: Any) -> tuple[Any, ...]:
         R = self.resistance_per_viscosity()
@@ -40,7 +40,7 @@ class SolvedBody(Body):
         return viscosity * self.resistance_per_viscosity()
 
     def resistance_per_viscosity(self) -> np.ndarray:
-        """R / mu, (..., 6, 6); fields may be complex numbers, or arrays of one shape."""
+        """Return R / mu, (..., 6, 6); fields may be complex numbers, or arrays of one shape."""
         numbers = dict(numbers_of(self, ""))
         many = {k: v for k, v in numbers.items() if np.ndim(v)}
         if many:

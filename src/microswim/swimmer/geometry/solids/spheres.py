@@ -9,7 +9,9 @@ from microswim.swimmer.geometry.solids.facets import Facet
 
 
 def cube_face(normal: Array, first: Array, second: Array, u: Array, v: Array) -> Facet:
-    """Equiangular face of a cubed sphere: n + tan(u) e1 + tan(v) e2, e1 x e2 = n, as direction."""
+    """Return Equiangular face of a cubed sphere: n + tan(u) e1 + tan(v) e2, e1 x e2 = n, as
+    direction.
+    """
 
     def chart(u: Array, v: Array) -> Array:
         d = normal + np.tan(u)[..., None] * first + np.tan(v)[..., None] * second
@@ -19,7 +21,7 @@ def cube_face(normal: Array, first: Array, second: Array, u: Array, v: Array) ->
 
 
 def cubed_sphere(side: int) -> list[Facet]:
-    """Six faces of `side` x `side` patches."""
+    """Return six faces of `side` x `side` patches."""
     edges, unit = np.linspace(-np.pi / 4, np.pi / 4, side + 1), np.eye(3)
     faces = []
     for axis in range(3):
@@ -29,7 +31,7 @@ def cubed_sphere(side: int) -> list[Facet]:
 
 
 def half_sphere(axis: Array, first: Array, second: Array, side: int) -> list[Facet]:
-    """The hemisphere about `axis`: cube top and four half sides."""
+    """Return the hemisphere about `axis`: cube top and four half sides."""
     full = np.linspace(-np.pi / 4, np.pi / 4, side + 1)
     half = np.linspace(0, np.pi / 4, max(1, (side + 1) // 2) + 1)
     parts = [cube_face(axis, first, second, full, full)]
@@ -39,7 +41,7 @@ def half_sphere(axis: Array, first: Array, second: Array, side: int) -> list[Fac
 
 
 def octant(signs: Array) -> list[Facet]:
-    """The eighth of the sphere where each coordinate has the sign of `signs`: three patches."""
+    """Return eighth of the sphere where each coordinate has the sign of `signs`: three patches."""
     eighth = np.array([0.0, np.pi / 4])
     parts = []
     for axis in range(3):
@@ -51,7 +53,9 @@ def octant(signs: Array) -> list[Facet]:
 
 
 def sphere_grid(rings: int, around: int) -> tuple[np.ndarray, np.ndarray]:
-    """Points (rings x around, 3) from the pole at -s to that at +s, and quadrilaterals (m, 4)."""
+    """Return points (rings x around, 3) from the pole at -s to that at +s, and quadrilaterals (m,
+    4).
+    """
     polar = np.linspace(0.0, np.pi, rings)[:, None]
     angle = np.linspace(0.0, 2.0 * np.pi, around, endpoint=False)[None, :]
     flat = np.sin(polar)
@@ -62,7 +66,7 @@ def sphere_grid(rings: int, around: int) -> tuple[np.ndarray, np.ndarray]:
 
 
 def closed_grid(rows: int, columns: int) -> np.ndarray:
-    """Quadrilaterals (m, 4) of a grid of points that closes along its columns."""
+    """Return quadrilaterals (m, 4) of a grid of points that closes along its columns."""
     i, j = np.meshgrid(np.arange(rows - 1), np.arange(columns), indexing="ij")
     k = (j + 1) % columns
     corners = [i * columns + j, i * columns + k, (i + 1) * columns + k, (i + 1) * columns + j]

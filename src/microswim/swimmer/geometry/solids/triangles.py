@@ -172,7 +172,7 @@ class Triangles:
         return np.where(regular[:, None], along, d)
 
     def patches(self) -> tuple[Array, Array, NDArray[np.bool_]]:
-        """Corners (k, 4, 3), edge middles (k, 4, 3) and whether each edge is sharp (k, 4).
+        """Return corners (k, 4, 3), edge middles (k, 4, 3) and whether each edge is sharp (k, 4).
 
         Side j leads from corner j to corner j + 1, counter-clockwise seen from the fluid.
         """
@@ -249,7 +249,9 @@ def _quadratic(six: Array, at: Array) -> Array:
 
 
 def facets_of(surface: Triangles, size: float, layers: int) -> list[Facet]:
-    """Curved patches no longer than `size`, with `layers` of a third each towards sharp edges."""
+    """Return the curved patches no longer than `size`, with `layers` of a third each towards sharp
+    edges.
+    """
     parts = []
     for corners, middles, sharp in zip(*surface.patches()):
         long = [_length(corners, middles, j) for j in range(4)]
@@ -293,7 +295,7 @@ def _eight_points(corners: Array, middles: Array) -> Callable[[Array, Array], Ar
 
 
 def coarsened(surface: Triangles, most: int) -> Triangles:
-    """The surface with at most `most` triangles, as far as its shape lets it.
+    """Return the surface with at most `most` triangles, as far as its shape lets it.
 
     Its corners are corners of the surface (edge collapses by manifold3d).
     """

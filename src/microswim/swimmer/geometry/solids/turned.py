@@ -40,14 +40,14 @@ class Piece:
 
 
 def line(start: tuple[float, float], end: tuple[float, float]) -> Piece:
-    """Straight piece from one (s, rho) to another."""
+    """Return the straight piece from one (s, rho) to another."""
     a, b = np.array(start), np.array(end)
     length = float(np.linalg.norm(b - a))
     return Piece(length, lambda x: a + np.asarray(x)[..., None] / length * (b - a))
 
 
 def quarter(centre: tuple[float, float], radius: float, start: float) -> Piece:
-    """Quarter of a circle about (s, rho), from the angle `start` from the axis s on."""
+    """Return the quarter of a circle about (s, rho), from the angle `start` from the axis s on."""
 
     def point(x: Array) -> Array:
         angle = start + np.asarray(x) / radius
@@ -72,7 +72,7 @@ class Profile:
         return float(self.edges[-1])
 
     def point(self, x: Array) -> Array:
-        """(s, rho), shape (..., 2), at lengths from the joint."""
+        """Return (s, rho), shape (..., 2), at lengths from the joint."""
         x = np.asarray(x, float)
         which = np.clip(np.searchsorted(self.edges, x, side="right") - 1, 0, len(self.pieces) - 1)
         result = np.empty((*x.shape, 2))
@@ -106,7 +106,9 @@ class Profile:
         return result
 
     def nearest(self, place: Array) -> tuple[Array, Array]:
-        """Length of the profile's point nearest to places (..., 2), and distance outside of it."""
+        """Return the length of the profile's point nearest to places (..., 2), and distance
+        outside of it.
+        """
         from scipy.spatial import KDTree
 
         x, P, tangent, _ = self.dense
@@ -120,7 +122,7 @@ class Profile:
 
 
 def made_of(*pieces: Piece) -> Profile:
-    """Profile of the pieces that have a length."""
+    """Return the profile of the pieces that have a length."""
     whole = sum(p.length for p in pieces)
     return Profile(tuple(p for p in pieces if p.length > 1e-9 * whole))
 
@@ -162,7 +164,9 @@ class TurnedBody(SolvedBody):
         return float(max(along, (P[:, 1] / np.sin(np.pi * x / self._profile.length)).max()))
 
     def opening(self, pole: Array, first: Array, reach: float) -> Opening:
-        """The end of the first smooth piece of the profile: of the flat end, of the round cap."""
+        """Return the end of the first smooth piece of the profile: of the flat end, of the round
+        cap.
+        """
         edges = self._rings(1)
         per = np.pi / self._profile.length
         own = float(np.arccos(np.clip(pole[0], -1.0, 1.0)))
@@ -199,7 +203,7 @@ class TurnedBody(SolvedBody):
         return graded(breaks, np.concatenate([wanted[:1], wanted, wanted[-1:]]), at)
 
     def facets(self, splits: int, opening: Opening | None = None) -> list[Facet]:
-        """Rings of patches, and a disc of five at each pole."""
+        """Return rings of patches, and a disc of five at each pole."""
         whole = self._profile.length
         start = 0.0 if opening is None else opening.angle / np.pi * whole
         rings = self._rings(splits, start)

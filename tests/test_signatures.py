@@ -45,3 +45,23 @@ def test_the_models_of_the_signature_are_those_of_the_table():
 )
 def test_choices_are_words_in_the_signature(function, argument):
     assert "Literal[" in str(inspect.signature(function).parameters[argument].annotation)
+
+
+def public_calls():
+    """Every public function, class and public method, by name; exceptions are Python's own."""
+    for name in ms.__all__:
+        thing = getattr(ms, name)
+        if inspect.isclass(thing) and issubclass(thing, Exception):
+            continue
+        if callable(thing):
+            yield name, thing
+        if inspect.isclass(thing):
+            own = inspect.getmembers(thing, lambda x: inspect.isfunction(x) or inspect.ismethod(x))
+            yield from ((f"{name}.{k}", v) for k, v in own if not k.startswith("_"))
+
+
+@pytest.mark.parametrize(("name", "call"), list(public_calls()))
+def test_nothing_public_takes_more_than_five_arguments_by_position(name, call):
+    takes = inspect.signature(call).parameters.values()
+    by_position = [p.name for p in takes if p.kind in (p.POSITIONAL_ONLY, p.POSITIONAL_OR_KEYWORD)]
+    assert len([p for p in by_position if p != "self"]) <= 5

@@ -33,7 +33,7 @@ def test_rounding_is_not_shown_as_a_speed():
 
 
 def test_what_cannot_move_can_be_printed():
-    still = Gait(np.zeros((1, 6, 6)), np.ones((1, 6)), np.ones(1), 1.0)
+    still = Gait(np.zeros((1, 6, 6)), np.ones((1, 6)), np.ones(1), rate=1.0)
     assert "singular" in str(still)
 
 

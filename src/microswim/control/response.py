@@ -125,3 +125,18 @@ def scale(samples: np.ndarray) -> np.ndarray:
 def _trimmed(series: np.ndarray, felt: np.ndarray) -> np.ndarray:
     last = np.flatnonzero(felt.max(axis=1) > 1e-14).max(initial=0)
     return np.ascontiguousarray(series[: 1 + 2 * ((last + 1) // 2)])
+
+
+def step_limits(solved: Response, resolution: float, magnet: np.ndarray) -> np.ndarray:
+    """Return the largest turn of a step, and the body's rotation per unit of what drives it."""
+    n = 1 if len(solved.twist) == 1 else 32
+    tables = np.array([solved.at(2.0 * np.pi * i / n).twist[0] for i in range(n)])
+    M = np.zeros((n, 6, 6))
+    for m, (i, j) in enumerate(LOWER):
+        M[:, i, j] = M[:, j, i] = tables[:, m]
+    turns = [
+        np.linalg.norm(tables[:, 24:27], axis=1).max(),
+        np.linalg.norm(M[:, 3:, :3], 2, axis=(1, 2)).max(),
+        np.linalg.norm(M[:, 3:, 3:], 2, axis=(1, 2)).max(),
+    ]
+    return np.array([2.0 * np.pi / resolution, *turns, turns[2] * np.linalg.norm(magnet)])

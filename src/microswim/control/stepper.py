@@ -7,7 +7,7 @@ take too many parts, or turn too far in one, is refused: its time is bounded, wh
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import KW_ONLY, dataclass
 from functools import cached_property
 from typing import Any
 
@@ -15,7 +15,7 @@ import numpy as np
 
 from microswim import checks
 from microswim.control import linear, motion, readout
-from microswim.control.response import Response, response
+from microswim.control.response import Response, response, step_limits
 from microswim.control.state import State, check_finite
 from microswim.errors import SpecError
 from microswim.gait import doors
@@ -81,6 +81,7 @@ class Stepper:
 
     gait: Gait
     swimmer: Swimmer | None = None
+    _: KW_ONLY
     moment: Any = None
     locked: bool = False
     resolution: float = 64.0
@@ -325,21 +326,6 @@ class Stepper:
         A, B = self.derivatives(state, dt=dt, wrt=wrt, **inputs)
         after = self.step(state, dt=dt, **inputs)
         return linear.error_state(A, B, state.quaternion, after.quaternion)
-
-
-def step_limits(solved: Response, resolution: float, magnet: np.ndarray) -> np.ndarray:
-    """Return the largest turn of a step, and the body's rotation per unit of what drives it."""
-    n = 1 if len(solved.twist) == 1 else 32
-    tables = np.array([solved.at(2.0 * np.pi * i / n).twist[0] for i in range(n)])
-    M = np.zeros((n, 6, 6))
-    for m, (i, j) in enumerate(motion.LOWER):
-        M[:, i, j] = M[:, j, i] = tables[:, m]
-    turns = [
-        np.linalg.norm(tables[:, 24:27], axis=1).max(),
-        np.linalg.norm(M[:, 3:, :3], 2, axis=(1, 2)).max(),
-        np.linalg.norm(M[:, 3:, 3:], 2, axis=(1, 2)).max(),
-    ]
-    return np.array([2.0 * np.pi / resolution, *turns, turns[2] * np.linalg.norm(magnet)])
 
 
 def _check_gradient(A: np.ndarray) -> None:

@@ -8,7 +8,7 @@ does not know which model made it. A *series* is one of `microswim.numerics.four
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field, replace
+from dataclasses import KW_ONLY, dataclass, field, replace
 from functools import cached_property
 from typing import TYPE_CHECKING, Any
 
@@ -68,6 +68,7 @@ class Gait:
     resistance_series: np.ndarray
     propulsion_series: np.ndarray
     activity_series: np.ndarray
+    _: KW_ONLY
     rate: Any
     free: tuple[bool, ...] = ALL_FREE
     body_resistance_series: np.ndarray | None = None

@@ -39,7 +39,7 @@ STOKES = 0.5  #: Reynolds number from which a remark says that inertia is left o
 
 @checks.by_name
 @read_only
-@dataclass(frozen=True, eq=False)
+@dataclass(frozen=True, eq=False, kw_only=True)
 class Regimes:
     """What a magnetic robot does at each frequency of the field.
 

@@ -140,7 +140,7 @@ def _body_series(gait: Gait) -> list[list[float]] | None:
     R, F = gait.body_resistance_series, gait.body_propulsion_series
     if R is None:
         return None
-    held = Gait(R, np.zeros((1, 6)) if F is None else F, np.zeros(1), gait.rate)
+    held = Gait(R, np.zeros((1, 6)) if F is None else F, np.zeros(1), rate=gait.rate)
     return _felt(pack(held))
 
 

@@ -38,7 +38,7 @@ from microswim.swimmer.swimmer import Swimmer
 WATER = {"SI": 1e-3, "dimensionless": 1.0}
 
 
-@dataclass(frozen=True, eq=False)
+@dataclass(frozen=True, eq=False, kw_only=True)
 class Mobility:
     """Resistance and mobility of a rigid body.
 
@@ -182,8 +182,18 @@ def mobility(
             "take level fine, or a surface without gaps and creases that are so narrow"
         )
     error = float((np.abs(R - S) / np.outer(root, root)).max())
-    return Mobility(R, about, mu, error, fine, units, level, fine.unknowns,
-                    time.perf_counter() - start, remarks)  # fmt: skip
+    return Mobility(
+        resistance=R,
+        about=about,
+        viscosity=mu,
+        expected_error=error,
+        surface=fine,
+        units=units,
+        level=level,
+        unknowns=fine.unknowns,
+        seconds=time.perf_counter() - start,
+        remarks=remarks,
+    )
 
 
 def _symmetric(surface: Surface, viscosity: float, about: Array, rule: Quadrature) -> Array:

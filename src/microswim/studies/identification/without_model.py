@@ -42,7 +42,7 @@ NUMBERS = {
 STRAIGHT = 0.3  #: rad, a turn that does not split the line of a wobble
 
 
-@dataclass(frozen=True, eq=False)
+@dataclass(frozen=True, eq=False, kw_only=True)
 class TrackNumbers:
     """What the track of one cell holds.
 

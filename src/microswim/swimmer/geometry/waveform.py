@@ -43,7 +43,7 @@ class Beat:
         return found
 
 
-@dataclass(frozen=True, eq=False)
+@dataclass(frozen=True, eq=False, kw_only=True)
 class Waveform:
     """The beat that was found in a film.
 

@@ -282,6 +282,17 @@ def test_walls_and_channels_come_back_whole(around, si):
         )
 
 
+def test_what_is_odd_about_a_swimmer_travels_to_the_page(app):
+    free = answer(app, "/api/solve", {"tables": HELIX})
+    assert (free["gait"]["one_pose"], free["remarks"]) == ("", [])
+    beside = answer(app, "/api/solve", {"tables": {**HELIX, "wall": WALL}})
+    assert beside["gait"]["one_pose"] == "wall"  # the page lets it stay where it is
+    assert any("no path is followed" in remark for remark in beside["remarks"])
+    odd = answer(app, "/api/solve", {"tables": {**HELIX, "tail": {**HELIX["tail"], "ramp": 0.0,
+                 "amplitude": 0.6}}})  # fmt: skip
+    assert any("does not touch the body" in remark for remark in odd["remarks"])
+
+
 def test_the_wall_in_the_scene_is_that_of_the_judge(app):
     """Distance and normal from the body's centre are those of `Wall.plane`."""
     made = answer(app, "/api/solve", {"tables": {**HELIX, "wall": WALL}})["around"]

@@ -263,6 +263,12 @@ def test_a_wall_is_put_moved_judged_and_taken_away(page, tmp_path):
     page.wait_for_function("() => studio.store.design.answer.around?.kind === 'wall'")
     assert "nothing of the wall" in page.inner_text("#trust")
     page.wait_for_selector(reading + "[data-value=null]")  # no path beside what would turn with it
+    page.evaluate("() => { const a = studio.actors()[0]; a.restart(); "
+                  "a.advance(30, studio.driver.drive, studio.driver.fastest); }")  # fmt: skip
+    pose = page.evaluate("() => studio.actors()[0].pose")
+    assert (pose["x"], pose["q"]) == ([0, 0, 0], [1, 0, 0, 0])
+    assert pose["phase"] > 6  # the tail turns, the swimmer stays where the answer holds
+    assert "no path is followed" in page.inner_text("#remarks")
     page.fill('input[aria-label="Tilt, value"]', "10")
     page.keyboard.press("Enter")
     page.fill('input[aria-label="Distance, value"]', "0.3")
@@ -282,6 +288,7 @@ def test_a_wall_is_put_moved_judged_and_taken_away(page, tmp_path):
     assert page.screenshot(path=tmp_path / "wall.png")[:4] == b"\x89PNG"
     page.click("[data-field=bounds][data-value='']")
     page.wait_for_function("() => !studio.store.design.answer.around")
+    page.wait_for_selector("#remarks", state="hidden")
     assert "wall" not in settled(page)
 
 

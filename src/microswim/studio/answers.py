@@ -95,10 +95,12 @@ def describe(swimmer: Swimmer, gait: Gait) -> dict[str, Any]:
             "model": gait.model,
             "rate": float(gait.rate),
             "free": list(map(bool, gait.free)),
+            "one_pose": gait.one_pose,
             "series": _felt(pack(gait)),
             "body": _body_series(gait),
         },
         "readings": readings(swimmer, gait),
+        "remarks": list(gait.info.get("remarks", ())),
         **trust(swimmer, gait),
         "region": swimmer.region is not None,
     }

@@ -19,6 +19,7 @@ export class Answers {
     this.node.replaceChildren(
       many ? this.heads() : this.hero(),
       this.trust(),
+      this.remarks(),
       el("dl", { class: many ? "list two" : "list" }, ...(many ? ["swimming_speed", "body_lengths_per_time", ...LISTED] : LISTED).flatMap((n) => this.row(n))),
     );
   }
@@ -59,6 +60,13 @@ export class Answers {
       return el("dd", { "data-reading": name, "data-value": String(value) }, n, unit ? el("small", {}, ` ${unit}`) : null);
     });
     return [el("dt", { title: called(name).meaning }, called(name).label), ...cells];
+  }
+
+  /** What the answer on show says of its swimmer, in physical words. */
+  private remarks(): HTMLElement {
+    const { remarks, notes } = this.store.shown(this.store.design);
+    const said = [...new Set([...remarks, ...notes])];
+    return el("ul", { class: "remarks", id: "remarks", hidden: said.length === 0 }, ...said.map((r) => el("li", {}, r)));
   }
 
   /** Expected error of the surrogate here, in colour. */

@@ -134,7 +134,9 @@ export class TopBar {
 
   /** The path recorded since the last change, in the lab frame. */
   private csv(): void {
-    const { record } = this.actors()[this.store.active];
+    const { record, answer } = this.actors()[this.store.active];
+    const held = answer.gait.one_pose;
+    if (held) return notice(`No path is followed here: the ${held} would turn with the swimmer.`, "error");
     if (record.length === 0) return notice("Nothing is recorded yet; let it swim.", "error");
     const rows = record.map((r) => r.map((v) => v.toPrecision(10)).join(","));
     download(`${this.file}.csv`, ["time,x,y,z,qw,qx,qy,qz,phase", ...rows, ""].join("\n"));

@@ -185,6 +185,13 @@ export class Driver {
   watch(pose: Pose): void {
     if (!this.magnetic) return;
     this.time = pose.time;
+    const held = this.store.design.answer.gait.one_pose;
+    if (held) {
+      this.state.className = "trust open";
+      this.state.lastChild!.textContent = `The answers hold at one pose of the ${held}: nothing turns`;
+      this.figure.replaceChildren("–");
+      return;
+    }
     const m = rotate(pose.q, [0, 1, 0]);
     const axis = rotate(pose.q, [1, 0, 0]);
     if (this.before) this.angle += Math.atan2(dot(cross(this.before, m), axis), dot(this.before, m));

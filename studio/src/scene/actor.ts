@@ -4,7 +4,7 @@ import * as THREE from "three";
 import { Line2 } from "three/examples/jsm/lines/Line2.js";
 import { LineGeometry } from "three/examples/jsm/lines/LineGeometry.js";
 import { LineMaterial } from "three/examples/jsm/lines/LineMaterial.js";
-import { bodyWrench, rotate, start, step, twist, type Drive, type Pose } from "../state/motion";
+import { bodyWrench, rotate, start, stay, step, twist, type Drive, type Pose } from "../state/motion";
 import { Bounds } from "./bounds";
 import { Tube } from "./tube";
 import type { Answer } from "../state/types";
@@ -90,6 +90,7 @@ export class Actor {
 
   update(answer: Answer): void {
     this.answer = answer;
+    if (answer.gait.one_pose) Object.assign(this.pose, start(), { phase: this.pose.phase });
     const [a, b, c] = answer.shape.semi_axes;
     this.body.visible = a > 0;
     if (a > 0) this.body.scale.set(a, b, c);
@@ -117,8 +118,14 @@ export class Actor {
     this.since = 0;
   }
 
-  /** Advance in steps short against the period of the motor and of the field. */
+  /** Advance in steps short against the period of the motor and of the field; not along a path
+   * on which a wall would turn with the swimmer. */
   advance(time: number, drive: Drive, fastest: number): void {
+    if (this.answer.gait.one_pose) {
+      this.forget();
+      stay(this.pose, drive.rate, time);
+      return this.pose_();
+    }
     const steps = Math.min(4000, Math.max(1, Math.ceil((Math.abs(time) * fastest * 48) / (2 * Math.PI))));
     for (let i = 0; i < steps; i++) {
       step(this.answer.gait, drive, this.pose, time / steps);

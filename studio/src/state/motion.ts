@@ -116,6 +116,12 @@ function slope(gait: GaitData, drive: Drive, q: Quat, phase: number, time: numbe
   return [rotate(q, [V[0], V[1], V[2]]), turned];
 }
 
+/** The tail goes on while the swimmer stays where the gait holds. */
+export function stay(pose: Pose, rate: number, h: number): void {
+  pose.phase += h * rate;
+  pose.time += h;
+}
+
 /** One step of the classical Runge-Kutta method; the quaternion is normalised. */
 export function step(gait: GaitData, drive: Drive, pose: Pose, h: number): void {
   const add = <T extends number[]>(u: T, v: number[], f: number): T => u.map((e, i) => e + f * v[i]) as T;

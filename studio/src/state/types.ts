@@ -34,6 +34,8 @@ export interface GaitData {
   model: string;
   rate: number;
   free: boolean[];
+  /** what would turn with the swimmer along a path: "wall", "channel" or nothing */
+  one_pose: string;
   series: number[][];
   body: number[][] | null;
 }
@@ -56,6 +58,8 @@ export interface Answer {
   region: boolean;
   tables: Tables;
   toml: string;
+  /** what is odd about the swimmer or its answer, in physical words; and warnings of the solve */
+  remarks: string[];
   notes: string[];
   milliseconds: number;
 }

@@ -197,3 +197,29 @@ def test_a_bound_is_two_numbers(bound):
             ["translation.s"],
             bounds={"translation.s": bound},
         )
+
+
+def test_no_drag_is_written_that_every_model_refuses():
+    """Slow for its thrust: the body's drag along s alone would have to be negative."""
+    quick = {"mean.us": 3.0 * HELIX.gait().mean_velocity[0]}
+    with pytest.raises(ms.SpecError, match="no model takes"):
+        ms.calibrate(HELIX, quick, ["translation.s"], bounds={"translation.s": (-9.0, 9.0)})
+    fit = ms.calibrate(HELIX, quick, ["translation.s"])
+    assert fit.coefficients["translation.s"] >= 0.0
+    assert any("kept positive" in sentence for sentence in fit.warnings)
+    assert fit.swimmer.gait().mean_velocity[0] < 0  # the model takes it
+
+
+def test_measurements_in_a_table_may_have_units(tmp_path):
+    table = tmp_path / "cells.csv"
+    asked = ["calibrate", "--preset", "goto/C", "--unknown", "translation.s", "--json"]
+    for text in ("swimming_speed\n6.23 um/s\n", "swimming_speed (um/s)\n6.23\n",
+                 "swimming_speed\n6.23e-6\n"):  # fmt: skip
+        table.write_text(text)
+        run = CliRunner().invoke(main, [*asked, "--table", str(table)])
+        assert run.exit_code == 0, run.output
+        assert json.loads(run.stdout)["data"][0]["measured"] == pytest.approx(6.23e-6)
+    table.write_text("swimming_speed (um)\n6.23\n")
+    run = CliRunner().invoke(main, [*asked, "--table", str(table)])
+    assert run.exit_code == 2
+    assert "swimming_speed" in run.stderr

@@ -1,7 +1,12 @@
 """Files that commands write: nothing replaced unasked, nothing half-written, no work lost."""
 
+import errno
+import json
+import math
+
 import pytest
 from click.testing import CliRunner
+from matplotlib.figure import Figure
 
 from microswim.cli import _files, calibrate, main
 from microswim.errors import MicroswimError, SpecError
@@ -80,3 +85,61 @@ def test_a_file_where_a_folder_is_needed_is_named(tmp_path):
     (tmp_path / "a").write_text("")
     with pytest.raises(SpecError, match="this is a file"):
         _files.check_file("--output", tmp_path / "a" / "b.toml", force=False)
+
+
+MAGNET = """
+[fluid]
+viscosity = "1 mPa s"
+[body]
+shape = "spheroid"
+semi_axes = ["4 um", "2 um"]
+[tail]
+kind = "helix"
+length = "20 um"
+amplitude = "2 um"
+waves = 3
+radius = "0.25 um"
+ramp = 0.2
+frequency = "10 Hz"
+[magnet]
+moment = ["0 A m^2", "2e-14 A m^2", "0 A m^2"]
+[field]
+kind = "rotating"
+strength = "5 mT"
+frequency = "10 Hz"
+"""
+TRACK = "time (s),x (px),y (px)\n" + "\n".join(
+    f"{0.01 * i:.3f},{0.5 * i + 3 * math.sin(i):.4f},{3 * math.cos(i):.4f}" for i in range(60)
+)
+WROTE = (  #: commands that write pictures, and a word of what they have found by then
+    (("run", "SPEC", "--model", "rft"), "efficiency"),
+    (("design", "SPEC", "--over", "tail.amplitude=0.05:0.15", "--maximize", "swimming_speed"),
+     "maximize"),
+    (("design", "SPEC", "--over", "tail.amplitude=0.05:0.15", "--maximize", "swimming_speed",
+      "--minimize", "mean_torque"), "designs"),
+    (("validate", "SPEC", "--option", "level=coarse", "--over", "tail.amplitude=0.08:0.1:2",
+      "--workers", "0"), "median"),
+    (("identify", "TRACK", "--pixel", "1 um"), "straight"),
+    (("regimes", "MAGNET", "--frequency", "1Hz:5Hz:3"), "precession"),
+)  # fmt: skip
+
+
+@pytest.mark.parametrize("as_json", [False, True], ids=["table", "json"])
+@pytest.mark.parametrize(("words", "says"), WROTE, ids=[words[0] for words, _ in WROTE])
+def test_numbers_are_printed_though_their_picture_is_not(
+    spec, tmp_path, monkeypatch, words, says, as_json
+):
+    def full(*_, **__):
+        raise OSError(errno.ENOSPC, "No space left on device")
+
+    track, magnet, out = (tmp_path / n for n in ("track.csv", "magnet.toml", "out"))
+    track.write_text(TRACK)
+    magnet.write_text(MAGNET)
+    places = {"SPEC": spec, "TRACK": track, "MAGNET": magnet}
+    monkeypatch.setattr(Figure, "savefig", full)
+    flags = ["--json"] if as_json else []
+    run = call(*(places.get(word, word) for word in words), *flags, "--out", out)
+    assert run.exit_code == 1, run.output
+    assert "No space left on device" in run.stderr
+    assert len(json.loads(run.stdout)) > 1 if as_json else says in run.stdout
+    assert run.stderr.count("Error:") == 1

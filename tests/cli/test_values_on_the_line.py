@@ -139,7 +139,9 @@ def test_a_law_takes_truths_alone(spin):
 SUGGESTED = {
     "tail.pitch=1": "tail.wavelength",
     "tail.diameter=1": "tail.radius",
-    "field.strength=1": 'field.kind = None: must be one of "rotating"',
+    "field.strength=1": 'field.kind: missing; add one of "rotating"',
+    "tail.file=beat.csv": 'it belongs to tail.kind = "waveform"',
+    "body.edge=1": 'it belongs to body.shape = "cylinder" or "box"',
     "magnet.moment=1": "magnet.direction: missing; add a vector",
     "tial.length=1": '"tail"',
     "tail.zzz=1": "known: ",

@@ -22,6 +22,7 @@ from microswim.calibration.observations import Observation
 from microswim.calibration.unknowns import Unknown, for_loads, resolve
 from microswim.errors import SpecError
 from microswim.gait.gait import Gait
+from microswim.models.rft.gait import gait as checked_surrogate
 from microswim.models.rft.gait import unchecked as surrogate
 from microswim.numerics.compiled import pays, settled
 from microswim.numerics.complex_step import STEP, derivative_from
@@ -120,10 +121,47 @@ def calibrate(
     problem = _Problem(swimmer, observations, chosen, positive)
     with settled(pays(ONE_STEP * len(observations) * (1 + len(chosen)))):
         fit = problem.outcome(problem.solve(start or {}, bounds or {}))
-        if usual and not positive and not bounds and not is_definite(fit.swimmer):
-            problem = replace(problem, positive=True)
-            fit = problem.outcome(problem.solve(start or {}, {}))
+        why = refusal(fit.swimmer)
+        if why or (usual and not is_definite(fit.swimmer)):
+            fit = _kept_positive(problem, fit, start or {}, bounds or {}, why)
     return record.kept(fit, data)
+
+
+def refusal(swimmer: Swimmer) -> str:
+    """Return why the surrogate refuses a swimmer with these coefficients, or nothing."""
+    try:
+        checked_surrogate(swimmer)
+    except SpecError as error:
+        return str(error)
+    return ""
+
+
+def _kept_positive(
+    problem: _Problem, fit: CoefficientCalibration, start: dict, bounds: dict, why: str
+) -> CoefficientCalibration:
+    """Fit again among coefficients that some fluid has, and say so; refuse what has none there.
+
+    Raises
+    ------
+    SpecError
+        If there is none that the surrogate takes.
+    """
+    interaction = all(u.paths[0][0].startswith("interaction.") for u in problem.unknowns)
+    if interaction and not bounds:
+        again = replace(problem, positive=True)
+        found = again.outcome(again.solve(start, {}))
+    else:
+        least = {u.name: (0.0, u.bounds[1]) for u in problem.unknowns if u.is_translation}
+        found = problem.outcome(problem.solve(start, least | bounds))
+    still = refusal(found.swimmer)
+    if still:
+        raise SpecError(
+            f"no model takes the coefficients that fit these data: {still}; ask for fewer unknowns"
+        )
+    if not why:
+        return found
+    said = f"kept positive: what fits best is refused, {why}"
+    return replace(found, warnings=(*found.warnings, said))
 
 
 def _observations(swimmer: Swimmer, data: Any, quantities: Iterable[str]) -> tuple:
@@ -285,4 +323,8 @@ def _ratios(swimmer: Swimmer, reference: Any) -> CoefficientCalibration:
         velocity = (reference.mean_velocity if whole else reference.velocity_amplitude)[i]
         values.append(force / velocity / drag[i])
     problem = _Problem(swimmer, _observations(swimmer, reference, ()), unknowns, False)
-    return replace(problem.outcome(np.array(values)), method="ratios")
+    found = replace(problem.outcome(np.array(values)), method="ratios")
+    why = refusal(found.swimmer)
+    if why:
+        raise SpecError(f'method = "ratios": no model takes its coefficients: {why}; fit them')
+    return found

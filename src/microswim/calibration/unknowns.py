@@ -33,6 +33,11 @@ class Unknown:
         return numbers[path] / factor
 
     @property
+    def is_translation(self) -> bool:
+        """Whether it is a drag against translation, which is never negative."""
+        return all(path.startswith("interaction.translation") for path, _ in self.paths)
+
+    @property
     def direction(self) -> int:
         """Degree of freedom (0 to 5) of an interaction coefficient."""
         part, axes = self.name.split(".")

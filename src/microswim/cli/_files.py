@@ -1,9 +1,10 @@
-"""Files that a command will write: refused before the work."""
+"""Files that a command will write: refused before the work, which no full disk takes away."""
 
 from __future__ import annotations
 
 import os
-from collections.abc import Iterable
+from collections.abc import Callable, Iterable, Iterator
+from contextlib import contextmanager
 from pathlib import Path
 
 from microswim.errors import SpecError
@@ -41,6 +42,16 @@ def check_files(option: str, folder: Path, names: Iterable[str], force: bool) ->
         raise SpecError(
             option, str(folder), f"a folder without {there[0]}", "--force replaces what is there"
         )
+
+
+@contextmanager
+def or_else(show: Callable[[], None]) -> Iterator[None]:
+    """Show what was found if the block, which writes it, fails; the error goes on."""
+    try:
+        yield
+    except (Exception, KeyboardInterrupt):
+        show()
+        raise
 
 
 def _check_place(option: str, folder: Path) -> None:

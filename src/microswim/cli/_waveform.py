@@ -3,12 +3,13 @@
 from __future__ import annotations
 
 from pathlib import Path
+from typing import Any
 
 import click
 
 from microswim.cli import _files
 from microswim.cli._options import print_json
-from microswim.numerics.files import fresh
+from microswim.numerics.files import fresh, write
 
 PICTURE, MODES = "beat.png", "tail.toml"
 
@@ -18,10 +19,7 @@ def identify(
 ) -> None:
     """Fit the beat, tell what was found, draw it and write it as the tail of a spec."""
     from microswim.cli._progress import bar
-    from microswim.gait.readable import quantity, with_error
-    from microswim.output.plots.cells import beat
     from microswim.spec.beat import read_waveform
-    from microswim.spec.toml import to_toml
 
     if out is not None:
         _files.check_files("--out", out, [PICTURE, MODES], force)
@@ -29,19 +27,32 @@ def identify(
         found = read_waveform(path, pixel=pixel, fps=fps)
     result = {"units": "SI", "waveform": found.as_dict()}
     if out is not None:
-        figure = beat(found, "m")
-        with fresh(out / PICTURE) as scratch:
-            figure.savefig(scratch, dpi=150)
-        tail = {
-            "kind": "waveform", "modes": found.modes.tolist(), "length": f"{found.length!r} m",
-            "frequency": f"{found.frequency!r} Hz",
-        }  # fmt: skip
-        with fresh(out / MODES) as scratch:
-            scratch.write_text(to_toml({"tail": tail}, f"the beat of {path.name}; add a radius"))
+        with _files.or_else(lambda: _show(found, result, as_json)):
+            _write(path, found, out)
         result["picture"] = str(out / PICTURE)
+    _show(found, result, as_json)
+
+
+def _write(path: Path, found: Any, out: Path) -> None:
+    """Draw the beat and write it as the tail of a spec."""
+    from microswim.output.plots.cells import beat
+    from microswim.spec.toml import to_toml
+
+    figure = beat(found, "m")
+    with fresh(out / PICTURE) as scratch:
+        figure.savefig(scratch, dpi=150)
+    tail = {
+        "kind": "waveform", "modes": found.modes.tolist(), "length": f"{found.length!r} m",
+        "frequency": f"{found.frequency!r} Hz",
+    }  # fmt: skip
+    write(out / MODES, to_toml({"tail": tail}, f"the beat of {path.name}; add a radius"))
+
+
+def _show(found: Any, result: dict[str, Any], as_json: bool) -> None:
+    from microswim.gait.readable import quantity, with_error
+
     if as_json:
-        print_json(result)
-        return
+        return print_json(result)
     numbers = result["waveform"]
     relative = 1.96 * found.frequency_error / abs(found.frequency)
     rows, harmonics = found.modes.shape[0], found.modes.shape[1] // 2
@@ -57,3 +68,4 @@ def identify(
         ("noise", quantity(found.noise, unit) + ", if the beat is periodic and in a plane"),
     ):
         click.echo(f"{name:16s} {text}")
+    return None

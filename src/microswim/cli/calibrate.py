@@ -20,15 +20,17 @@ from microswim.cli._options import (
     swimmer_options,
     workers_option,
 )
-from microswim.errors import MicroswimError, SpecError
+from microswim.errors import SpecError
 from microswim.numerics.files import write
+from microswim.spec.delimited import is_number
 from microswim.spec.toml import to_toml
 
 
 @click.command(
     epilog=example(
         "microswim calibrate robot.toml --reference bem -o calibrated.toml",
-        "microswim calibrate robot.toml --measured mean.us=-0.038,mean.os=-0.4 -o calibrated.toml",
+        'microswim calibrate robot.toml --measured "mean.us=-38 um/s:1 um/s, mean.os=-5 rad/s" '
+        "-o calibrated.toml",
         "microswim calibrate robot.toml --reference bem --region tail.amplitude=0.03:0.2,"
         "tail.waves=0.8:4.5 --solves 100 -o calibrated.toml",
         "microswim calibrate cell.toml --table cells.csv --unknown translation.s,rotation.s",
@@ -41,18 +43,19 @@ from microswim.spec.toml import to_toml
     "--measured",
     multiple=True,
     metavar="NAME=VALUE[:SIGMA]",
-    help="Measured quantities with uncertainty, in units where the spec has units: "
-    '"swimming_speed=30 um/s:1 um/s", body_rate_hz, mean.us, ...',
+    help="Measured quantities with uncertainty, in units where the spec has units, else bare: "
+    '"swimming_speed=30 um/s:1 um/s", mean.us=-0.038:0.001, body_rate_hz, ...',
 )
 @click.option(
     "--table",
     type=click.Path(path_type=Path),
-    help="CSV, one swimmer a row: columns of dotted fields, of quantities and of QUANTITY_sigma.",
+    help="CSV, one swimmer a row: columns of dotted fields, of quantities and of QUANTITY_sigma; "
+    'a unit in the cell or in the header, "mean.us (um/s)"; quantities without one are SI.',
 )
 @click.option(
     "--series",
     type=click.Path(path_type=Path),
-    help="CSV with a column time and columns us, uq, ... (and us_sigma, ...).",
+    help="CSV with a column time and columns us, uq, ... (and us_sigma, ...), units as there.",
 )
 @click.option("--unknown", multiple=True, metavar="NAMES", help="translation.s, tail.n, ...")
 @click.option("--quantity", multiple=True, metavar="NAMES", help="What to take of the reference.")
@@ -88,11 +91,8 @@ def command(given: Given, output: Path | None, force: bool, as_json: bool, **ask
     report["wall_seconds"] = time.perf_counter() - begun
     if output is not None:
         text = to_toml(tables, f"{given.name}, calibrated")
-        try:
+        with _files.or_else(lambda: click.echo(text)):
             write(output, text)
-        except MicroswimError:
-            click.echo(text)  # the work of minutes is not lost to a full disk
-            raise
         report["output"] = str(output)
     if as_json:
         print_json(report)
@@ -216,19 +216,19 @@ def _table(given: Given, path: Path) -> list[Any]:
     from microswim.spec.values import from_text
 
     out = []
-    for row in rows(path):
+    for row in map(_with_units, rows(path)):
         numbers, units = given.swimmer.numbers, given.swimmer.units
         fields = {n: from_text(n, v, units, f"{path}: {n}") for n, v in row.items() if n in numbers}
         swimmer = given.swimmer.with_(fields)
         for name in row.keys() - fields.keys() - {"name"}:
-            if not name.endswith("_sigma") and row[name].strip():
-                sigma = row.get(f"{name}_sigma", "").strip()
+            if not name.endswith("_sigma") and row[name]:
+                sigma = row.get(f"{name}_sigma", "")
                 out.append(
                     Observation(
                         swimmer=swimmer,
                         quantity=name,
-                        value=_number(path, row[name]),
-                        sigma=_number(path, sigma) if sigma else None,
+                        value=_number(path, name, row[name], units),
+                        sigma=_number(path, name, sigma, units) if sigma else None,
                     )
                 )
     return out
@@ -238,8 +238,10 @@ def _series(given: Given, path: Path) -> list[Any]:
     from microswim.calibration.observations import from_series
     from microswim.spec.delimited import rows
 
-    found = rows(path)
-    columns = {name: [_number(path, row[name]) for row in found] for name in found[0]}
+    found, columns = [_with_units(row) for row in rows(path)], {}
+    for name in found[0]:
+        of = name if name == "time" else f"velocity.{name.removesuffix('_sigma')}"
+        columns[name] = [_number(path, of, row[name], given.swimmer.units) for row in found]
     if "time" not in columns:
         raise SpecError(f"{path}: must have a column time")
     time_, sigmas = columns.pop("time"), {n: v for n, v in columns.items() if n.endswith("_sigma")}
@@ -248,11 +250,26 @@ def _series(given: Given, path: Path) -> list[Any]:
     return from_series(given.swimmer, time_, velocities, sigma)
 
 
-def _number(path: Path, text: str) -> float:
+def _with_units(row: dict[str, str]) -> dict[str, str]:
+    """Return a row of a table with the units of its header, ``mean.us (um/s)``, in its cells."""
+    out = {}
+    for name, cell in row.items():
+        bare, _, unit = name.partition("(")
+        whole = cell.strip() and unit and is_number(cell)
+        out[bare.strip()] = f"{cell.strip()} {unit.rstrip(' )')}" if whole else cell.strip()
+    return out
+
+
+def _number(path: Path, quantity: str, text: str, units: str) -> float:
+    """Return what is measured of a quantity: bare, or with a unit of its own."""
+    from microswim.gait.observed import unit_of
+    from microswim.spec.values import in_unit
+
     try:
         return float(text)
     except ValueError:
-        raise SpecError(f"{path}", text, "a number") from None
+        unit = "s" if quantity == "time" else unit_of(quantity, "SI")
+        return in_unit(f"{path}: {quantity}", text, unit, units)
 
 
 def _print_coefficients(report: dict[str, Any]) -> None:

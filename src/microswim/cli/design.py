@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
+from functools import partial
 from pathlib import Path
 from typing import Any
 
@@ -22,6 +24,7 @@ from microswim.cli._options import (
 from microswim.errors import SpecError
 from microswim.numerics.files import fresh, write
 
+Found = tuple[dict[str, Any], Callable[[Path], None]]  #: a report, and what draws it into a folder
 FILES = (
     "optimum.toml",
     "sensitivity.png",
@@ -103,13 +106,21 @@ def command(given: Given, as_json: bool, out: Path | None, force: bool, **asked:
         raise SpecError("--reference and --uncertain go with one wish; give one")
     find = _front if len(wishes) > 1 else _robust if asked["uncertain"] else _optimum
     with bar(f"design {given.name}"):
-        report = find(given, over, asked, out)
+        report, draw = find(given, over, asked)
+        show = partial(_show, report, given.swimmer.units, as_json)
+        if out is not None:
+            with _files.or_else(show):
+                draw(out)
+    show()
+
+
+def _show(report: dict[str, Any], units: str, as_json: bool) -> None:
+    from microswim.cli._optimum import show
+
     if as_json:
         print_json(report)
     else:
-        from microswim.cli._optimum import show
-
-        show(report, given.swimmer.units)
+        show(report, units)
 
 
 def _one(asked: dict[str, Any]) -> dict[str, Any]:
@@ -120,7 +131,7 @@ def _one(asked: dict[str, Any]) -> dict[str, Any]:
     }
 
 
-def _optimum(given: Given, over: Any, asked: dict[str, Any], out: Path | None) -> dict[str, Any]:
+def _optimum(given: Given, over: Any, asked: dict[str, Any]) -> Found:
     from microswim.studies.optimisation.design import design
 
     options = dict(change(text) for text in asked["options"])
@@ -133,13 +144,10 @@ def _optimum(given: Given, over: Any, asked: dict[str, Any], out: Path | None) -
         **_one(asked),
         **options,
     )
-    _pictures(given, best, out)
-    return best.as_dict()
+    return best.as_dict(), partial(_pictures, given, best)
 
 
-def _pictures(given: Given, best: Any, out: Path | None) -> None:
-    if out is None:
-        return
+def _pictures(given: Given, best: Any, out: Path) -> None:
     from microswim.output.plots import design as plots_design
     from microswim.spec.describe import to_tables
     from microswim.spec.toml import to_toml
@@ -167,7 +175,7 @@ def _save(figure: Any, path: Path) -> None:
         figure.savefig(scratch)
 
 
-def _front(given: Given, over: Any, asked: dict[str, Any], out: Path | None) -> dict[str, Any]:
+def _front(given: Given, over: Any, asked: dict[str, Any]) -> Found:
     from microswim.studies.optimisation.pareto import pareto
 
     result = pareto(
@@ -178,17 +186,20 @@ def _front(given: Given, over: Any, asked: dict[str, Any], out: Path | None) -> 
         subject_to=asked["subject_to"],
         seed=asked["seed"],
     )
-    if out is not None:
-        from microswim.output.io.run import netcdf
-        from microswim.output.plots.design import front
-
-        write(out / "front.nc", netcdf(result))
-        _save(front(result, given.swimmer), out / "front.png")
     columns = {str(k): v.values.tolist() for k, v in result.variables.items() if v.ndim}
-    return {"objectives": result.attrs["objectives"], "front": columns}
+    found = {"objectives": result.attrs["objectives"], "front": columns}
+    return found, partial(_front_files, given, result)
 
 
-def _robust(given: Given, over: Any, asked: dict[str, Any], out: Path | None) -> dict[str, Any]:
+def _front_files(given: Given, result: Any, out: Path) -> None:
+    from microswim.output.io.run import netcdf
+    from microswim.output.plots.design import front
+
+    write(out / "front.nc", netcdf(result))
+    _save(front(result, given.swimmer), out / "front.png")
+
+
+def _robust(given: Given, over: Any, asked: dict[str, Any]) -> Found:
     from microswim.cli._over import spreads
     from microswim.studies.optimisation.robust_design import robust_design
     from microswim.studies.optimisation.robustness import robustness, sobol_indices
@@ -198,20 +209,23 @@ def _robust(given: Given, over: Any, asked: dict[str, Any], out: Path | None) ->
     best = robust_design(given.swimmer, over, uncertain=uncertain, **more, **_one(asked))
     made = robustness(best.swimmer, uncertain, subject_to=asked["subject_to"])
     blame = sobol_indices(best.swimmer, uncertain, best.objective)
-    if out is not None:
-        from microswim.output.plots import design as plots_design
-
-        _pictures(given, best, out)
-        merit = best.objective if best.objective in made else "swimming_speed"
-        picture = plots_design.robustness(made, merit, best.quantities[merit])
-        _save(picture, out / "yield.png")
-        _save(plots_design.indices(blame), out / "indices.png")
     shares = {
         str(n): {"first": float(a), "total": float(b)}
         for n, a, b in zip(blame.name.values, blame.first.values, blame.total.values)
     }
-    return best.as_dict() | {
+    found = {
         "yield": made.attrs["yield"],
         "yield_error": made.attrs["yield_error"],
         "sobol_indices": shares,
     }
+    return best.as_dict() | found, partial(_robust_files, given, best, made, blame)
+
+
+def _robust_files(given: Given, best: Any, made: Any, blame: Any, out: Path) -> None:
+    from microswim.output.plots import design as plots_design
+
+    _pictures(given, best, out)
+    merit = best.objective if best.objective in made else "swimming_speed"
+    picture = plots_design.robustness(made, merit, best.quantities[merit])
+    _save(picture, out / "yield.png")
+    _save(plots_design.indices(blame), out / "indices.png")

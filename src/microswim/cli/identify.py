@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import csv
 import re
+from collections.abc import Callable
 from functools import partial
 from pathlib import Path
 from typing import Any
@@ -31,6 +32,7 @@ EXAMPLES = example(
     "microswim identify track.csv --preset tabak/helix --unknown tail.amplitude",
     "microswim identify track.csv sperm.toml --sigma 50nm --json",
 )
+Draw = Callable[[Path, dict[str, str]], None]  #: into a folder, under the names of the pictures
 TABLE, DISPLACEMENT = "cells.csv", "displacement.csv"
 
 
@@ -49,7 +51,9 @@ TABLE, DISPLACEMENT = "cells.csv", "displacement.csv"
     "Default: tail.amplitude, tail.waves, tail.frequency.",
 )  # fmt: skip
 @click.option("--sigma", metavar="50nm", help="Noise of each coordinate; default: from the fit.")
-@click.option("--sigma-attitude", type=float, help="Noise of the attitude (rad); default 0.02.")
+@click.option(
+    "--sigma-attitude", metavar="1deg", help="Noise of the attitude (bare: rad); default 0.02."
+)
 @click.option(
     "--model-error/--no-model-error", default=True,
     help="Whether intervals hold the error to expect of the model too; they do.",
@@ -99,18 +103,25 @@ def command(
         _files.check_files("--out", out, [TABLE, DISPLACEMENT, *names.values()], force)
     said = [*read.remarks, *_left_out(read)]
     if given is None:
-        rows = _describe(read, tracks.name, out, names)
-        result: dict[str, Any] = {"units": units, "cells": rows, "notes": said}
+        rows, draw = _describe(read, tracks.name)
+        result: dict[str, Any] = {"units": units}
     else:
-        rows = _fit(given, read, tracks.name, out, names, fit)
-        first = {} if len(rows) != 1 else {k: v for k, v in rows[0].items() if k != "notes"}
-        result = {"swimmer": given.name, "units": units, **first, "cells": rows, "notes": said}
-    if as_json:
-        print_json(result)
-        return None
-    for sentence in said:
-        click.echo(f"note: {sentence}", err=True)
-    return _print(rows, units, given is not None)
+        rows, draw = _fit(given, read, tracks.name, fit)
+        result = {"swimmer": given.name, "units": units}
+
+    def show() -> None:
+        if as_json:
+            alone = given is not None and len(rows) == 1
+            first = {k: v for k, v in rows[0].items() if k != "notes"} if alone else {}
+            return print_json(result | first | {"cells": rows, "notes": said})
+        for sentence in said:
+            click.echo(f"note: {sentence}", err=True)
+        return _print(rows, units, given is not None)
+
+    if out is not None:
+        with _files.or_else(show):
+            draw(out, names)
+    return show()
 
 
 def _left_out(read: Any) -> list[str]:
@@ -137,42 +148,43 @@ def _pictures(names: list[str]) -> dict[str, str]:
     return {n: f"track-{plain[n] if unique else i}.png" for i, n in enumerate(names)}
 
 
-def _describe(read: Any, what: str, out: Path | None, names: dict[str, str]) -> list[Any]:
-    """What each track holds without a model, its picture and the tables."""
+def _describe(read: Any, what: str) -> tuple[list[Any], Draw]:
+    """What each track holds without a model; and what draws it and writes the tables."""
     from microswim.cli._progress import bar
     from microswim.studies.identification.without_model import describe_track
 
-    rows, found = [], []
+    found = []
     with bar(f"identify {what}") as progress:
-        for i, (name, track) in enumerate(read.items()):
+        for name, track in read.items():
             found.append(describe_track(track, name))
-            rows.append(found[-1].as_dict())
-            if out is not None:
-                _draw_cell(track, found[-1], read.units, out / names[name])
-                rows[-1]["picture"] = str(out / names[name])
-            progress(i + 1, len(read))
-    if out is not None:
+            progress(len(found), len(read))
+    rows = [one.as_dict() for one in found]
+
+    def draw(out: Path, names: dict[str, str]) -> None:
+        for row, one, (name, track) in zip(rows, found, read.items()):
+            _draw_cell(track, one, read.units, out / names[name])
+            row["picture"] = str(out / names[name])
         _write(out / TABLE, _flat(rows))
         _write(out / DISPLACEMENT, _lags(rows))
-    return rows
+
+    return rows, draw
 
 
-def _fit(
-    given: Given, read: Any, what: str, out: Path | None, names: dict[str, str], fit: dict[str, Any]
-) -> list[Any]:
-    """The swimmer of each track; of one that holds none, why, and what it does hold."""
+def _fit(given: Given, read: Any, what: str, fit: dict[str, Any]) -> tuple[list[Any], Draw]:
+    """The swimmer of each track, or why there is none and what it does hold; and what draws it."""
     from microswim.cli._progress import bar
     from microswim.spec.values import from_text
     from microswim.studies.identification.fit import SHAPE, identify_swimmer
     from microswim.studies.identification.without_model import describe_track
 
-    swimmer = given.swimmer
+    swimmer, rows, paths = given.swimmer, [], {}
     options: dict[str, Any] = fit | {"unknowns": fit["unknowns"] or SHAPE}
-    if fit["sigma"] is not None:
-        options["sigma"] = from_text("tail.radius", fit["sigma"], swimmer.units, "--sigma")
-    rows = []
+    for name, like in (("sigma", "tail.radius"), ("sigma_attitude", "wall.tilt")):
+        if fit[name] is not None:
+            said = f"--{name.replace('_', '-')}"
+            options[name] = from_text(like, fit[name], swimmer.units, said)
     with bar(f"identify {what}") as progress:
-        for i, (name, track) in enumerate(read.items()):
+        for name, track in read.items():
             rows.append({"track": name})
             try:
                 found = identify_swimmer(swimmer, track, **options)
@@ -183,13 +195,18 @@ def _fit(
                 rows[-1] |= seen | {"values": {}, "warnings": [str(error)]}
             else:
                 rows[-1] |= found.as_dict()
-                if out is not None:
-                    _draw_fit(track, found.path, swimmer.units, out / names[name])
-                    rows[-1]["picture"] = str(out / names[name])
-            progress(i + 1, len(read))
-    if out is not None:
+                paths[name] = found.path
+            progress(len(rows), len(read))
+
+    def draw(out: Path, names: dict[str, str]) -> None:
+        for row in rows:
+            name = row["track"]
+            if name in paths:
+                _draw_fit(read[name], paths[name], swimmer.units, out / names[name])
+                row["picture"] = str(out / names[name])
         _write(out / TABLE, [_values(row) for row in rows])
-    return rows
+
+    return rows, draw
 
 
 def _print(rows: list[Any], units: str, fitted: bool) -> None:

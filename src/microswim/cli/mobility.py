@@ -3,11 +3,13 @@
 from __future__ import annotations
 
 import json
+from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import click
 
+from microswim.cli import _files
 from microswim.cli._options import example, force_option, json_option, out_option, print_json, read
 from microswim.errors import SpecError
 
@@ -74,12 +76,11 @@ def command(
         level=level,  # type: ignore[arg-type]
     )
     numbers = {"file": str(file), **found.as_dict()}
+    show = partial(print_json, numbers) if as_json else partial(_print, found, str(file))
     if out is not None:
-        _write(found, numbers, out, force)
-    if as_json:
-        print_json(numbers)
-    else:
-        _print(found, str(file))
+        with _files.or_else(show):
+            _write(found, numbers, out, force)
+    show()
 
 
 def _has_unit(scale: str | None) -> bool:

@@ -85,15 +85,20 @@ def command(
     with bar(f"regimes {given.name}") as progress:
         found = _solved(swimmer, asked, name, values, model, level, progress)
     report = _report(given.name, found, name, values)
+
+    def show() -> None:
+        if as_json:
+            return print_json(report)
+        _print.print_table(_table(given.name, found, name, values))
+        for remark in max(found, key=lambda one: one.reynolds.max()).remarks:
+            click.echo(f"  note: {remark}")
+        return None
+
     if out is not None:
-        _write(out, found, report, name, values)
-    if as_json:
-        print_json(report)
-        return
-    _print.print_table(_table(given.name, found, name, values))
-    for remark in max(found, key=lambda one: one.reynolds.max()).remarks:
-        click.echo(f"  note: {remark}")
-    if out is not None:
+        with _files.or_else(show):
+            _write(out, found, report, name, values)
+    show()
+    if out is not None and not as_json:
         click.echo(f"{out}: {', '.join(FILES)}")
 
 

@@ -2,11 +2,13 @@
 
 from __future__ import annotations
 
+from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import click
 
+from microswim.cli import _files
 from microswim.cli._options import (
     Given,
     accuracy_option,
@@ -23,6 +25,7 @@ from microswim.cli._options import (
 from microswim.errors import SpecError
 
 if TYPE_CHECKING:
+    from microswim.output.report.html import Table
     from microswim.swimmer.swimmer import Swimmer
 
 
@@ -81,24 +84,32 @@ def command(
         "info": gait.info,
     }
     tables = [report.numbers_table(numbers, given.name), report.spec_table(given.swimmer)]
+    show = partial(_show, numbers, tables[0], as_json)
     if out is not None:
         run = io.dataset(given.swimmer, gait, periods=periods, spec=given.text, known=numbers)
         run.attrs["wall_seconds"] = seconds
-        with _folder.filled(out, force) as folder:
+        with _files.or_else(show), _folder.filled(out, force) as folder:
             _folder.write(folder, run, given.swimmer.settled, given.name, tables)
-    if as_json:
-        print_json(numbers)
-    else:
-        _print.print_table(tables[0])
-        for remark in (*gait.info.get("calibration", ()), *gait.info.get("remarks", ())):
-            click.echo(f"  note: {remark}")
-        error = gait.info.get("error")
-        if error:
-            off = 100 * error["relative_forward"]
-            click.echo(f"  u_s differs by {off:.2g} % from level {error['against']}")
-        click.echo(f"  solved in {seconds:.3g} s")
+    show()
     if out is not None:
         _folder.say_where(out)
+
+
+def _show(numbers: dict[str, Any], table: Table, as_json: bool) -> None:
+    from microswim.cli import _print
+
+    if as_json:
+        print_json(numbers)
+        return
+    info = numbers["info"]
+    _print.print_table(table)
+    for remark in (*info.get("calibration", ()), *info.get("remarks", ())):
+        click.echo(f"  note: {remark}")
+    error = info.get("error")
+    if error:
+        off = 100 * error["relative_forward"]
+        click.echo(f"  u_s differs by {off:.2g} % from level {error['against']}")
+    click.echo(f"  solved in {numbers['wall_seconds']:.3g} s")
 
 
 def _record(swimmer: Swimmer) -> dict[str, Any] | None:

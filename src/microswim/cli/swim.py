@@ -4,11 +4,13 @@ from __future__ import annotations
 
 import math
 import shutil
+from functools import partial
 from pathlib import Path
 from typing import Any
 
 import click
 
+from microswim.cli import _files
 from microswim.cli._options import (
     Given,
     example,
@@ -96,12 +98,11 @@ def command(
         options["vtk"] = out / "flow" if flow or film else None
     data = _march(given, out, options)
     report = _report(given, data, options)
+    show = partial(print_json if as_json else _print, report)
     if out is not None:
-        _write(out, data, given.text, film)
-    if as_json:
-        print_json(report)
-    else:
-        _print(report)
+        with _files.or_else(show):
+            _write(out, data, given.text, film)
+    show()
     if out is not None:
         click.echo(f"written to {out}/", err=True)
         for name, meaning in FILES.items():

@@ -5,6 +5,7 @@ from __future__ import annotations
 import csv
 import json
 import time
+from functools import partial
 from pathlib import Path
 from typing import Any
 
@@ -70,13 +71,12 @@ def command(given: Given, out: Path | None, force: bool, as_json: bool, **asked:
             **dict(change(text) for text in asked["options"]),
         )
     report = result.as_dict() | {"wall_seconds": time.perf_counter() - begun}
+    show = partial(print_json if as_json else _print, report)
     if out is not None:
-        _write(out, result, report)
-    if as_json:
-        print_json(report)
-        return
-    _print(report)
-    if out is not None:
+        with _files.or_else(show):
+            _write(out, result, report)
+    show()
+    if out is not None and not as_json:
         click.echo(f"{out}: errors.csv, validation.json, errors.png")
 
 

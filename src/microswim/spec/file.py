@@ -8,7 +8,6 @@ the parts themselves. A file holds either quantities with units (converted to SI
 from __future__ import annotations
 
 import math
-import re
 from collections.abc import Iterator
 from os import PathLike
 from pathlib import Path
@@ -16,11 +15,11 @@ from typing import Any, Literal
 
 from pydantic import BaseModel, ValidationError
 
-from microswim.errors import SpecError, nearest
+from microswim.errors import SpecError
 from microswim.gait import doors
-from microswim.spec import beat, presets, text
+from microswim.spec import beat, complaint, presets, text
 from microswim.spec.named_files import beside
-from microswim.spec.tables import ALTERNATIVES, FIELDS, TABLES, TAGS, SpecTable
+from microswim.spec.tables import ALTERNATIVES, FIELDS, SpecTable
 from microswim.spec.trusted import Trusted
 from microswim.spec.units import DIMENSIONS, has_unit, to_si
 from microswim.swimmer.drag.coefficients import LAWS, Unchosen
@@ -35,28 +34,6 @@ from microswim.swimmer.magnetism.magnet import Magnet
 from microswim.swimmer.motion import Motion
 from microswim.swimmer.provenance import Provenance
 from microswim.swimmer.swimmer import Swimmer
-
-#: Tables that a spec may come to hold, and where their numbers are given today.
-ELSEWHERE = {
-    "gravity": "a force is given in Python: trajectory(..., force=...)",
-    "flow": "a flow is given in Python: trajectory(..., flow=...)",
-    "noise": "a diffusion is given in Python: trajectory(..., diffusion=...)",
-}
-#: The kinds of the tables that have several.
-KINDS: dict[str, Any] = {"body": SHAPES, "tail": TAILS, "field": APPLIED_FIELDS}
-#: Other words for a field.
-SYNONYMS = {
-    "tail.pitch": "tail.wavelength", "tail.lambda": "tail.wavelength", "tail.turns": "tail.waves",
-    "tail.periods": "tail.waves", "tail.helix_radius": "tail.amplitude",
-    "tail.chirality": "tail.handedness", "tail.hand": "tail.handedness",
-    "tail.diameter": "tail.radius (half of it)", "tail.thickness": "tail.radius (half of it)",
-    "tail.rate": "tail.frequency", "tail.omega": "tail.frequency", "tail.rpm": "tail.frequency",
-    "body.diameter": "body.radius (half of it)", "body.axes": "body.semi_axes",
-    "fluid.mu": "fluid.viscosity", "fluid.nu": "fluid.kinematic_viscosity",
-    "fluid.rho": "fluid.density", "magnet.Br": "magnet.remanence", "field.B": "field.strength",
-    "field.amplitude": "field.strength", "field.rate": "field.frequency",
-    "wall.gap": "wall.distance", "channel.radius": "channel.diameter",
-}  # fmt: skip
 
 
 def read(
@@ -144,7 +121,7 @@ def from_dict(
     try:
         spec = SpecTable.model_validate(_with_dynamic_viscosity(tables))
     except ValidationError as error:
-        raise _sentence(error, tables) from None
+        raise complaint.sentence(error, tables) from None
     return _build(spec, units_of(tables), Trusted.file(trust))
 
 
@@ -275,74 +252,3 @@ def _given(table: BaseModel) -> dict[str, Any]:
 
     given = table.model_dump(exclude_unset=True)
     return {k: frozen(v) for k, v in given.items() if v is not None}
-
-
-def _sentence(error: ValidationError, tables: dict[str, Any]) -> SpecError:
-    """The first complaint as one sentence."""
-    first = _apt(error.errors())
-    tags = {*SHAPES, *TAILS, *APPLIED_FIELDS}
-    branch = re.compile(r".*\[.*\]")  # of a field that is a number or a list of them
-    where = [
-        p
-        for i, p in enumerate(first["loc"])
-        if not (i == 1 and p in tags) and not (isinstance(p, str) and branch.fullmatch(p))
-    ]
-    path = "".join(f"[{p}]" if isinstance(p, int) else f".{p}" for p in where).lstrip(".")
-    value, context = first["input"], first.get("ctx", {})
-    match first["type"]:
-        case "missing":
-            return SpecError(f"{path}: missing; add it")
-        case "extra_forbidden":
-            return SpecError(f"{path}: no such field here; {_suggest(path, tables)}")
-        case "value_error":
-            return SpecError(f"{path} = {_short(value)}: {context['error']}")
-        case "bool_parsing" | "bool_type":
-            return SpecError(path, value, "true or false")
-        case "literal_error" if path in FIELDS:
-            return _no_choice(path, value, FIELDS[path].choices)
-        case "union_tag_invalid" | "union_tag_not_found":
-            tag = context["discriminator"].strip("'")
-            return _no_choice(f"{path}.{tag}", context.get("tag"), KINDS[path])
-    message = first["msg"].removeprefix("Input should be ").removeprefix("Value error, ")
-    return SpecError(path or "spec", value, message)
-
-
-def _apt(complaints: list[Any]) -> Any:
-    """The first complaint; of a list that might have been a number, that about its entries."""
-    first = complaints[0]
-    if isinstance(first["input"], list):
-        within = [c for c in complaints if c["loc"][:2] == first["loc"][:2]]
-        return within[-1]
-    return first
-
-
-def _short(value: Any) -> str:
-    shown = repr(value)
-    return shown if len(shown) <= 60 else shown[:57] + "..."
-
-
-def _no_choice(path: str, value: Any, choices: Any) -> SpecError:
-    close = nearest(value, choices)
-    mend = close if close.startswith("did") else None
-    return SpecError(path, value, "one of " + ", ".join(f'"{c}"' for c in choices), mend)
-
-
-def _suggest(path: str, tables: dict[str, Any]) -> str:
-    """What to write in place of an unknown field."""
-    part = path.partition(".")[0]
-    if part in ELSEWHERE and part not in TABLES:
-        return f"there is no [{part}] yet; {ELSEWHERE[part]}"
-    if path in SYNONYMS:
-        return f'did you mean "{SYNONYMS[path]}"?'
-    return nearest(path, _fields(tables) if "." in path else TABLES)
-
-
-def _fields(tables: dict[str, Any]) -> Iterator[str]:
-    """Dotted names of the fields that a file of this kind may hold."""
-    for name, kinds in TABLES.items():
-        tag, given = TAGS.get(name), tables.get(name)
-        chosen = given.get(tag) if tag and isinstance(given, dict) else None
-        for table in kinds:
-            if tag and table.model_fields[tag].annotation.__args__[0] != chosen:  # type: ignore[union-attr]
-                continue
-            yield from (f"{name}.{f}" for f in table.model_fields)

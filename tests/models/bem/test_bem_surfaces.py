@@ -7,6 +7,7 @@ import microswim as ms
 from microswim.errors import MicroswimError
 from microswim.models import bem
 from microswim.models.bem import element, system
+from microswim.models.bem.near_wall import refined
 from microswim.models.bem.surface import Surface
 from oracles.slender_body import slender_torus
 
@@ -155,12 +156,12 @@ def test_outer_traction_leaves_the_inner_fluid_out():
 # Sphere of radius 1, centre at height h = cosh(alpha) over the wall, in units of 6 pi mu a and 8
 # pi mu a^3: across the wall the exact series of Brenner (1961) Chem. Eng. Sci. 16, 242, summed
 # below; along it F, T of Goldman, Cox & Brenner (1967) Chem. Eng. Sci. 22, 637, tables 1 and 2.
-ALONG_WALL = {3.7622: (1.1738, 1.0059), 1.5431: (1.5675, 1.0998)}
+ALONG_WALL = {3.7622: (1.1738, 1.0059), 1.5431: (1.5675, 1.0998), 1.1276: (2.1514, 1.3877)}
 
 
 def brenner(height):
     a = np.arccosh(height)
-    n = np.arange(1, 60)
+    n = np.arange(1, 60 if height > 1.1 else 400)
     top = 2 * np.sinh((2 * n + 1) * a) + (2 * n + 1) * np.sinh(2 * a)
     bottom = 4 * np.sinh((n + 0.5) * a) ** 2 - (2 * n + 1) ** 2 * np.sinh(a) ** 2
     return (
@@ -177,6 +178,29 @@ def test_sphere_near_a_wall(height):
     assert normal @ R[:3, :3] @ normal / (6 * np.pi) == pytest.approx(brenner(height), rel=1e-3)
     assert along @ R[:3, :3] @ along / (6 * np.pi) == pytest.approx(force, rel=1e-3)
     assert along @ R[3:, 3:] @ along / (8 * np.pi) == pytest.approx(torque, rel=1e-3)
+
+
+#: Largest error of the drag across at a gap, on the six patches of a sphere at level standard.
+CLOSE = {0.1: 5e-3, 0.05: 5e-3, 0.02: 1e-2, 0.01: 1e-2}
+
+
+@pytest.mark.parametrize("gap", sorted(CLOSE))
+@pytest.mark.parametrize("normal", [(0.0, 1.0, 0.0), (0.3, 0.8, 0.5), (-0.2, 0.1, 0.7)])
+def test_patches_follow_the_gap_wherever_the_wall_is(gap, normal):
+    """Under a patch's middle, its edge or its corner: the exact series within a per cent."""
+    n = np.array(normal) / np.linalg.norm(normal)
+    plane = np.concatenate([-(1 + gap) * n, n])
+    rule = bem.get_level("standard").rule
+    R = bem.resistance(bem.ellipsoid((1.0, 1.0, 1.0), 1, 3), 1.0, rule=rule, wall=plane)
+    assert n @ R[:3, :3] @ n / (6 * np.pi) == pytest.approx(brenner(1 + gap), rel=CLOSE[gap])
+    assert np.abs(R - R.T).max() < 1e-3 * np.abs(R).max()
+
+
+def test_halves_of_a_patch_are_the_same_surface():
+    sphere = bem.ellipsoid((1.0, 0.7, 0.5), 1, 3)
+    finer = refined(sphere, np.array([-1.02, 0, 0, 1.0, 0, 0]))
+    assert finer.patches > sphere.patches
+    assert finer.extent == pytest.approx(sphere.extent, rel=1e-6)
 
 
 def test_far_wall_gives_faxens_correction():

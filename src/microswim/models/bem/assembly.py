@@ -7,7 +7,14 @@ from __future__ import annotations
 
 import numpy as np
 
-from microswim.models.bem.kernels import CELLS, add_nodal, add_patch, add_stress, frame_cell
+from microswim.models.bem.kernels import (
+    CELLS,
+    add_nodal,
+    add_nodal_image,
+    add_patch,
+    add_stress,
+    frame_cell,
+)
 from microswim.numerics.compiled import njit
 
 
@@ -35,7 +42,7 @@ def layer_blocks(
     frames = np.empty((CELLS * CELLS, 5))
     points = np.empty((CELLS * CELLS, 4, g * g))
     known = np.empty(CELLS * CELLS, dtype=np.uint8)
-    K = np.empty((6, g * g))
+    K = np.empty((9, g * g))
     stack = np.empty((256, 4), dtype=np.int64)
     acc = np.empty((p2, 9))
     y = np.empty(3)
@@ -77,10 +84,14 @@ def layer_blocks(
                     height += (x[c] - wall[c]) * wall[3 + c]
                 for c in range(3):
                     y[c] = x[c] - 2.0 * height * wall[3 + c]
-                add_patch(
-                    x, y, wall, mode, near, C, V, D, M, S, B, W, half,
-                    frames, points, known, K, stack, acc,
-                )  # fmt: skip
+                d0, d1, d2 = y[0] - f[0], y[1] - f[1], y[2] - f[2]
+                if d0 * d0 + d1 * d1 + d2 * d2 > reach * reach:
+                    add_nodal_image(x, wall, nodes[e], areas[e], acc)
+                else:
+                    add_patch(
+                        x, y, wall, mode, near, C, V, D, M, S, B, W, half,
+                        frames, points, known, K, stack, acc,
+                    )  # fmt: skip
                 for b in range(p2):
                     for k in range(3):
                         for j in range(3):
@@ -142,7 +153,7 @@ def stress_sums(
     frames = np.empty((CELLS * CELLS, 5))
     points = np.empty((CELLS * CELLS, 4, g * g))
     known = np.empty(CELLS * CELLS, dtype=np.uint8)
-    K = np.empty((6, g * g))
+    K = np.empty((9, g * g))
     stack = np.empty((256, 4), dtype=np.int64)
     acc = np.empty((p2, 9))
     plane = np.zeros(6)

@@ -86,54 +86,67 @@ def add_free(x, P, Ba, Bb, K, acc):
         K[3, k] = w + t * d1 * d1
         K[4, k] = t * d1 * d2
         K[5, k] = w + t * d2 * d2
-    g, p = Ba.shape
-    for c in range(6):
-        for bu in range(p):
-            for bv in range(p):
-                total = 0.0
-                for m in range(g):
-                    part = 0.0
-                    for k in range(g):
-                        part += Bb[k, bv] * K[c, m * g + k]
-                    total += Ba[m, bu] * part
-                acc[bu * p + bv, c] += total
+    add_products(K, 6, Ba, Bb, acc)
 
 
 @njit(cache=True, fastmath=True)
-def add_image(x, wall, P, Ba, Bb, acc):
-    """Add Blake's image integral over one cell; wall = (point, unit normal into the fluid).
+def image(x, wall, y0, y1, y2, G):
+    """Write Blake's image tensor, rows i, columns j, to G (9,); wall = (point, normal into fluid).
 
     With R = x - y', y' the mirror image of y at height h, n the normal, Delta_jk = delta - 2 n n:
     G^im_ij = -(delta_ij/R + R_i R_j/R^3)
               + 2 h Delta_jk d/dR_k [ h R_i/R^3 - (n_i/R + R_i R_n/R^3) ]          [Blake 1971]
     """
+    N = (wall[3], wall[4], wall[5])
+    h = (y0 - wall[0]) * N[0] + (y1 - wall[1]) * N[1] + (y2 - wall[2]) * N[2]
+    R = (x[0] - y0 + 2.0 * h * N[0], x[1] - y1 + 2.0 * h * N[1], x[2] - y2 + 2.0 * h * N[2])
+    i2 = 1.0 / (R[0] * R[0] + R[1] * R[1] + R[2] * R[2])
+    i1 = np.sqrt(i2)
+    i3 = i1 * i2
+    Rn = R[0] * N[0] + R[1] * N[1] + R[2] * N[2]
+    for i in range(3):
+        # M_in = M_ik n_k, M_ik the derivative in R_k of the bracket above
+        Mn = h * i3 * (N[i] - 3.0 * R[i] * Rn * i2) + i3 * (3.0 * R[i] * Rn * Rn * i2 - R[i])
+        for j in range(3):
+            same = 1.0 if i == j else 0.0
+            M = h * i3 * (same - 3.0 * R[i] * R[j] * i2)
+            M += i3 * (N[i] * R[j] - same * Rn - R[i] * N[j] + 3.0 * i2 * R[i] * Rn * R[j])
+            G[3 * i + j] = 2.0 * h * (M - 2.0 * Mn * N[j]) - i1 * (same + R[i] * R[j] * i2)
+
+
+@njit(cache=True, fastmath=True)
+def add_image(x, wall, P, Ba, Bb, K, acc):
+    """Add the integral of Blake's image over one cell to acc (p*p, 9); K (>= 9, g*g) is scratch."""
+    G = np.empty(9)
+    for k in range(P.shape[1]):
+        image(x, wall, P[0, k], P[1, k], P[2, k], G)
+        for c in range(9):
+            K[c, k] = P[3, k] * G[c]
+    add_products(K, 9, Ba, Bb, acc)
+
+
+@njit(cache=True, fastmath=True)
+def add_products(K, rows, Ba, Bb, acc):
+    """Add sum_mk K[c, m k] Ba[m, a] Bb[k, b] to acc[a b, c] for the first rows c of K."""
     g, p = Ba.shape
-    n0, n1, n2 = wall[3], wall[4], wall[5]
-    R = np.empty(3)
-    N = np.array([n0, n1, n2])
-    for m in range(g):
-        for q in range(g):
-            k = m * g + q
-            h = (P[0, k] - wall[0]) * n0 + (P[1, k] - wall[1]) * n1 + (P[2, k] - wall[2]) * n2
-            for c in range(3):
-                R[c] = x[c] - P[c, k] + 2.0 * h * N[c]
-            i2 = 1.0 / (R[0] * R[0] + R[1] * R[1] + R[2] * R[2])
-            i1 = np.sqrt(i2)
-            i3, w = i1 * i2, P[3, k]
-            Rn = R[0] * n0 + R[1] * n1 + R[2] * n2
-            for i in range(3):
-                # M_in = M_ik n_k, M_ik the derivative in R_k of the bracket above
-                Mn = h * i3 * (N[i] - 3.0 * R[i] * Rn * i2)
-                Mn += i3 * (N[i] * Rn - N[i] * Rn - R[i] + 3.0 * R[i] * Rn * Rn * i2)
-                for j in range(3):
-                    same = 1.0 if i == j else 0.0
-                    M = h * i3 * (same - 3.0 * R[i] * R[j] * i2)
-                    M += i3 * (N[i] * R[j] - same * Rn - R[i] * N[j])
-                    M += 3.0 * i3 * i2 * R[i] * Rn * R[j]
-                    value = 2.0 * h * (M - 2.0 * Mn * N[j]) - i1 * (same + R[i] * R[j] * i2)
-                    for bu in range(p):
-                        for bv in range(p):
-                            acc[bu * p + bv, 3 * i + j] += w * value * Ba[m, bu] * Bb[q, bv]
+    for c in range(rows):
+        for bv in range(p):
+            for m in range(g):
+                part = 0.0
+                for k in range(g):
+                    part += Bb[k, bv] * K[c, m * g + k]
+                for bu in range(p):
+                    acc[bu * p + bv, c] += Ba[m, bu] * part
+
+
+@njit(cache=True, fastmath=True)
+def add_nodal_image(x, wall, X, A, acc):
+    """Add the plain rule for Blake's image: nodes X (p*p, 3) with areas A (p*p,)."""
+    G = np.empty(9)
+    for b in range(A.size):
+        image(x, wall, X[b, 0], X[b, 1], X[b, 2], G)
+        for c in range(9):
+            acc[b, c] += A[b] * G[c]
 
 
 @njit(cache=True, fastmath=True)
@@ -189,7 +202,7 @@ def add_patch(
                 evaluate_cell(C, V, D, W, a, b, points[cell])
                 known[cell] = 2
             if image == 1:
-                add_image(x, wall, points[cell], B[a], B[b], acc)
+                add_image(x, wall, points[cell], B[a], B[b], K, acc)
             elif image == 2:
                 add_stress(x, wall, points[cell], B[a], B[b], acc)
             else:

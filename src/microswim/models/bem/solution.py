@@ -26,6 +26,7 @@ from microswim.models import swimmer_surface as geometry
 from microswim.models.bem import output as flow
 from microswim.models.bem.levels import Level, get_level
 from microswim.models.bem.mesh import swimmer_surface
+from microswim.models.bem.near_wall import refined
 from microswim.models.bem.surface import Surface, positions
 from microswim.models.bem.system import (
     Layer,
@@ -284,9 +285,11 @@ def solve(
     body, tail = swimmer.body, swimmer.tail
     remarks = geometry.check(body, tail, phase)
     surface = swimmer_surface(body, tail, phase, chosen.resolution)
-    require_memory(surface.unknowns)
     centre = np.asarray(body.centre, float)
     plane = _wall_beside(swimmer, surface, centre)
+    if plane is not None:
+        surface = refined(surface, plane)
+    require_memory(surface.unknowns)
     layer = Layer(surface, float(swimmer.fluid.viscosity), chosen.rule, plane)
     modes = rigid_modes(surface.nodes, centre)
     velocities = np.concatenate([modes, surface.node_motion[..., None]], axis=-1)

@@ -1,0 +1,81 @@
+"""Patches next to a wall: their size follows the gap.
+
+Between a surface at height h and a wall the pressure goes like 1/h^2 (lubrication), so a patch
+resolves it if h changes little over it. A patch is halved, across the direction along which h
+changes more, until the change is at most `CHANGE` of the smallest h on it. On a sphere of radius a
+this gives patches of size sqrt(a h), as the theory has it.
+"""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+from microswim.models.bem.element import chebyshev_nodes, lagrange
+from microswim.models.bem.surface import Surface
+from microswim.numerics.array import Array
+
+#: Change of the height over a patch, in units of the smallest; halvings at most.
+CHANGE, DEPTH = 2.0, 14
+
+
+def refined(surface: Surface, plane: Array, most: float = CHANGE) -> Surface:
+    """Return a surface whose patches resolve the gap to a wall (point and normal, (6,)).
+
+    Halves of a patch are the same polynomials: the surface does not change.
+    """
+    for _ in range(DEPTH):
+        u, v = _change(surface.controls, plane)
+        coarse = np.maximum(u, v) > most
+        if not coarse.any():
+            break
+        surface = _halved(surface, coarse & (u >= v), coarse & (u < v))
+    return surface
+
+
+def _change(controls: Array, plane: Array) -> tuple[Array, Array]:
+    """Change of the height along u and along v of each patch, over its smallest height, (e,) each.
+
+    Along a line ``|h(1) - h(-1)| + 4 |h(1) + h(-1) - 2 h(0)|``: the slope's share and the bend's,
+    so that a patch in whose middle the gap is smallest counts as well as one beside it.
+    """
+    L = lagrange(chebyshev_nodes(), np.linspace(-1, 1, 9))[0]
+    X = np.einsum("mi,nj,eijc->emnc", L, L, controls, optimize=True)
+    h = (X - plane[:3]) @ plane[3:]
+    least = h.min(axis=(1, 2))
+
+    def along(h: Array) -> Array:
+        slope, bend = h[:, -1] - h[:, 0], h[:, -1] + h[:, 0] - 2.0 * h[:, 4]
+        return (np.abs(slope) + 4.0 * np.abs(bend)).max(axis=1) / least
+
+    return along(h), along(h.transpose(0, 2, 1))
+
+
+def _halved(surface: Surface, across_u: NDArray[np.bool_], across_v: NDArray[np.bool_]) -> Surface:
+    """The surface with some patches halved in u, others in v; the order of patches changes."""
+    whole = ~(across_u | across_v)
+    x = chebyshev_nodes()
+    halves = [lagrange(x, 0.5 * (x + side))[0] for side in (-1.0, 1.0)]
+
+    def cut(values: Array) -> Array:
+        """Values (e, q, q, n) at the nodes of the new patches."""
+        parts = [values[whole]]
+        for half in halves:
+            parts.append(np.einsum("mi,eijc->emjc", half, values[across_u], optimize=True))
+            parts.append(np.einsum("nj,eijc->einc", half, values[across_v], optimize=True))
+        return np.concatenate(parts)
+
+    tail = surface.on_tail
+    both = [tail[across_u], tail[across_v]]
+    inner = surface.inner
+    if inner is not None and len(inner):
+        inner = np.moveaxis(cut(np.moveaxis(inner, 0, -1)), -1, 0)
+    return replace(
+        surface,
+        controls=np.ascontiguousarray(cut(surface.controls)),
+        motion=np.ascontiguousarray(cut(surface.motion)),
+        on_tail=np.concatenate([tail[whole], *both, *both]),
+        inner=inner,
+    )

@@ -300,6 +300,10 @@ def test_it_stops_at_the_end_of_its_channel_and_starts_again(page, tmp_path):
     settled(page)
     assert page.inner_text("#model-bem") == "Finite elements"
     assert page.screenshot(path=tmp_path / "channel.png")[:4] == b"\x89PNG"
+    assert "the channel would turn" in page.inner_text("#remarks")
+    page.click("[data-field='channel.shape'][data-value=cylinder]")  # which looks the same, turned
+    page.wait_for_function("() => studio.store.design.answer.around?.kind === 'cylinder'")
+    page.wait_for_function("() => !studio.store.design.answer.gait.one_pose")
     page.evaluate("() => { studio.view.paused = false; const a = studio.actors()[0]; a.restart(); "
                   "a.advance(30, studio.driver.drive, studio.driver.fastest); }")  # fmt: skip
     page.wait_for_selector(".notice:has-text('come to the wall')")

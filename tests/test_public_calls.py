@@ -40,6 +40,7 @@ CALLS = {
     "Spheroid": {"semi_axes": (1.0, 0.5), "drag": "exact"},
     "Ellipsoid": {"semi_axes": (1.0, 0.5, 0.4)},
     "NoBody": {},
+    "NoTail": {},
     "HelicalTail": WAVE | {"handedness": "left", "sections": "perpendicular"},
     "PlaneWaveTail": WAVE | {"sections": "sheared"},
     "CustomTail": {

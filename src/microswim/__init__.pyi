@@ -72,6 +72,7 @@ from .swimmer.geometry.surroundings import Channel as Channel
 from .swimmer.geometry.surroundings import Wall as Wall
 from .swimmer.geometry.tails import ElasticTail as ElasticTail
 from .swimmer.geometry.tails import HelicalTail as HelicalTail
+from .swimmer.geometry.tails import NoTail as NoTail
 from .swimmer.geometry.tails import PlaneWaveTail as PlaneWaveTail
 from .swimmer.geometry.tails import WaveformTail as WaveformTail
 from .swimmer.geometry.waveform import Waveform as Waveform

@@ -28,6 +28,7 @@ from microswim.numerics.compiled import pays, settled
 from microswim.numerics.complex_step import STEP, derivative_from
 from microswim.numerics.fourier import half_range, series_of
 from microswim.numerics.gauss_newton import gauss_newton
+from microswim.swimmer import physical_sense
 from microswim.swimmer.fields import lifted
 from microswim.swimmer.magnetism.drive import drive_of
 from microswim.swimmer.swimmer import Swimmer
@@ -113,6 +114,8 @@ def calibrate(
     if method == "ratios":
         return record.kept(_ratios(swimmer, data), data)
     unknowns, quantities = tuple(unknowns), tuple(quantities)
+    if isinstance(data, Gait):
+        physical_sense.require_tail(swimmer, "a calibration on a gait")
     usual = isinstance(data, Gait) and not unknowns and not quantities
     if usual:
         unknowns, quantities = for_loads(swimmer), observe.with_loads(swimmer)

@@ -30,6 +30,7 @@ from microswim.gait.observed import parse
 from microswim.jobs import references
 from microswim.numerics.array import read_only
 from microswim.spec.describe import unit_of
+from microswim.swimmer import physical_sense
 from microswim.swimmer.swimmer import Swimmer
 from microswim.swimmer.variants import check_names
 
@@ -201,6 +202,7 @@ def validate(
     0.0
     """
     doors.check_options(reference, options)
+    physical_sense.require_tail(swimmer, "a map of errors")
     check_names(swimmer, over)
     axes = {name: _axis(name, values) for name, values in over.items()}
     if not axes or any(v.size == 0 for v in axes.values()):

@@ -107,8 +107,9 @@ def _show(numbers: dict[str, Any], table: Table, as_json: bool) -> None:
         click.echo(f"  note: {remark}")
     error = info.get("error")
     if error:
-        off = 100 * error["relative_forward"]
-        click.echo(f"  u_s differs by {off:.2g} % from level {error['against']}")
+        forward = error["relative_forward"]
+        what, off = ("u_s", forward) if forward == forward else ("R", error["resistance"])
+        click.echo(f"  {what} differs by {100 * off:.2g} % from level {error['against']}")
     click.echo(f"  solved in {numbers['wall_seconds']:.3g} s")
 
 

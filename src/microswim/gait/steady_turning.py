@@ -190,11 +190,14 @@ class SteadyTurning:
     def _monotonic(self, curve: Curve, start: float, end: float) -> list[Arc]:
         """Return the arcs of a run of held states, cut where the rate turns back.
 
-        It does at rate zero, the moment along the field, for a robot that spins freely about it.
+        It does at rate zero, the moment along the field, for a robot that spins freely about it;
+        that may lie next to an end, where points are close.
         """
         from scipy.optimize import minimize_scalar  # nobody waits for it without a field
 
         u = np.linspace(start, end, max(3, int((end - start) / (2.0 * np.pi) * SAMPLES)))
+        near = (u[1] - u[0]) * 0.5 ** np.arange(1, 16)
+        u = np.unique(np.concatenate([u, start + near, end - near]))
         slope = np.diff(self.at(curve(u)).rate)
         ends = [start]
         for i in np.flatnonzero(slope[:-1] * slope[1:] < 0) + 1:
@@ -204,7 +207,10 @@ class SteadyTurning:
                 bounds=(u[i - 1], u[i + 1]), method="bounded", options={"xatol": 1e-12},
             )  # fmt: skip
             ends.append(float(at.x))
-        return [Arc(curve, a, b) for a, b in pairwise([*ends, end])]
+        arcs = [Arc(curve, a, b) for a, b in pairwise([*ends, end])]
+        longest = max(arc.end - arc.start for arc in arcs)
+        least = min(np.pi / SAMPLES, longest)  # a shorter one is held by the tolerance alone
+        return [arc for arc in arcs if arc.end - arc.start >= least]
 
     def _edge(self, curve: Curve, held: float, lost: float) -> float:
         """Return where the held states of a curve end, by bisection."""

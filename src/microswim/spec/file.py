@@ -87,6 +87,9 @@ def read_preset(name: str, overrides: dict[str, Any] | None = None) -> Swimmer:
 def override(tables: dict[str, Any], overrides: dict[str, Any]) -> dict[str, Any]:
     """Return tables with fields or tables replaced; of two names for one thing the other goes."""
     new = {k: dict(v) if isinstance(v, dict) else v for k, v in tables.items()}
+    for part, tag in (("body", "shape"), ("tail", "kind")):
+        if overrides.get(f"{part}.{tag}") == "none":
+            new[part] = {}  # the fields of what is there no more
     cleared = {ALTERNATIVES[name] for name in overrides if name in ALTERNATIVES} - set(overrides)
     for path, value in overrides.items():
         *parents, name = path.split(".")

@@ -43,7 +43,7 @@ class FluidTable(_Table):
     ] = 0.0
 
 
-_KIND = About("Kind", "helix | plane_wave | elastic | waveform | custom")
+_KIND = About("Kind", "helix | plane_wave | elastic | waveform | custom | none: a body alone")
 _SECTIONS = Literal["perpendicular", "sheared"]
 _SURFACE = Literal["rigid", "translating", "bending"]
 
@@ -160,6 +160,12 @@ class ElasticTable(_TailTable):
     twisting: Annotated[
         Bending | None, About("Twisting stiffness", "for rotate; two thirds of bending by default")
     ] = None
+
+
+class NoTailTable(_Table):
+    """[tail] of kind "none"."""
+
+    kind: Annotated[Literal["none"], _KIND]
 
 
 class HookTable(_Table):
@@ -285,8 +291,8 @@ class SpecTable(_Table):
 
     fluid: FluidTable
     body: BodyTable = Field(discriminator="shape")
-    tail: HelixTable | PlaneWaveTable | ElasticTable | WaveformTable | CustomTable = Field(
-        discriminator="kind"
+    tail: HelixTable | PlaneWaveTable | ElasticTable | WaveformTable | CustomTable | NoTailTable = (
+        Field(discriminator="kind")
     )
     coefficients: CoefficientsTable = CoefficientsTable()
     interaction: InteractionTable = InteractionTable()

@@ -94,6 +94,21 @@ def require_drag(swimmer: Swimmer) -> None:
         )  # fmt: skip
 
 
+def require_tail(swimmer: Swimmer, what: str) -> None:
+    """Refuse a body alone where its propulsion is the matter.
+
+    Raises
+    ------
+    SpecError
+        With what was asked for.
+    """
+    if swimmer.tail.is_absent:
+        raise SpecError(
+            "tail.kind", "none", f"a tail that propels, for {what}",
+            "without one nothing moves by itself; microswim mobility tells how a body resists",
+        )  # fmt: skip
+
+
 def require_dissipation(swimmer: Swimmer, gait: Gait) -> None:
     """Refuse a whole swimmer that would gain power from the fluid in some free motion.
 

@@ -50,7 +50,7 @@ class Swimmer:
     body
         `Sphere`, `Spheroid`, `Ellipsoid`, `Capsule`, `Cylinder`, `Box`, `Revolution` or `NoBody`.
     tail
-        `HelicalTail`, `PlaneWaveTail`, `ElasticTail` or `CustomTail`.
+        `HelicalTail`, `PlaneWaveTail`, `ElasticTail`, `CustomTail`; `NoTail` for a body alone.
     fluid
         `Fluid`.
     coefficients
@@ -129,6 +129,10 @@ class Swimmer:
                 "region: corrections over a region take the place of the law of local resistance "
                 "and of interaction coefficients; leave out [coefficients] and [interaction], or "
                 "[region]"
+            )
+        if self.body.is_absent and self.tail.is_absent:
+            raise SpecError(
+                'tail.kind = "none": a swimmer needs a body or a tail; give it one of the two'
             )
         checks.choice("units", self.units, ("dimensionless", "SI"))
         check_units(self)

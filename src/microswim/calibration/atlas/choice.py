@@ -73,6 +73,8 @@ def _holds(made: Gait, accuracy: float) -> bool:
 
 def _not_atlas(swimmer: Swimmer) -> str:
     """Return in words why the atlas does not serve a swimmer; empty where it does."""
+    if swimmer.tail.is_absent:
+        return "rft: without a tail its resistance is that of its body alone"
     if swimmer.region is not None:
         return "calibrated over a region"
     if swimmer.calibration is not None and not swimmer.is_open:

@@ -27,6 +27,11 @@ LIKE = ((0.005, 0.03), (0.08, 0.3), (1.5, 5.0), (0.2, 0.8))
 #: What is known of the force on a held swimmer: local drag was off by a factor of five on thick
 #: helices (`tabak/helix`: 196 against 37 by boundary elements).
 UNJUDGED = "no error is known, and local drag may be off by a factor; --model bem computes it"
+#: What is said of a swimmer that is a body alone.
+UNPROPELLED = (
+    "without a tail nothing propels it: it rests, exactly, until a field, a flow or a force moves "
+    "it; microswim mobility tells its resistance and how wrong that may be"
+)
 HELD = {
     "bem": "the level's difference holds",
     "fem": "the mesh decides",
@@ -64,6 +69,8 @@ def expected_error(swimmer: Swimmer, gait: Gait) -> dict[str, Any]:
     """
     by_model = {"atlas": _of_atlas, "rft": _of_surrogate, "bem": _of_elements}
     by_model["elastic"] = _of_elastic
+    if swimmer.tail.is_absent:
+        return {**dict.fromkeys(DEGREES_OF_FREEDOM, 0.0), "how": UNPROPELLED}
     values, how = by_model.get(gait.model, _unknown)(swimmer, gait)
     held = [0.0 if not free else value for value, free in zip(values, gait.free)]
     if not any(gait.free):

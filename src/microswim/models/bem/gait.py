@@ -23,11 +23,13 @@ from microswim.swimmer.swimmer import Swimmer
 
 
 def turns_as_a_whole(swimmer: Swimmer) -> bool:
-    """Return whether one phase holds the whole gait: helix, body of revolution, no wall.
+    """Return whether one phase holds the whole gait: helix, body of revolution, no wall; or no tail.
 
     Phase turns the surface of a helix about s, whatever its sections, and the surface's velocity
     with it, whatever its motion.
     """
+    if swimmer.tail.is_absent:
+        return True
     whole = swimmer.tail.is_rigid and swimmer.body.is_axisymmetric
     return whole and swimmer.wall is None
 
@@ -148,7 +150,7 @@ def _assembled(
     common = {"rate": solutions[0].rate, "free": solutions[0].free, "model": "bem", "info": info}
     common["units"] = swimmer.units
     samples = [_arrays(s) for s in solutions]
-    if count == 1:
+    if count == 1 and swimmer.tail.is_rigid:
         only = samples[0]
         made = Gait.from_rotation(
             only["R"], only["F"], only["G"], sign=swimmer.tail.sign,

@@ -13,7 +13,8 @@ from dataclasses import dataclass
 import numpy as np
 
 from microswim.models import swimmer_surface as geometry
-from microswim.models.bem.surface import Surface, grid_boxes, sample_adapted, sampled
+from microswim.models.bem.surface import Surface, grid_boxes, sample_adapted, sampled, still
+from microswim.models.bem.triangles import surface_of
 from microswim.models.joint import Joint, check_clear, trace_joint
 from microswim.numerics.array import Array
 from microswim.swimmer.geometry.body import Body
@@ -56,6 +57,10 @@ class Resolution:
         Ratio of successive lengths away from the joint.
     body : int
         Patches along a quarter of the body's circumference; one more on elongated bodies.
+    alone : int
+        The same of a body without a tail.
+    file : str
+        Level of the patches through the triangles of a body without a tail.
     """
 
     order: int = 2
@@ -69,6 +74,8 @@ class Resolution:
     root: float = 0.7
     growth: float = 2.0
     body: int = 2
+    alone: int = 2
+    file: str = "standard"
 
 
 def _wanted_length(tail: Tail, phase: float, s: Array, r: Resolution) -> tuple[Array, Array]:
@@ -246,10 +253,19 @@ def inner_pressures(tail: Tail, phase: float, s: Array) -> Array:
     return np.array(hats).reshape(number, *s.shape)
 
 
+def body_surface(body: Body, r: Resolution) -> Surface:
+    """Return the closed surface of a body without a tail."""
+    if body.triangles is not None:
+        return surface_of(body.triangles, r.file)[0]
+    return still(sampled(body.facets(r.alone)), r.order)
+
+
 def swimmer_surface(body: Body, tail: Tail, phase: float, r: Resolution) -> Surface:
     """Return the closed surface of a swimmer at one phase, with the tail's velocity per unit phase
     rate.
     """
+    if tail.is_absent:
+        return body_surface(body, r)
     alone = body.is_absent
     length = tail.apparent_length
     joint = None if alone else trace_joint(body, tail, phase)

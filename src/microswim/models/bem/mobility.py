@@ -209,13 +209,7 @@ def _of(what: Any, scale: Any, level: str, viscosity: float | None, phase: float
         mu = WATER["dimensionless"] if viscosity is None else viscosity
         if what.is_absent:
             raise SpecError("body.shape", "none", "a body here", "it has no surface")
-        if what.triangles is not None:
-            return _of_triangles(what.triangles, what.centre, level, mu, "dimensionless", ())
-        splits = 1 + patches_index(level)
-        fine = still(sampled(what.facets(splits)), 3)
-        rough = still(sampled(what.facets(splits)), 2)
-        rule = get_level("standard").rule
-        return fine, rough, np.asarray(what.centre, float), mu, "dimensionless", (), (rule, rule)
+        return _of_body(what, level, mu, "dimensionless")
     if Path(fspath(what)).suffix.lower() == ".toml":
         return _of_swimmer(doors.go(doors.READ, what), level, viscosity, phase)
     unit, units = _unit(scale)
@@ -223,6 +217,17 @@ def _of(what: Any, scale: Any, level: str, viscosity: float | None, phase: float
     placed = Triangles(found.surface.points * unit, found.surface.faces)
     mu = WATER[units] if viscosity is None else viscosity
     return _of_triangles(placed, placed.centroid, level, mu, units, found.remarks)
+
+
+def _of_body(body: Body, level: str, mu: float, units: str) -> Any:
+    if body.triangles is not None:
+        remarks = tuple(getattr(body, "remarks", ()))
+        return _of_triangles(body.triangles, body.centre, level, mu, units, remarks)
+    splits = 1 + patches_index(level)
+    fine = still(sampled(body.facets(splits)), 3)
+    rough = still(sampled(body.facets(splits)), 2)
+    rule = get_level("standard").rule
+    return fine, rough, np.asarray(body.centre, float), mu, units, (), (rule, rule)
 
 
 def patches_index(level: str) -> int:
@@ -259,6 +264,8 @@ def _of_swimmer(swimmer: Swimmer, level: str, viscosity: float | None, phase: fl
         if getattr(swimmer, name) is not None:
             raise SpecError(f"{name}: a mobility is that in free fluid; remove [{name}]")
     mu = float(swimmer.fluid.viscosity) if viscosity is None else viscosity
+    if swimmer.tail.is_absent:
+        return _of_body(swimmer.body, level, mu, swimmer.units)
     made = []
     for name in (level, level_below(level) or "coarse"):
         chosen = get_level(name, 1 if name == level == "coarse" and made else None)

@@ -138,7 +138,8 @@ class Solution:
         share is left in: the image's stress is not evaluated.
         """
         density = self.density.copy()
-        if self.swimmer.tail.surface_motion != "rigid" and self.layer.wall is None:
+        deforms = self.surface.motion.any() and self.swimmer.tail.surface_motion != "rigid"
+        if deforms and self.layer.wall is None:
             own = self.density[:, 6].reshape(self.surface.nodes.shape)
             density[:, 6] = self.layer.outer_traction(np.ascontiguousarray(own)).reshape(-1)
         return density
@@ -283,7 +284,7 @@ def solve(
     chosen = get_level(level, order) if isinstance(level, str) else level
     start = time.perf_counter()
     body, tail = swimmer.body, swimmer.tail
-    remarks = geometry.check(body, tail, phase)
+    remarks = [] if tail.is_absent else geometry.check(body, tail, phase)
     surface = swimmer_surface(body, tail, phase, chosen.resolution)
     centre = np.asarray(body.centre, float)
     plane = _wall_beside(swimmer, surface, centre)

@@ -139,7 +139,9 @@ def unchecked(swimmer: Swimmer, nodes: int | None = None, phases: int | None = N
     """Return `gait` of any coefficients, for searches that pass through what no fluid would do."""
     body = body_resistance(swimmer)
     tail = swimmer.tail
-    if tail.is_rigid and tail.in_batches:
+    if tail.is_absent:
+        series = np.zeros((1, 6, 6)), np.zeros((1, 6)), np.zeros(1)
+    elif tail.is_rigid and tail.in_batches:
         p = parameters(swimmer)
         arc = swimmer.motion.line_element == "arc"
         R, F, G = _helix(arc, p, nodes, swimmer)

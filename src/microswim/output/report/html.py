@@ -170,6 +170,10 @@ def spec_table(swimmer: Swimmer) -> Table:
 
     axes = " x ".join(quantity(r, unit(swimmer.units, "length")) for r in d["semi_axes"])
     body = f"semi-axes {axes}" if any(d["semi_axes"]) else "an isolated tail"
+    if tail.is_absent:
+        rows = [("body", swimmer.body.shape, body), ("tail", "none", "nothing propels it")]
+        return Table("What the spec works out to", ("", "value", ""), [*rows, _motions(swimmer, d)],
+                     swimmer.units)  # fmt: skip
     wave = []
     if d["wavenumber"] is not None:  # a tail of any shape has none
         wave = [("wavenumber k", q("wavenumber", "wavenumber"), "2 pi over wavelength")]
@@ -187,13 +191,14 @@ def spec_table(swimmer: Swimmer) -> Table:
         ("c_r", q("c_r", "drag of spin"), "spin about itself"),
         ("tip", q("tip", "drag of a point"), "drag of the free end (tip = true)"),
         ("Reynolds number", significant(d["reynolds_number"], 3), "from body length and frequency"),
-        (
-            "free motions",
-            " ".join(d["free"]) or "none",
-            f"motor rate read in the {swimmer.motion.frequency_frame} frame",
-        ),
+        _motions(swimmer, d),
     ]
     return Table("What the spec works out to", ("", "value", ""), rows, swimmer.units)
+
+
+def _motions(swimmer: Swimmer, d: dict[str, Any]) -> tuple[str, str, str]:
+    frame = f"motor rate read in the {swimmer.motion.frequency_frame} frame"
+    return "free motions", " ".join(d["free"]) or "none", "" if swimmer.tail.is_absent else frame
 
 
 def png(figure: Any) -> bytes:

@@ -55,6 +55,8 @@ def _body(swimmer: Swimmer) -> str:
 
 def _tail(swimmer: Swimmer) -> str:
     tail = swimmer.tail
+    if tail.is_absent:
+        return "none"
     hand = getattr(tail, "handedness", None)
     kind = tail.kind.replace("_", " ")
     words = [f"{hand}-handed {kind}" if hand else kind]

@@ -78,6 +78,8 @@ class Coefficients(ABC):
 
         ``c_r = 4 pi mu r_t^2``, the torque on an infinite cylinder turning about its axis.
         """
+        if tail.is_absent:
+            return 0.0, 0.0, 0.0
         spin = 4.0 * np.pi * viscosity * tail.radius**2 if self.spin else 0.0 * tail.radius
         return (*self.pair(tail, viscosity), spin)
 

@@ -19,7 +19,7 @@ SurfaceMotion = Literal["rigid", "translating", "bending"]
 
 
 class Tail(ABC):
-    """A tail of any kind. Use `HelicalTail`, `PlaneWaveTail` or `CustomTail`.
+    """A tail of any kind. Use `HelicalTail`, `PlaneWaveTail`, `CustomTail` or `NoTail`.
 
     Attributes
     ----------
@@ -28,6 +28,8 @@ class Tail(ABC):
     rft_loop
         Loop of the surrogate that sums it: one of its own form, or ``"centreline"``, which takes
         any centreline node by node.
+    is_absent
+        Whether there is no tail, only a body.
     is_rigid
         Whether phase turns the shape as a whole about s, by ``sign`` x phase.
     is_planar
@@ -42,6 +44,7 @@ class Tail(ABC):
 
     kind: ClassVar[str]
     rft_loop: ClassVar[str] = "centreline"
+    is_absent: ClassVar[bool] = False
     is_rigid: ClassVar[bool] = False
     is_planar: ClassVar[bool] = False
     half_period_signs: ClassVar[np.ndarray | None] = None

@@ -5,6 +5,7 @@ from __future__ import annotations
 from microswim.swimmer.geometry.custom_tail import CustomTail
 from microswim.swimmer.geometry.elastic_tail import ElasticTail
 from microswim.swimmer.geometry.helical_tail import HelicalTail
+from microswim.swimmer.geometry.no_tail import NoTail
 from microswim.swimmer.geometry.plane_wave_tail import PlaneWaveTail
 from microswim.swimmer.geometry.tail import Tail
 from microswim.swimmer.geometry.wave_tail import WaveTail, as_wave
@@ -15,6 +16,7 @@ __all__ = [
     "CustomTail",
     "ElasticTail",
     "HelicalTail",
+    "NoTail",
     "PlaneWaveTail",
     "Tail",
     "WaveTail",
@@ -23,5 +25,5 @@ __all__ = [
 ]
 
 TAILS: dict[str, type[Tail]] = {
-    t.kind: t for t in (HelicalTail, PlaneWaveTail, CustomTail, WaveformTail, ElasticTail)
+    t.kind: t for t in (HelicalTail, PlaneWaveTail, CustomTail, WaveformTail, ElasticTail, NoTail)
 }

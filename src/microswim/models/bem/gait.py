@@ -23,7 +23,7 @@ from microswim.swimmer.swimmer import Swimmer
 
 
 def turns_as_a_whole(swimmer: Swimmer) -> bool:
-    """Return whether one phase holds the whole gait: helix, body of revolution, no wall; or no tail.
+    """Return whether one phase holds the whole gait: helix, body of revolution, no wall; no tail.
 
     Phase turns the surface of a helix about s, whatever its sections, and the surface's velocity
     with it, whatever its motion.

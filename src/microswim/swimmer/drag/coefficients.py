@@ -301,7 +301,7 @@ class Constant(Coefficients):
         995.5
         """
         columns = [closed_form(tail, c_n=c, c_t=1.0 - c) for c in (1.0, 0.0)]
-        c_n, c_t = np.linalg.solve(np.transpose(columns), [thrust, torque])
+        c_n, c_t = np.linalg.solve(np.array(columns).T, [thrust, torque])
         return cls(normal=float(c_n), tangential=float(c_t), **options)
 
 

@@ -69,7 +69,7 @@ class NoTail(Tail):
         return True
 
     def centreline(self, s: Any, phase: Any) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-        """The joint, whatever s and phase."""
+        """Return the joint, whatever s and phase."""
         still = np.zeros((*np.broadcast_shapes(np.shape(s), np.shape(phase)), 3))
         along = still.copy()
         along[..., 0] = 1.0

@@ -12,6 +12,7 @@ import { Driver } from "./panels/drive";
 import { Flow } from "./scene/flow";
 import { Judge, askFlow } from "./panels/judge";
 import { SpeedMap } from "./panels/map";
+import { Sheets } from "./panels/sheets";
 import { Stage } from "./scene/stage";
 import { METHODS, Store, attempt, notice } from "./state/store";
 import type { Start } from "./state/types";
@@ -163,7 +164,7 @@ const tabs = (() => {
     map.visible = key === "map";
     if (map.visible && store.designs.length) map.refresh();
   };
-  return { node: el("div", { class: "tabs" }, el("nav", { role: "tablist" }, ...heads), body), open, first: Object.keys(parts)[0] };
+  return { node: el("div", { class: "tabs" }, el("nav", { role: "tablist" }, ...heads), body), open, keys: Object.keys(parts) };
 })();
 
 function frame(now: boolean): void {
@@ -223,10 +224,11 @@ window.addEventListener("unhandledrejection", (e) => notice(`The page stumbled: 
 store.on("designs", cast);
 store.on("answer", dress);
 
+const sheets = new Sheets(store, answers, stage, tabs);
 const left = el("div", { class: "side left" }, controls.node);
 const right = el("aside", { class: "panel right", "aria-label": "Answers" }, ...(store.snapshot ? [] : [models()]), answers.node, tabs.node);
 document.getElementById("app")!.append(top.node, left, right, legend,
-  el("div", { class: "below" }, transport.scale, transport.node));
+  el("div", { class: "below" }, transport.scale, transport.node), sheets.glance, sheets.node);
 
 async function begin(): Promise<void> {
   if (store.snapshot) {
@@ -239,7 +241,7 @@ async function begin(): Promise<void> {
     store.designs = [store.make(name, answer)];
   }
   store.tell("designs", "structure", "tables", "answer", "rest");
-  if (tabs.first) tabs.open(tabs.first);
+  if (tabs.keys.length) tabs.open(tabs.keys[0]);
   map.refresh();
   for (const input of document.querySelectorAll<HTMLInputElement>(".panel.left :is(input, select, button)")) {
     if (store.snapshot) input.disabled = true;

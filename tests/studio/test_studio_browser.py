@@ -3,15 +3,12 @@
 import csv
 import io
 import json
-import os
 import re
-import shutil
-import subprocess
-import sys
 import tomllib
 
 import numpy as np
 import pytest
+from chromium import PATIENCE, opened
 
 import microswim as ms
 from microswim.calibration.region.text import pack
@@ -21,53 +18,6 @@ from microswim.spec.toml import to_toml
 from microswim.studio.spec_tables import canonical
 
 pytestmark = pytest.mark.browser
-
-CHROMIUM = shutil.which("chromium") or shutil.which("chromium-browser")
-FLAGS = [
-    *("--no-sandbox", "--use-angle=swiftshader", "--enable-unsafe-swiftshader", "--disable-quic"),
-    *("--no-first-run", "--disable-background-networking", "--disable-component-update"),
-    "--disable-sync",
-]
-PATIENCE = 120_000  # milliseconds; software WebGL on a busy machine draws a frame a second
-
-
-@pytest.fixture(scope="module")
-def server():
-    code = "from microswim.cli import main; main(['studio', '--no-browser', '--port', '0'])"
-    env = {**os.environ, "PYTHONUNBUFFERED": "1"}
-    process = subprocess.Popen(
-        [sys.executable, "-c", code], stdout=subprocess.PIPE, text=True, env=env
-    )
-    try:
-        line = process.stdout.readline()
-        yield re.search(r"http://127\.0\.0\.1:\d+/", line).group()
-    finally:
-        process.terminate()
-        process.wait(20)
-        process.stdout.close()
-
-
-@pytest.fixture(scope="module")
-def browser():
-    if CHROMIUM is None:
-        pytest.skip("no Chromium is installed: the studio's page is not tested here")
-    api = pytest.importorskip("playwright.sync_api", reason="playwright is not installed")
-    with api.sync_playwright() as playwright:
-        chromium = playwright.chromium.launch(executable_path=CHROMIUM, args=FLAGS)
-        yield chromium
-        chromium.close()
-
-
-def opened(browser, address, **options):
-    """A page that is ready, with what it complained of."""
-    page = browser.new_page(viewport={"width": 1280, "height": 720}, **options)
-    page.set_default_timeout(PATIENCE)
-    page.complaints = []
-    page.on("pageerror", lambda e: page.complaints.append(str(e)))
-    page.on("console", lambda m: page.complaints.append(m.text) if m.type == "error" else None)
-    page.goto(address, wait_until="commit")
-    page.wait_for_selector("body[data-ready]")
-    return page
 
 
 @pytest.fixture(scope="module")

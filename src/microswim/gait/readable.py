@@ -22,6 +22,13 @@ _READ_IN = {
     "N m": {"N m": 1.0, "mN m": 1e-3, "µN m": 1e-6, "nN m": 1e-9, "pN µm": 1e-18},
 }
 
+#: Of each SI unit: name, size, and least value that is read in it, from large to small;
+#: 0.001 nN m is read rather than a million pN µm.
+READ_IN = {
+    si: [(name, size, 1e-3 * size if name == "nN m" else size) for name, size in units.items()]
+    for si, units in _READ_IN.items()
+}
+
 
 def prefixed(largest: float, unit: str) -> tuple[float, str]:
     """Return factor and unit in which a quantity of this size reads well.
@@ -45,13 +52,10 @@ def prefixed(largest: float, unit: str) -> tuple[float, str]:
     >>> prefixed(2.3e-5, "m/s")[1], prefixed(9.4e-10, "N m")[1]
     ('µm/s', 'nN m')
     """
-    if unit not in _READ_IN or not 0 < abs(largest) < math.inf:
+    if unit not in READ_IN or not 0 < abs(largest) < math.inf:
         return 1.0, unit
-    name, size = unit, 1.0
-    for name, size in _READ_IN[unit].items():
-        least = 1e-3 * size if name == "nN m" else size  # 0.001 nN m rather than a million pN µm
-        if abs(largest) >= least * (1.0 - 1e-12):
-            break
+    fits = (x for x in READ_IN[unit] if abs(largest) >= x[2] * (1.0 - 1e-12))
+    name, size, _ = next(fits, READ_IN[unit][-1])
     return (1e18 if size == 1e-18 else 1.0 / size), name
 
 

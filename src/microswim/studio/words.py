@@ -5,6 +5,7 @@ from __future__ import annotations
 from typing import Any
 
 from microswim.gait.quantities import NUMBERS, QUANTITIES
+from microswim.gait.readable import READ_IN
 from microswim.gait.units import is_dimensionless, unit
 from microswim.spec.fields import Field
 from microswim.spec.tables import FIELDS
@@ -24,6 +25,7 @@ def words() -> dict[str, Any]:
         "fields": {path: _field(field) for path, field in FIELDS.items()},
         "units": {name: size for sizes in SIZES.values() for name, size in sizes.items()},
         "quantities": {name: _quantity(name) for name in NUMBERS},
+        "read_in": READ_IN,
         "outputs": MAP_OUTPUTS,
         "levels": LEVELS,
         "largest": LARGEST_SPEC,

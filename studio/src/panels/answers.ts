@@ -69,6 +69,19 @@ export class Answers {
     return el("ul", { class: "remarks", id: "remarks", hidden: said.length === 0 }, ...said.map((r) => el("li", {}, r)));
   }
 
+  /** Speed and trust in a line, for a screen that has no room for more. */
+  glance(): HTMLElement[] {
+    const { store } = this;
+    const speeds = store.designs.map((d) => {
+      const answer = store.shown(d);
+      const [n, unit] = reading("swimming_speed", answer.readings.swimming_speed, answer.dimensional);
+      return el("b", {}, n, unit ? el("small", {}, ` ${unit}`) : null);
+    });
+    const trust = this.trust();
+    trust.removeAttribute("id");
+    return [...speeds, trust];
+  }
+
   /** Expected error of the surrogate here, in colour. */
   private trust(): HTMLElement {
     const { design, model } = this.store;

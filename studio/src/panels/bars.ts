@@ -56,11 +56,16 @@ export class TopBar {
     });
     const name = el("span", { class: "name" });
     const brand = el("div", { class: "brand" }, el("i"), el("b", {}, "microswim"), el("span", {}, "studio"));
+    const actions = el("div", { class: "actions" });
+    const more = el("button", { id: "more", "aria-expanded": "false", "aria-label": "More" }, "More");
+    more.onclick = () => more.setAttribute("aria-expanded", String(actions.classList.toggle("open")));
     if (store.snapshot) {
-      this.node.append(brand, name, el("span", { class: "grow" }), el("span", { class: "fine" }, "Snapshot: plays without a server"), this.menu());
+      actions.append(el("span", { class: "fine" }, "Snapshot: plays without a server"), this.menu());
+      this.node.append(brand, name, el("span", { class: "grow" }), more, actions);
     } else {
       const load = el("button", { onclick: () => file.click(), title: "Load a spec (TOML); you can drop a file on the page" }, "Open…");
-      this.node.append(brand, this.presets, load, file, el("span", { class: "grow" }), this.undo, this.redo, this.compare, this.menu());
+      actions.append(this.undo, this.redo, this.compare, this.menu());
+      this.node.append(brand, this.presets, load, file, el("span", { class: "grow" }), more, actions);
       void attempt(async () => {
         const { names, specs } = await call<Presets>("/api/presets");
         this.specs = specs;

@@ -1,16 +1,13 @@
 // The map: speed or efficiency over two numbers of the spec, the design as a dot that can be moved.
 
 import { Latest, call } from "../state/api";
-import { digits, el, pretty, reading } from "../state/dom";
+import { el, pretty, reading } from "../state/dom";
 import { label, numbers, quantity, read, si, spoken } from "../state/fields";
 import { called, size, words } from "../state/words";
 import type { Controls } from "./controls";
+import { colour, ticks } from "./scales";
 import { attempt, notice, type Store } from "../state/store";
 import type { Axis, MapAnswer, MapAsk, Tables } from "../state/types";
-
-const STOPS: [number, number, number][] = [
-  [18, 28, 48], [27, 62, 92], [32, 104, 122], [58, 150, 130], [132, 190, 118], [226, 205, 106], [255, 236, 178],
-];
 
 export class SpeedMap {
   readonly node = el("div", { class: "map" });
@@ -216,17 +213,12 @@ export class SpeedMap {
   private legend(low: number, top: number): void {
     const { dimensional } = this.store.design.answer;
     const say = (x: number): string => reading(this.output, x, dimensional, 2).join(" ");
-    const end = (key: "x" | "y", i: number): string => {
-      const q = quantity(read(this.store.design.tables, this.field[key]));
-      const values = this.answer![key];
-      return digits(values[i ? values.length - 1 : 0] / size(q?.unit ?? ""), 2);
-    };
-    const unit = (key: "x" | "y"): string => {
+    const named = (key: "x" | "y"): string => {
       const u = quantity(read(this.store.design.tables, this.field[key]))?.unit;
-      return u ? ` ${pretty(u)}` : "";
+      return `${label(this.field[key]).toLowerCase()}${u ? ` (${pretty(u)})` : ""}`;
     };
     this.foot.replaceChildren(
-      el("span", {}, `→ ${end("x", 0)} – ${end("x", 1)}${unit("x")}     ↑ ${end("y", 0)} – ${end("y", 1)}${unit("y")}`),
+      el("span", {}, `across: ${named("x")}; up: ${named("y")}`),
       el("span", { class: "legend" }, say(low), el("i"), say(top)),
       ...(this.answer!.inside ? [el("span", { id: "inside" }, "Calibrated inside the frame.")] : []));
   }
@@ -245,7 +237,14 @@ export class SpeedMap {
     const g = this.canvas.getContext("2d")!;
     g.fillStyle = "#141c27";
     g.fillRect(0, 0, w, h);
-    if (this.picture && this.answer) g.drawImage(this.picture, 0, 0);
+    if (this.picture && this.answer) {
+      g.drawImage(this.picture, 0, 0);
+      for (const key of ["x", "y"] as const) {
+        const unit = size(quantity(read(this.asked!.tables, this.field[key]))?.unit ?? "");
+        const values = this.answer[key];
+        ticks(g, key, values[0] / unit, values[values.length - 1] / unit);
+      }
+    }
     const at = this.place();
     if (!at) return;
     const within = (f: number, size: number): number => Math.min(size - 11, Math.max(11, f * size));
@@ -320,10 +319,4 @@ export class SpeedMap {
     this.answer = this.picture = null;
     this.draw();
   }
-}
-
-function colour(f: number): [number, number, number] {
-  const x = Math.min(1, Math.max(0, f)) * (STOPS.length - 1);
-  const i = Math.min(STOPS.length - 2, Math.floor(x));
-  return [0, 1, 2].map((k) => STOPS[i][k] + (x - i) * (STOPS[i + 1][k] - STOPS[i][k])) as [number, number, number];
 }

@@ -40,6 +40,8 @@ export class Stage {
   private slow = 0;
   /** share of the full resolution; less where the graphics are too slow for it */
   private quality = 1;
+  /** share of width and height in whose middle the target is */
+  private clear = [1, 1];
   private aim = new THREE.Vector3();
 
   constructor(private host: HTMLElement) {
@@ -73,9 +75,23 @@ export class Stage {
     this.reset();
   }
 
-  /** Camera from ahead and above; the swimmer swims to the right. */
+  /** Share of the width, from the left, and of the height, from above, that no sheet covers. */
+  uncover(width: number, height: number): void {
+    this.clear = [width, height];
+    this.resize();
+  }
+
+  /** Call when a finger touches the scene. */
+  onTouch(act: () => void): void {
+    this.renderer.domElement.addEventListener("pointerdown", (e) => {
+      if (e.pointerType === "touch") act();
+    });
+  }
+
+  /** Camera from ahead and above, farther off on a tall screen; the swimmer swims to the right. */
   reset(distance = 2.75): void {
-    const way = new THREE.Vector3(-0.16, 0.9, 0.36).normalize().multiplyScalar(distance);
+    const fits = Math.max(1, 1.15 / this.camera.aspect);
+    const way = new THREE.Vector3(-0.16, 0.9, 0.36).normalize().multiplyScalar(distance * fits);
     this.controls.target.copy(this.aim);
     this.camera.position.copy(this.aim).add(way);
     this.controls.update();
@@ -152,6 +168,8 @@ export class Stage {
     const { clientWidth: w, clientHeight: h } = this.host;
     this.renderer.setSize(w, h);
     this.camera.aspect = w / h;
+    const [x, y] = this.clear.map((share) => 0.5 * (1 - share));
+    this.camera.setViewOffset(w, h, x * w, y * h, w, h);
     this.camera.updateProjectionMatrix();
   }
 }

@@ -1,6 +1,6 @@
 // Small helpers for elements and numbers.
 
-import { called } from "./words";
+import { called, words } from "./words";
 
 type Child = Node | string | null | undefined;
 
@@ -41,9 +41,14 @@ const minus = (text: string): string => text.replace("-", "−");
 const superscript = (n: number): string =>
   [...String(n)].map((c) => "⁰¹²³⁴⁵⁶⁷⁸⁹"[Number(c)] ?? "⁻").join("");
 
-/** Number and unit apart, with an SI prefix. */
+/** Number and unit apart: in a unit that people read, else with an SI prefix. */
 export function withPrefix(value: number, unit: string, n = 3): [string, string] {
   if (value === 0) return ["0", ""];
+  const read = words().read_in[unit];
+  if (read) {
+    const [name, scale] = read.find(([, , least]) => Math.abs(value) >= 0.9995 * least) ?? read[read.length - 1];
+    return [digits(value / scale, n), name];
+  }
   const [size, prefix] = PREFIX.find(([s]) => Math.abs(value) >= 0.9995 * s) ?? PREFIX[PREFIX.length - 1];
   return [digits(value / size, n), prefix + unit];
 }

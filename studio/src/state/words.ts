@@ -24,6 +24,8 @@ export interface Words {
   /** size of each unit in SI */
   units: Record<string, number>;
   quantities: Record<string, Quantity>;
+  /** units in which people read an SI unit: name, size, least value that is read in it; falling */
+  read_in: Record<string, [string, number, number][]>;
   /** quantities that a map can show */
   outputs: string[];
   /** resolutions of the judge */
@@ -32,7 +34,7 @@ export interface Words {
   largest: number;
 }
 
-let told: Words = { fields: {}, units: {}, quantities: {}, outputs: [], levels: [], largest: 0 };
+let told: Words = { fields: {}, units: {}, quantities: {}, read_in: {}, outputs: [], levels: [], largest: 0 };
 
 export function learn(words: Words): void {
   told = words;

@@ -1,0 +1,43 @@
+// On a narrow screen the scene comes first: one panel at a time rises over it, the number stays in sight.
+
+import { el } from "../state/dom";
+import type { Answers } from "./answers";
+import type { Stage } from "../scene/stage";
+import type { Store } from "../state/store";
+
+/** Where panels become sheets; as in style.css. */
+export const NARROW = "(max-width: 900px), (max-height: 480px)";
+
+export class Sheets {
+  readonly glance = el("button", { class: "glance", id: "glance", title: "All numbers", onclick: () => this.open("numbers") });
+  readonly node = el("nav", { class: "dock", "aria-label": "Panels" });
+  private narrow = window.matchMedia(NARROW);
+
+  /** `tabs` opens the part of the right panel of that name. */
+  constructor(store: Store, answers: Answers, private stage: Stage, private tabs: { open: (key: string) => void; keys: string[] }) {
+    const names: Record<string, string> = { design: "Design", numbers: "Numbers", map: "Map", judge: "Judge", drive: "Drive" };
+    for (const key of ["design", "numbers", ...tabs.keys]) {
+      this.node.append(el("button", { id: `sheet-${key}`, "aria-pressed": "false", onclick: () => this.open(key) }, names[key]));
+    }
+    for (const event of ["answer", "designs", "structure"] as const) {
+      store.on(event, () => this.glance.replaceChildren(...answers.glance()));
+    }
+    this.narrow.addEventListener("change", () => this.open(""));
+    document.addEventListener("keydown", (e) => {
+      if (e.key === "Escape") this.open("");
+    });
+    stage.onTouch(() => this.open(""));
+  }
+
+  /** Raise one sheet; the one that is up, or none by name, goes down. */
+  open(key: string): void {
+    const { body } = document;
+    const up = key && this.narrow.matches && body.dataset.sheet !== key;
+    if (up) body.dataset.sheet = key;
+    else delete body.dataset.sheet;
+    if (up && this.tabs.keys.includes(key)) this.tabs.open(key);
+    for (const b of this.node.children) b.setAttribute("aria-pressed", String(Boolean(up) && b.id === `sheet-${key}`));
+    const tall = window.innerHeight > window.innerWidth;
+    this.stage.uncover(up && !tall ? 0.6 : 1, up && tall ? 0.48 : 1);
+  }
+}

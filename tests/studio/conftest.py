@@ -1,0 +1,36 @@
+"""The studio's server and a browser, one of each for the tests of a module."""
+
+import os
+import re
+import subprocess
+import sys
+
+import chromium
+import pytest
+
+
+@pytest.fixture(scope="module")
+def server():
+    code = "from microswim.cli import main; main(['studio', '--no-browser', '--port', '0'])"
+    env = {**os.environ, "PYTHONUNBUFFERED": "1"}
+    process = subprocess.Popen(
+        [sys.executable, "-c", code], stdout=subprocess.PIPE, text=True, env=env
+    )
+    try:
+        line = process.stdout.readline()
+        yield re.search(r"http://127\.0\.0\.1:\d+/", line).group()
+    finally:
+        process.terminate()
+        process.wait(20)
+        process.stdout.close()
+
+
+@pytest.fixture(scope="module")
+def browser():
+    if chromium.CHROMIUM is None:
+        pytest.skip("no Chromium is installed: the studio's page is not tested here")
+    api = pytest.importorskip("playwright.sync_api", reason="playwright is not installed")
+    with api.sync_playwright() as playwright:
+        opened = playwright.chromium.launch(executable_path=chromium.CHROMIUM, args=chromium.FLAGS)
+        yield opened
+        opened.close()

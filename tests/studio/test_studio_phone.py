@@ -1,0 +1,96 @@
+"""The page on a phone, touched with a finger: the scene first, sheets one at a time, no overlap."""
+
+import pytest
+from chromium import opened
+
+pytestmark = pytest.mark.browser
+SIZES = {"small": (360, 640), "phone": (390, 844), "lying": (844, 390)}
+SHEETS = {
+    "design": ".panel.left",
+    **dict.fromkeys(("numbers", "map", "judge", "drive"), ".panel.right"),
+}
+#: What can be touched and sticks out of the screen, or is too small for a finger (buttons: 32 px).
+ASTRAY = """() => [...document.querySelectorAll("button, select, summary, input")].filter((e) => {
+  const r = e.getBoundingClientRect();
+  if (!r.width || !e.checkVisibility()) return false;
+  const panel = e.closest(".panel");
+  const across = r.left < -1 || r.right > innerWidth + 1;
+  const lost = across || (!panel && (r.top < -1 || r.bottom > innerHeight + 1));
+  return lost || (e.tagName === "BUTTON" && r.height < 32);
+}).map((e) => e.id || e.className || e.textContent)"""
+
+
+@pytest.fixture(scope="module", params=SIZES)
+def phone(request, browser, server):
+    width, height = SIZES[request.param]
+    size = {"width": width, "height": height}
+    page = opened(browser, server, viewport=size, has_touch=True, is_mobile=True)
+    page.wait_for_selector("body[data-warm]", state="attached")
+    yield page
+    assert page.complaints == []
+    page.close()
+
+
+def box(page, selector):
+    found = page.locator(selector).bounding_box()
+    return found["x"], found["y"], found["x"] + found["width"], found["y"] + found["height"]
+
+
+def apart(a, b):
+    return a[2] <= b[0] + 1 or b[2] <= a[0] + 1 or a[3] <= b[1] + 1 or b[3] <= a[1] + 1
+
+
+def test_the_scene_comes_first_and_the_number_with_its_trust_is_in_sight(phone):
+    assert not any(phone.is_visible(panel) for panel in (".panel.left", ".panel.right"))
+    n = phone.text_content(".figure span")
+    assert phone.is_visible("#glance")
+    assert n in phone.text_content("#glance b")
+    assert phone.text_content("#glance .trust") == phone.text_content("#trust")
+    assert phone.evaluate(ASTRAY) == []
+
+
+@pytest.mark.parametrize("sheet", SHEETS)
+def test_each_sheet_rises_alone_over_nothing_that_is_needed(phone, sheet, tmp_path):
+    phone.tap(f"#sheet-{sheet}")
+    panels = [p for p in (".panel.left", ".panel.right") if phone.is_visible(p)]
+    assert panels == [SHEETS[sheet]]
+    assert phone.get_attribute(f"#sheet-{sheet}", "aria-pressed") == "true"
+    for other in (".dock", "#glance", "header"):
+        assert apart(box(phone, panels[0]), box(phone, other)), other
+    assert phone.evaluate(ASTRAY) == []
+    assert phone.evaluate("document.documentElement.scrollWidth") <= phone.viewport_size["width"]
+    assert len(phone.screenshot(path=tmp_path / f"{sheet}.png")) > 10_000
+    phone.tap(f"#sheet-{sheet}")
+    assert not phone.is_visible(panels[0])
+
+
+def test_a_thumb_moves_a_slider_and_the_number_follows(phone):
+    before = phone.text_content("#glance b")
+    phone.tap("#sheet-design")
+    x0, y0, x1, y1 = box(phone, '[data-field="tail.amplitude"]')
+    phone.locator('[data-field="tail.amplitude"]').scroll_into_view_if_needed()
+    x0, y0, x1, y1 = box(phone, '[data-field="tail.amplitude"]')
+    phone.touchscreen.tap(x0 + 0.8 * (x1 - x0), 0.5 * (y0 + y1))
+    phone.wait_for_function(
+        "n => document.querySelector('#glance b').textContent !== n", arg=before
+    )
+    phone.tap("#sheet-design")
+
+
+def test_a_touch_of_the_scene_lowers_the_sheet(phone):
+    phone.tap("#sheet-numbers")
+    x0, _, _, y1 = box(phone, "#glance")
+    phone.touchscreen.tap(x0 + 5, y1 + 30)
+    assert not phone.is_visible(".panel.right")
+
+
+def test_the_header_folds_and_all_of_it_is_reached(phone):
+    assert not phone.is_visible("#compare")
+    phone.tap("#more")
+    for name in ("#undo", "#redo", "#compare", "#take"):
+        assert phone.is_visible(name)
+    phone.tap("#take")
+    assert phone.is_visible("#take-png")
+    assert phone.evaluate(ASTRAY) == []
+    phone.tap("#more")
+    assert not phone.is_visible("#compare")

@@ -102,6 +102,13 @@ CALLS = {
     "UniformField": {"strength": 1.0, "direction": (1.0, 0.0, 0.0)},
     "OscillatingField": {"strength": 1.0, "frequency": 1.0, "direction": (1.0, 0.0, 0.0)},
     "RotatingField": {"strength": 1.0, "frequency": 1.0, "axis": (1.0, 0.0, 0.0), "cone": 0.1},
+    "Member": {
+        "swimmer": HELIX,
+        "roll": 0.1,
+        "phase": 0.1,
+    }
+    | dict.fromkeys(("position", "direction", "force", "torque"), (0.0, 0.0, 1.0)),
+    "Group": {"members": (ms.Member(swimmer=HELIX),)},
     "Observation": {
         "swimmer": HELIX,
         "quantity": "velocity.us",
@@ -145,6 +152,8 @@ SOLVES = {"reference": "rft", "folder": "solves", "workers": 0, "progress": told
 STEPPER, STATE = ms.Stepper(GAIT), ms.State.at()
 RUN = ms.io.dataset(HELIX, GAIT, periods=1)
 TRACK = ms.Track(**CALLS["Track"])
+
+ALONE = ms.Group((ms.Member(swimmer=HELIX),))
 
 #: Functions and methods, by a name that says where they are.
 FUNCTIONS = {
@@ -239,6 +248,12 @@ FUNCTIONS = {
     "data.load": {"name": "tabak-table-2"},
     "data.names": {},
     "Swimmer.from_toml": {"path": "spec.toml", "overrides": {}, "trust": "own.py"},
+    "Group.from_toml": {"path": "scene.toml", "overrides": {}, "trust": "own.py"},
+    "Group.moved": {"self": ALONE, "rolls": [0.1], "phases": [0.1]}
+    | {name: [(0.0, 0.0, 1.0)] for name in ("positions", "directions")},
+    "Group.prepared": {"self": ALONE, "level": "coarse"},
+    "Group.solve": {"self": ALONE, "level": "coarse"},
+    "Group.swim": {"self": ALONE, "level": "coarse", "progress": told},
     "Swimmer.preset": {"name": "tabak/helix", "overrides": {}},
     "Swimmer.gait": {"self": HELIX, "model": "rft"},
     "Swimmer.with_": {"self": HELIX, "changes": {}},
@@ -266,6 +281,8 @@ FITS = {
     ("RotatingField", "frequency"): {"minus one"},
     ("RotatingField", "cone"): {"minus one"},
     ("Magnet", "azimuth"): {"minus one"},
+    ("Member", "roll"): {"minus one"},
+    ("Member", "phase"): {"minus one"},
     ("Wall", "tilt"): {"minus one"},
     ("Wall", "azimuth"): {"minus one"},
     ("Channel", "tilt"): {"minus one"},

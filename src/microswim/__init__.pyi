@@ -25,6 +25,8 @@ from .models.bem.mobility import Mobility as Mobility
 from .models.bem.mobility import mobility as mobility
 from .models.elastic.stability import Threshold as Threshold
 from .models.elastic.stability import stability as stability
+from .models.group.mean import GroupMotion as GroupMotion
+from .models.group.solution import GroupSolution as GroupSolution
 from .models.rft.batch import evaluate as evaluate
 from .models.rft.warm_up import warm_up as warm_up
 from .numerics.rigid_motion import ScrewMotion as ScrewMotion
@@ -76,12 +78,14 @@ from .swimmer.geometry.tails import NoTail as NoTail
 from .swimmer.geometry.tails import PlaneWaveTail as PlaneWaveTail
 from .swimmer.geometry.tails import WaveformTail as WaveformTail
 from .swimmer.geometry.waveform import Waveform as Waveform
+from .swimmer.group import Group as Group
 from .swimmer.magnetism.applied_field import OscillatingField as OscillatingField
 from .swimmer.magnetism.applied_field import RotatingField as RotatingField
 from .swimmer.magnetism.applied_field import UniformField as UniformField
 from .swimmer.magnetism.field_in_space import CoilField as CoilField
 from .swimmer.magnetism.field_in_space import DipoleField as DipoleField
 from .swimmer.magnetism.magnet import Magnet as Magnet
+from .swimmer.member import Member as Member
 from .swimmer.motion import Motion as Motion
 from .swimmer.swimmer import Swimmer as Swimmer
 

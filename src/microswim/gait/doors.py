@@ -51,7 +51,11 @@ MODELS: dict[str, str] = {
 }
 SETTLED = "microswim.models.elastic.gait:settled_swimmer"
 ISOLATED = "microswim.models.bem.isolated:resistance"
+GROUP_BLOCKS = "microswim.models.group.blocks:prepare"
+GROUP_SWIM = "microswim.models.group.mean:swim"
+GROUP_SOLVE = "microswim.models.group.solution:solve"
 READ = "microswim.spec.file:read"
+READ_SCENE = "microswim.spec.scene:read_scene"
 WRITE = "microswim.spec.describe:to_text"
 READ_COILS = "microswim.spec.coils:read_coils"
 READ_VALUE = "microswim.spec.values:from_python"

@@ -37,8 +37,8 @@ SYNONYMS = {
 }  # fmt: skip
 
 
-def sentence(error: ValidationError, tables: dict[str, Any]) -> SpecError:
-    """Return the first complaint as one sentence."""
+def sentence(error: ValidationError, tables: dict[str, Any], within: str = "") -> SpecError:
+    """Return the first complaint as one sentence; `within` is the table that was checked."""
     first = _apt(error.errors())
     tags = {*SHAPES, *TAILS, *APPLIED_FIELDS}
     branch = re.compile(r".*\[.*\]")  # of a field that is a number or a list of them
@@ -48,6 +48,7 @@ def sentence(error: ValidationError, tables: dict[str, Any]) -> SpecError:
         if not (i == 1 and p in tags) and not (isinstance(p, str) and branch.fullmatch(p))
     ]
     path = "".join(f"[{p}]" if isinstance(p, int) else f".{p}" for p in where).lstrip(".")
+    path = f"{within}.{path}" if within else path
     value, context = first["input"], first.get("ctx", {})
     match first["type"]:
         case "missing":

@@ -47,6 +47,8 @@ Volume = Annotated[float, _reads("volume"), Measures("volume")]
 Tesla = Annotated[float, _reads("field"), Measures("field")]
 Current = Annotated[float, _reads("current"), Measures("current")]
 Moment = Annotated[float, _reads("moment"), Measures("moment")]
+Force = Annotated[float, _reads("force"), Measures("force")]
+Torque = Annotated[float, _reads("torque"), Measures("torque")]
 
 
 class Table(BaseModel):

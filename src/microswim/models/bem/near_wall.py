@@ -31,7 +31,7 @@ def refined(surface: Surface, plane: Array, most: float = CHANGE) -> Surface:
         coarse = np.maximum(u, v) > most
         if not coarse.any():
             break
-        surface = _halved(surface, coarse & (u >= v), coarse & (u < v))
+        surface = halved(surface, coarse & (u >= v), coarse & (u < v))
     return surface
 
 
@@ -53,8 +53,8 @@ def _change(controls: Array, plane: Array) -> tuple[Array, Array]:
     return along(h), along(h.transpose(0, 2, 1))
 
 
-def _halved(surface: Surface, across_u: NDArray[np.bool_], across_v: NDArray[np.bool_]) -> Surface:
-    """The surface with some patches halved in u, others in v; the order of patches changes."""
+def halved(surface: Surface, across_u: NDArray[np.bool_], across_v: NDArray[np.bool_]) -> Surface:
+    """Return the surface with some patches halved in u, others in v, in another order."""
     whole = ~(across_u | across_v)
     x = chebyshev_nodes()
     halves = [lagrange(x, 0.5 * (x + side))[0] for side in (-1.0, 1.0)]

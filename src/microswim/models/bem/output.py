@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from pathlib import Path
 from typing import Any
 
@@ -44,6 +44,20 @@ def write_mesh(surface: Surface, path: str | Path, side: int = 4) -> Path:
     """Write the surface alone, its patches numbered, as a ``.vtp`` file."""
     data = {"patch": np.repeat(np.arange(surface.patches, dtype=float), side * side)}
     points, quads = positions(surface, side).reshape(-1, 3), quads_of(surface.patches, side)
+    text = doors.go(doors.POLY_DATA, points, polys=quads, point_data=data)
+    return _written(Path(path).with_suffix(".vtp"), text)
+
+
+def write_surfaces(surfaces: Sequence[Surface], path: str | Path, side: int = 6) -> Path:
+    """Write several surfaces, each with its number and its tail marked, as a ``.vtp`` file."""
+    points = np.concatenate([positions(s, side).reshape(-1, 3) for s in surfaces])
+    quads = quads_of(sum(s.patches for s in surfaces), side)
+    counts = [s.patches * side * side for s in surfaces]
+    tails = np.concatenate([s.on_tail for s in surfaces]).astype(np.uint8)
+    data = {
+        "swimmer": np.repeat(np.arange(len(surfaces), dtype=float), counts),
+        "tail": np.repeat(tails, side * side),
+    }
     text = doors.go(doors.POLY_DATA, points, polys=quads, point_data=data)
     return _written(Path(path).with_suffix(".vtp"), text)
 

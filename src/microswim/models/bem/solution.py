@@ -29,6 +29,7 @@ from microswim.models.bem.mesh import swimmer_surface
 from microswim.models.bem.near_wall import refined
 from microswim.models.bem.surface import Surface, positions
 from microswim.models.bem.system import (
+    Factors,
     Layer,
     require_memory,
     rigid_modes,
@@ -57,6 +58,8 @@ class Solution:
         Wall time of geometry, assembly, solve.
     remarks : tuple of str
         What is extreme about the geometry.
+    factors : Factors, optional
+        The factorised system, where it was asked to be kept.
     """
 
     swimmer: Swimmer
@@ -65,6 +68,7 @@ class Solution:
     density: Array
     seconds: dict[str, float]
     remarks: tuple[str, ...] = ()
+    factors: Factors | None = None
 
     @property
     def surface(self) -> Surface:
@@ -261,6 +265,7 @@ def solve(
     *,
     level: str | Level = "standard",
     order: int | None = None,
+    keep: bool = False,
 ) -> Solution:
     """Solve the Stokes equations about a swimmer with its tail at one phase.
 
@@ -273,6 +278,8 @@ def solve(
         "coarse", "standard" or "fine".
     order : int, optional
         Order p of the density on the level's patches.
+    keep : bool
+        Keep the factorised system, which takes as much memory as the solve.
 
     Raises
     ------
@@ -297,7 +304,8 @@ def solve(
     meshed = time.perf_counter() - start
     solved = solve_density(layer, velocities)
     seconds = {"geometry": meshed, **solved.seconds}
-    return Solution(swimmer, phase, layer, solved.density, seconds, tuple(remarks))
+    factors = solved.factors if keep else None
+    return Solution(swimmer, phase, layer, solved.density, seconds, tuple(remarks), factors)
 
 
 def _wall_beside(swimmer: Swimmer, surface: Surface, centre: Array) -> Array | None:

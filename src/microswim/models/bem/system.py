@@ -141,6 +141,13 @@ class Layer:
             total[some] += np.einsum("nim,nimc->nic", weight, d)
         return 0.5 * density + 3 / (4 * np.pi) * total
 
+    def reach(self, points: Array) -> Array:
+        """Return the velocity (3 t, 3 e p^2) at points (t, 3) of the fluid for each density."""
+        out = np.zeros((3 * len(points), self.surface.unknowns), order="F")
+        self._fill(points, np.full(len(points), -1), out)
+        out *= 1.0 / (8.0 * np.pi * self.viscosity)
+        return out
+
     def velocity(self, points: Array, density: Array) -> Array:
         """Return the velocity (t, 3) at points of the fluid for densities (3 e p^2,)."""
         points = np.atleast_2d(np.asarray(points, float))
@@ -148,10 +155,8 @@ class Layer:
         step = max(1, int(2e7 // self.surface.unknowns))
         for start in range(0, len(points), step):
             part = points[start : start + step]
-            out = np.zeros((3 * len(part), self.surface.unknowns), order="F")
-            self._fill(part, np.full(len(part), -1), out)
-            result[start : start + step] = (out @ density).reshape(-1, 3)
-        return result / (8.0 * np.pi * self.viscosity)
+            result[start : start + step] = (self.reach(part) @ density).reshape(-1, 3)
+        return result
 
 
 def require_memory(unknowns: int) -> None:
@@ -172,18 +177,53 @@ def rigid_modes(points: Array, centre: Array) -> Array:
 
 
 @dataclass(frozen=True)
+class Factors:
+    """The bordered system of a layer, factorised: densities for any velocities of its surface."""
+
+    lu: tuple[Array, NDArray[np.int32]]
+    unknowns: int
+
+    def solve(self, velocities: Array) -> Array:
+        """Return the densities (3 e p^2, k) for velocities (3 e p^2, k) at the nodes."""
+        rhs = np.zeros((len(self.lu[0]), velocities.shape[-1]), order="F")
+        rhs[: self.unknowns] = velocities
+        return lu_solve(self.lu, rhs, overwrite_b=True, check_finite=False)[: self.unknowns]
+
+
+@dataclass(frozen=True)
 class Densities:
     """Solved densities (3 e p^2, k) for k surface velocities, with the seconds spent."""
 
     density: Array
     seconds: dict[str, float]
+    factors: Factors
 
 
 def solve_density(layer: Layer, velocities: Array) -> Densities:
     """Return densities for surface velocities (e, p*p, 3, k): one factorisation for all k."""
+    start = time.perf_counter()
+    A = _bordered(layer)
+    assembled = time.perf_counter()
+    factors = _factors(A, layer)
+    density = factors.solve(velocities.reshape(factors.unknowns, -1))
+    solved = time.perf_counter()
+    seconds = {"assembly": assembled - start, "solve": solved - assembled}
+    return Densities(density, seconds, factors)
+
+
+def factorised(layer: Layer) -> Factors:
+    """Return the factorised system of a layer."""
+    return _factors(_bordered(layer), layer)
+
+
+def _factors(A: Array, layer: Layer) -> Factors:
+    return Factors(lu_factor(A, overwrite_a=True, check_finite=False), layer.surface.unknowns)
+
+
+def _bordered(layer: Layer) -> Array:
+    """Return the matrix of a layer with the pressures as further columns, their fluxes as rows."""
     s = layer.surface
     require_memory(s.unknowns)
-    start = time.perf_counter()
     n, pressures = s.unknowns, s.node_pressures
     A = layer.matrix(border=len(pressures))
     scale = np.abs(A.diagonal()[:n]).mean()
@@ -191,13 +231,7 @@ def solve_density(layer: Layer, velocities: Array) -> Densities:
     for k, pressure in enumerate(pressures[..., None], start=n):
         A[:n, k] = (s.normals * pressure).reshape(-1) * scale
         A[k, :n] = (flux * pressure).reshape(-1)
-    assembled = time.perf_counter()
-    rhs = np.zeros((len(A), velocities.shape[-1]), order="F")
-    rhs[:n] = velocities.reshape(n, -1)
-    factors = lu_factor(A, overwrite_a=True, check_finite=False)
-    density = lu_solve(factors, rhs, overwrite_b=True, check_finite=False)[:n]
-    solved = time.perf_counter()
-    return Densities(density, {"assembly": assembled - start, "solve": solved - assembled})
+    return A
 
 
 def wrench_rows(surface: Surface, centre: Array, patches: NDArray[np.bool_] | None = None) -> Array:

@@ -29,19 +29,21 @@ def misfit(solution: Solution) -> float:
     return worst if np.isfinite(worst) else float("inf")
 
 
-def trusted(swimmer: Swimmer, phase: float, level: Level) -> Solution:
+def trusted(swimmer: Swimmer, phase: float, level: Level, keep: bool = False) -> Solution:
     """Solve at one phase; where reciprocity is missed, again with more panels at the joint.
+
+    `keep` keeps the factorised system.
 
     Raises
     ------
     SpecError
         If R is not positive definite, or reciprocity is missed by a tenth, on both meshes.
     """
-    best = solve(swimmer, phase, level=level)
+    best = solve(swimmer, phase, level=level, keep=keep)
     if misfit(best) > DOUBTFUL:
         mesh = level.resolution
         finer = replace(mesh, root=0.5 * mesh.root, around=mesh.around + 1, body=mesh.body + 1)
-        again = solve(swimmer, phase, level=replace(level, resolution=finer))
+        again = solve(swimmer, phase, level=replace(level, resolution=finer), keep=keep)
         best = min(best, again, key=misfit)
     if misfit(best) > USELESS:
         raise _beyond(swimmer, best, level)

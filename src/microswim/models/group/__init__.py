@@ -1,0 +1,1 @@
+"""Several swimmers in one fluid: boundary elements with all surfaces in one system."""

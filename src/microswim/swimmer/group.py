@@ -1,0 +1,270 @@
+"""Several swimmers in one fluid.
+
+    R V + F rate = W,   R (6n, 6n),  F (6n, n),  V and W of all swimmers one below the other
+
+Six-vectors are ``[linear; angular]`` in each swimmer's own frame, about its body's centre.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Sequence
+from dataclasses import dataclass, replace
+from os import PathLike
+from typing import Any, Literal
+
+import numpy as np
+from numpy.typing import NDArray
+
+from microswim import checks
+from microswim.errors import SpecError
+from microswim.gait import doors
+from microswim.numerics.array import Array
+from microswim.swimmer.member import Member
+from microswim.swimmer.swimmer import Swimmer
+
+Level = Literal["coarse", "standard", "fine"]
+LEVELS = checks.one_of("coarse", "standard", "fine")
+
+
+def _blocks(name: str, value: Any) -> None:
+    checks.instance(name, value, "Blocks")
+
+
+@checks.by_name
+@dataclass(frozen=True)
+class Group:
+    """Several swimmers in one fluid.
+
+    Parameters
+    ----------
+    members
+        Two or more `Member`; one is allowed, and swims as it does alone.
+
+    Raises
+    ------
+    SpecError
+        If they are not all in one system of units, or not in one fluid.
+
+    Examples
+    --------
+    >>> import microswim as ms
+    >>> helix = ms.Swimmer.preset("tabak/helix")
+    >>> beside = ms.Member(swimmer=helix, position=(0.0, 3.0, 0.0))
+    >>> pair = ms.Group((ms.Member(swimmer=helix), beside))
+    >>> pair.units, len(pair.members)
+    ('dimensionless', 2)
+    """
+
+    members: tuple[Member, ...]
+
+    def __post_init__(self) -> None:
+        if isinstance(self.members, Member) or not isinstance(self.members, Iterable):
+            raise SpecError("members", self.members, "a list of Member")
+        object.__setattr__(self, "members", tuple(self.members))
+        if not self.members:
+            raise SpecError("members", "()", "one Member at least")
+        for n, member in enumerate(self.members):
+            checks.instance(f"members[{n}]", member, "Member")
+        first = self.members[0].swimmer
+        for n, member in enumerate(self.members[1:], start=1):
+            _check_alike(n, member.swimmer, first)
+
+    @classmethod
+    @checks.given(path=checks.place, overrides=checks.mapping, trust=checks.place)
+    def from_toml(
+        cls,
+        path: str | PathLike[str],
+        overrides: dict[str, Any] | None = None,
+        trust: str | PathLike[str] | None = None,
+    ) -> Group:
+        """Return the group of a scene file.
+
+        Parameters
+        ----------
+        path
+            Scene of ``[[swimmer]]`` tables; the specs that it names stand beside it.
+        overrides
+            Field to its value: ``swimmer[0].phase``, ``tail.amplitude`` of all specs.
+        trust
+            Python file whose functions the specs may name. None: they run no code.
+
+        Raises
+        ------
+        SpecError
+            One sentence: the field, its value, what is allowed, how to mend it.
+
+        Examples
+        --------
+        >>> import microswim as ms
+        >>> ms.Group.from_toml("nowhere.toml")
+        Traceback (most recent call last):
+            ...
+        microswim.errors.SpecError: nowhere.toml: no such file; a scene holds [[swimmer]] tables \
+with spec = "robot.toml" and position = [x, y, z]
+        """
+        return doors.go(doors.READ_SCENE, path, overrides, trust)
+
+    @property
+    def units(self) -> str:
+        """``"SI"`` or ``"dimensionless"``."""
+        return self.members[0].swimmer.units
+
+    @property
+    def viscosity(self) -> float:
+        """Of the fluid."""
+        return float(self.members[0].swimmer.fluid.viscosity)
+
+    @property
+    def wrench(self) -> Array:
+        """External forces and torques (6n,) in the swimmers' own axes."""
+        return np.concatenate([m.wrench for m in self.members])
+
+    @property
+    def free(self) -> NDArray[np.bool_]:
+        """Which of the 6n degrees of freedom are free."""
+        return np.array([m.swimmer.motion.mask for m in self.members], bool).reshape(-1)
+
+    @checks.given(
+        positions=checks.series,
+        directions=checks.series,
+        rolls=checks.series,
+        phases=checks.series,
+    )
+    def moved(
+        self,
+        positions: Sequence[Any] | None = None,
+        directions: Sequence[Any] | None = None,
+        rolls: Sequence[float] | None = None,
+        phases: Sequence[float] | None = None,
+    ) -> Group:
+        """Return the same swimmers at other poses or phases; what is not given stays.
+
+        Parameters
+        ----------
+        positions, directions
+            (n, 3).
+        rolls, phases
+            (n,) (rad).
+
+        Examples
+        --------
+        >>> import microswim as ms
+        >>> one = ms.Group((ms.Member(swimmer=ms.Swimmer.preset("tabak/helix")),))
+        >>> one.moved(phases=[1.5]).members[0].phase
+        1.5
+        """
+        given = {"position": positions, "direction": directions, "roll": rolls, "phase": phases}
+        members = list(self.members)
+        for name, values in given.items():
+            if values is None:
+                continue
+            if np.ndim(values) == 0 or len(values) != len(members):
+                raise SpecError(f"{name}s", values, f"{len(members)} values, one for each swimmer")
+            members = [replace(m, **{name: v}) for m, v in zip(members, values, strict=True)]
+        return replace(self, members=tuple(members))
+
+    @checks.given(level=LEVELS)
+    def prepared(self, level: Level = "standard") -> Any:
+        """Return the swimmers' own blocks, factorised: what is the same at every pose.
+
+        Examples
+        --------
+        >>> import microswim as ms
+        >>> helix = ms.Swimmer.preset("tabak/helix")
+        >>> beside = ms.Member(swimmer=helix, position=(0, 3, 0))
+        >>> pair = ms.Group((ms.Member(swimmer=helix), beside))
+        >>> blocks = pair.prepared("coarse")
+        >>> near = pair.solve(blocks=blocks)
+        >>> far = pair.moved(positions=[(0, 0, 0), (0, 6, 0)]).solve(blocks=blocks)
+        >>> bool(near.resistance[0, 6] < far.resistance[0, 6] < 0)  # each carries the other along
+        True
+        """
+        return doors.go(doors.GROUP_BLOCKS, self, level)
+
+    @checks.given(level=LEVELS, blocks=_blocks)
+    def solve(self, *, level: Level = "standard", blocks: Any = None) -> Any:
+        """Solve for the flow about all swimmers at their phases, by boundary elements.
+
+        Parameters
+        ----------
+        level
+            ``"coarse"``, ``"standard"`` or ``"fine"``.
+        blocks
+            What `prepared` returned, for many poses of the same swimmers; its level counts.
+
+        Returns
+        -------
+        GroupSolution
+            With ``resistance``, ``propulsion``, ``velocity``, and the flow.
+
+        Raises
+        ------
+        SpecError
+            If swimmers overlap, or are too near each other to be resolved.
+        MachineError
+            If the system does not fit into memory.
+
+        Examples
+        --------
+        >>> import microswim as ms
+        >>> helix = ms.Swimmer.preset("tabak/helix")
+        >>> beside = ms.Member(swimmer=helix, position=(0, 3, 0))
+        >>> pair = ms.Group((ms.Member(swimmer=helix), beside))
+        >>> found = pair.solve(level="coarse")
+        >>> found.resistance.shape, found.velocity.shape
+        ((12, 12), (2, 6))
+        """
+        return doors.go(doors.GROUP_SOLVE, self, level, blocks)
+
+    @checks.given(level=LEVELS, progress=checks.function)
+    def swim(self, *, level: Level = "standard", progress: Any = None) -> Any:
+        """Return how the swimmers swim at their pose, averaged over the phases of their motors.
+
+        Motors of one rate keep their differences of phase; motors of different rates come by all
+        pairs of phases. The pose stands still meanwhile: it is the mean of velocities, not the
+        velocity of a path.
+
+        Parameters
+        ----------
+        level
+            ``"coarse"``, ``"standard"`` or ``"fine"``.
+        progress
+            Called with (phases done, phases in all).
+
+        Returns
+        -------
+        GroupMotion
+            With ``mean_velocity`` (n, 6) of each swimmer in its own axes and its
+            ``expected_error``.
+
+        Raises
+        ------
+        SpecError
+            As `solve`; if more than three rates differ.
+        MachineError
+            If the system does not fit into memory.
+
+        Examples
+        --------
+        >>> import microswim as ms
+        >>> helix = ms.Swimmer.preset("tabak/helix")
+        >>> alone = ms.Group((ms.Member(swimmer=helix),)).swim(level="coarse")
+        >>> bool(abs(alone.mean_velocity[0, 0] / -0.0307 - 1) < 0.02)
+        True
+        """
+        return doors.go(doors.GROUP_SWIM, self, level, progress)
+
+
+def _check_alike(n: int, other: Swimmer, first: Swimmer) -> None:
+    """Refuse a swimmer of other units or in another fluid than the first."""
+    if other.units != first.units:
+        words = {"SI": "has units", "dimensionless": "has none"}
+        raise SpecError(
+            f"swimmer[{n}]: its spec {words[other.units]}, that of swimmer[0] "
+            f"{words[first.units]}; give units to all swimmers of a group or to none"
+        )
+    if float(other.fluid.viscosity) != float(first.fluid.viscosity):
+        raise SpecError(
+            f"swimmer[{n}] fluid.viscosity", other.fluid.viscosity,
+            f"that of swimmer[0], {first.fluid.viscosity:g}", "a group swims in one fluid",
+        )  # fmt: skip

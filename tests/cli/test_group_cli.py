@@ -1,0 +1,63 @@
+"""``microswim group``: what it prints, writes and refuses."""
+
+import json
+
+import numpy as np
+import pytest
+from click.testing import CliRunner
+
+from microswim.cli import main
+
+SCENE = (
+    '[[swimmer]]\npreset = "tabak/helix"\n'
+    '[[swimmer]]\npreset = "tabak/helix"\nposition = [0, 3, 0]\nphase = "90 deg"\n'
+)
+
+
+def run(*args):
+    return CliRunner().invoke(main, ["group", *map(str, args)])
+
+
+@pytest.fixture
+def scene(tmp_path):
+    path = tmp_path / "pair.toml"
+    path.write_text(SCENE)
+    return path
+
+
+def test_it_prints_writes_and_says_how_wrong_it_may_be(scene, tmp_path):
+    # one motor held still: no phases to average over
+    still = ("--set", "tail.frequency=0", "--set", "swimmer[0].force=[1,0,0]", "--level", "coarse")
+    result = run(scene, *still, "--json", "--out", tmp_path / "out")
+    assert result.exit_code == 0, result.stderr
+    found = json.loads(result.stdout)
+    R, V = np.array(found["resistance"]), np.array(found["mean_velocity"])
+    assert R.shape == (12, 12)
+    assert V.shape == (2, 6)
+    assert R @ V.reshape(-1) == pytest.approx([1] + 11 * [0], abs=1e-9)
+    assert found["units"] == "dimensionless"
+    assert len(found["expected_error"]["us"]) == 2
+    assert 0 < found["expected_error"]["us"][0] < 0.1
+    assert found["expected_error"]["how"]
+    assert found["gap"] == pytest.approx(2.0, rel=0.05)
+    names = {p.name for p in (tmp_path / "out").iterdir()}
+    assert names == {"group.json", "swimmers.vtp", "flow.png"}
+    again = run(scene, *still, "--out", tmp_path / "out")
+    assert again.exit_code == 2
+    assert "--force" in again.stderr
+
+
+def test_the_table_names_each_swimmer_and_its_error(scene):
+    result = run(scene, "--set", "tail.frequency=0", "--set", "swimmer[0].force=[1,0,0]",
+                 "--level", "coarse")  # fmt: skip
+    assert result.exit_code == 0, result.stderr
+    assert "swimmer 1" in result.stdout
+    assert "±" in result.stdout
+
+
+def test_swimmers_that_overlap_are_refused_before_anything_is_written(scene, tmp_path):
+    result = run(scene, "--set", "swimmer[1].position=[0,0.5,0]", "--level", "coarse",
+                 "--out", tmp_path / "out")  # fmt: skip
+    assert result.exit_code == 2
+    assert "swimmer 1 overlaps or touches swimmer 0" in result.stderr
+    assert not (tmp_path / "out").exists()

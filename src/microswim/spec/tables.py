@@ -106,7 +106,9 @@ class CustomTable(_TailTable):
     kind: Annotated[Literal["custom"], _KIND]
     shape: Annotated[str, About("Centreline", "module:function of a file given to --trust")]
     breaks: Annotated[list[Number], About("Breaks", "fractions of the length with kinks")] = []
-    sign: Annotated[Number, About("Sense", "+1 or -1, of a rigid tail's turning")] = 1.0
+    sign: Annotated[
+        Number | None, About("Sense", "+1 or -1, of a rigid tail's turning; found from the motion")
+    ] = None
     tolerance: Annotated[
         Number, About("Tolerance", "how exactly the centreline is followed; 0: to rounding")
     ] = 0.0

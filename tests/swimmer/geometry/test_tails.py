@@ -84,6 +84,30 @@ def test_custom_tail_of_the_same_shape_gives_the_same_gait(tail, body):
         assert other == pytest.approx(one, abs=2e-11 * np.abs(one).max()), name
 
 
+@pytest.mark.parametrize("hand", ["left", "right"])
+@pytest.mark.parametrize("cone", [0.0, 0.8])
+def test_the_sense_of_a_rigid_tail_is_that_of_its_motion(hand, cone):
+    """Found where it is left out; said wrongly, such a tail swam backwards in one model."""
+    plain = ms.HelicalTail(**WAVE, handedness=hand)
+    beat, fields = beat_of(plain), {"length": 2.0, "radius": 0.03, "breaks": (0.1,)}
+
+    def shape(s, phase):
+        return beat(s, phase) * np.stack(np.broadcast_arrays(1.0, 1 + cone * s, 1 + cone * s), -1)
+
+    found = ms.CustomTail(shape=shape, surface_motion="rigid", **fields)
+    assert found.sign == plain.sign
+    with pytest.raises(ms.SpecError, match=r"tail\.sign = .* itself turns"):
+        ms.CustomTail(shape=shape, surface_motion="rigid", sign=-plain.sign, **fields)
+
+
+def test_what_does_not_turn_as_a_whole_is_not_rigid():
+    flat = beat_of(ms.PlaneWaveTail(**WAVE))
+    fields = {"length": 2.0, "radius": 0.03, "breaks": (0.1,)}
+    with pytest.raises(ms.SpecError, match="turns it as a whole"):
+        ms.CustomTail(shape=flat, surface_motion="rigid", **fields)
+    assert ms.CustomTail(shape=flat, **fields).sign == 1.0
+
+
 def test_custom_tail_must_be_smooth_and_periodic():
     fields = {"length": 1.0, "radius": 0.01}
 

@@ -58,6 +58,11 @@ from .swimmer.drag.coefficients import Lighthill as Lighthill
 from .swimmer.drag.coefficients import ValidityWarning as ValidityWarning
 from .swimmer.drag.coefficients import closed_form as closed_form
 from .swimmer.drag.interaction import Interaction as Interaction
+from .swimmer.flow import PoiseuilleFlow as PoiseuilleFlow
+from .swimmer.flow import RotationFlow as RotationFlow
+from .swimmer.flow import ShearFlow as ShearFlow
+from .swimmer.flow import StrainFlow as StrainFlow
+from .swimmer.flow import UniformFlow as UniformFlow
 from .swimmer.fluid import Fluid as Fluid
 from .swimmer.geometry.bodies import Ellipsoid as Ellipsoid
 from .swimmer.geometry.bodies import NoBody as NoBody
@@ -78,6 +83,7 @@ from .swimmer.geometry.tails import NoTail as NoTail
 from .swimmer.geometry.tails import PlaneWaveTail as PlaneWaveTail
 from .swimmer.geometry.tails import WaveformTail as WaveformTail
 from .swimmer.geometry.waveform import Waveform as Waveform
+from .swimmer.gravity import Gravity as Gravity
 from .swimmer.group import Group as Group
 from .swimmer.magnetism.applied_field import OscillatingField as OscillatingField
 from .swimmer.magnetism.applied_field import RotatingField as RotatingField
@@ -87,6 +93,7 @@ from .swimmer.magnetism.field_in_space import DipoleField as DipoleField
 from .swimmer.magnetism.magnet import Magnet as Magnet
 from .swimmer.member import Member as Member
 from .swimmer.motion import Motion as Motion
+from .swimmer.noise import Noise as Noise
 from .swimmer.swimmer import Swimmer as Swimmer
 
 __version__: str

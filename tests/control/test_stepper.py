@@ -6,10 +6,10 @@ import numpy as np
 import pytest
 
 import microswim as ms
-from microswim.control import strain
 from microswim.control.motion import INPUTS
 from microswim.gait.held import HeldWarning
 from microswim.numerics.rigid_motion import multiply, rotation_matrix
+from microswim.path import strain
 
 SHEAR = [[0.0, 0.3, 0.0], [0.0, 0.0, -0.2], [0.1, 0.0, 0.0]]
 TURN = np.array([0.5, -0.3, 0.6, 0.55]) / np.linalg.norm([0.5, -0.3, 0.6, 0.55])

@@ -15,12 +15,12 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from microswim.control import strain
 from microswim.errors import MicroswimError
 from microswim.gait.gait import Gait
 from microswim.gait.stepping import LOWER
 from microswim.numerics.array import read_only
 from microswim.numerics.fourier import series_of
+from microswim.path import strain
 from microswim.swimmer.swimmer import Swimmer
 
 FINEST = 1024

@@ -33,6 +33,9 @@ UNITS = {
     "volume": ("m^3", "length^3"),
     "current": ("A", "current"),
     "field": ("T", "field"),
+    "shear rate": ("1/s", "1/time"),
+    "acceleration": ("m/s^2", "length/time^2"),
+    "temperature": ("K", "energy"),
     "moment": ("A m^2", "torque/field"),
 }
 WORDS = {word for si, word in UNITS.values() if word != si} | {"", "1"}

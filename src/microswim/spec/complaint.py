@@ -10,18 +10,13 @@ from pydantic import BaseModel, ValidationError
 
 from microswim.errors import SpecError, nearest
 from microswim.spec.tables import FIELDS, TABLES, TAGS
+from microswim.swimmer.flow import FLOWS
 from microswim.swimmer.geometry.bodies import SHAPES
 from microswim.swimmer.geometry.tails import TAILS
 from microswim.swimmer.magnetism.fields import FIELDS as APPLIED_FIELDS
 
-#: Tables that a spec may come to hold, and where their numbers are given today.
-ELSEWHERE = {
-    "gravity": "a force is given in Python: trajectory(..., force=...)",
-    "flow": "a flow is given in Python: trajectory(..., flow=...)",
-    "noise": "a diffusion is given in Python: trajectory(..., diffusion=...)",
-}
 #: The kinds of the tables that have several.
-KINDS: dict[str, Any] = {"body": SHAPES, "tail": TAILS, "field": APPLIED_FIELDS}
+KINDS: dict[str, Any] = {"body": SHAPES, "tail": TAILS, "field": APPLIED_FIELDS, "flow": FLOWS}
 #: Other words for a field.
 SYNONYMS = {
     "tail.pitch": "tail.wavelength", "tail.lambda": "tail.wavelength", "tail.turns": "tail.waves",
@@ -40,7 +35,7 @@ SYNONYMS = {
 def sentence(error: ValidationError, tables: dict[str, Any], within: str = "") -> SpecError:
     """Return the first complaint as one sentence; `within` is the table that was checked."""
     first = _apt(error.errors())
-    tags = {*SHAPES, *TAILS, *APPLIED_FIELDS}
+    tags = {word for kinds in KINDS.values() for word in kinds}
     branch = re.compile(r".*\[.*\]")  # of a field that is a number or a list of them
     where = [
         p
@@ -95,8 +90,6 @@ def _no_choice(path: str, value: Any, choices: Any) -> SpecError:
 def _suggest(path: str, tables: dict[str, Any]) -> str:
     """What to write in place of an unknown field."""
     part = path.partition(".")[0]
-    if part in ELSEWHERE and part not in TABLES:
-        return f"there is no [{part}] yet; {ELSEWHERE[part]}"
     tag = TAGS.get(part)
     owners = [_kind_of(table, tag) for table in TABLES.get(part, ()) if tag and _has(table, path)]
     if owners:

@@ -24,14 +24,17 @@ from microswim.spec.trusted import Trusted
 from microswim.spec.units import DIMENSIONS, has_unit, to_si
 from microswim.swimmer.drag.coefficients import LAWS, Unchosen
 from microswim.swimmer.drag.interaction import Interaction
+from microswim.swimmer.flow import FLOWS, Flow
 from microswim.swimmer.fluid import Fluid
 from microswim.swimmer.geometry.bodies import SHAPES
 from microswim.swimmer.geometry.hook import Hook
 from microswim.swimmer.geometry.surroundings import Channel, Wall
 from microswim.swimmer.geometry.tails import TAILS
+from microswim.swimmer.gravity import Gravity
 from microswim.swimmer.magnetism.fields import FIELDS as APPLIED_FIELDS
 from microswim.swimmer.magnetism.magnet import Magnet
 from microswim.swimmer.motion import Motion
+from microswim.swimmer.noise import Noise
 from microswim.swimmer.provenance import Provenance
 from microswim.swimmer.swimmer import Swimmer
 
@@ -243,8 +246,21 @@ def _build(spec: SpecTable, units: Literal["SI", "dimensionless"], trusted: Trus
         channel=None if spec.channel is None else Channel(**_given(spec.channel)),
         magnet=None if spec.magnet is None else Magnet(**_given(spec.magnet)),
         field=APPLIED_FIELDS[applied.pop("kind")](**applied) if applied else None,
+        gravity=None if spec.gravity is None else Gravity(**_given(spec.gravity)),
+        flow=None if spec.flow is None else _flow(spec),
+        noise=None if spec.noise is None else Noise(**_given(spec.noise)),
         calibration=None if spec.calibration is None else Provenance(**_given(spec.calibration)),
     )
+
+
+def _flow(spec: SpecTable) -> Flow:
+    """Return the flow of a spec; one in a tube is as wide as the channel if it does not say."""
+    flow = _given(spec.flow)
+    if spec.flow.kind == "poiseuille" and "diameter" not in flow:
+        if spec.channel is None:
+            raise SpecError("flow.diameter: missing; add it, or a [channel]")
+        flow["diameter"] = spec.channel.diameter
+    return FLOWS[flow.pop("kind")](**flow)
 
 
 def _given(table: BaseModel) -> dict[str, Any]:

@@ -15,6 +15,7 @@ from microswim.spec import fields
 from microswim.spec.body_tables import BodyTable
 from microswim.spec.fields import About
 from microswim.spec.magnetic_tables import FieldTable, MagnetTable
+from microswim.spec.outside_tables import FlowTable, GravityTable, NoiseTable
 from microswim.spec.types import (
     Angle,
     Bending,
@@ -305,6 +306,9 @@ class SpecTable(_Table):
     channel: ChannelTable = None  # type: ignore[assignment]
     magnet: MagnetTable = None  # type: ignore[assignment]
     field: FieldTable = Field(default=None, discriminator="kind")  # type: ignore[assignment]
+    gravity: GravityTable = None  # type: ignore[assignment]
+    flow: FlowTable = Field(default=None, discriminator="kind")  # type: ignore[assignment]
+    noise: NoiseTable = None  # type: ignore[assignment]
     calibration: CalibrationTable = None  # type: ignore[assignment]
 
 
@@ -322,4 +326,4 @@ ALTERNATIVES = {
     "fluid.kinematic_viscosity": "fluid.viscosity",
 }
 #: The field that chooses the kind of a table.
-TAGS = {"body": "shape", "tail": "kind", "field": "kind"}
+TAGS = {"body": "shape", "tail": "kind", "field": "kind", "flow": "kind"}

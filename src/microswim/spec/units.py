@@ -78,6 +78,9 @@ DIMENSIONS = {
         Dimension("field", "5 mT", 1e-12, 1e3),
         Dimension("current", "2 A"),
         Dimension("moment", "2e-5 A m^2"),
+        Dimension("shear rate", "10 1/s", 1e-12, 1e12),
+        Dimension("acceleration", "9.81 m/s^2", 1e-12, 1e12),
+        Dimension("temperature", "298 K", 1e-6, 1e6),
     )
 }
 
@@ -141,6 +144,10 @@ SIZES = {
     "T": {"T": 1.0, "mT": 1e-3},
     "A m^2": {"A m^2": 1.0},
     "m^3": {"m^3": 1.0, "mm^3": 1e-9},
+    "m/s": {"m/s": 1.0, "mm/s": 1e-3, "um/s": 1e-6},
+    "1/s": {"1/s": 1.0},
+    "m/s^2": {"m/s^2": 1.0},
+    "K": {"K": 1.0},
 }
 
 

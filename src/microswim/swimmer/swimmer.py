@@ -13,20 +13,22 @@ import numpy as np
 from microswim import checks
 from microswim.errors import SpecError, nearest
 from microswim.gait import doors, portrait
-from microswim.swimmer import physical_sense, provenance
+from microswim.swimmer import fitting, physical_sense, provenance
 from microswim.swimmer.drag.coefficients import Coefficients, Unchosen
 from microswim.swimmer.drag.interaction import Interaction
 from microswim.swimmer.fields import numbers_of, set_item, without_other_names
+from microswim.swimmer.flow import Flow
 from microswim.swimmer.fluid import Fluid
 from microswim.swimmer.geometry.body import Body
 from microswim.swimmer.geometry.hook import Hook
 from microswim.swimmer.geometry.surroundings import Channel, Wall
 from microswim.swimmer.geometry.tails import Tail
 from microswim.swimmer.gradient import gradient
+from microswim.swimmer.gravity import Gravity
 from microswim.swimmer.magnetism.applied_field import AppliedField
-from microswim.swimmer.magnetism.drive import check_units
 from microswim.swimmer.magnetism.magnet import Magnet
 from microswim.swimmer.motion import Motion
+from microswim.swimmer.noise import Noise
 from microswim.swimmer.provenance import Provenance
 from microswim.swimmer.region import Region
 
@@ -38,6 +40,7 @@ if TYPE_CHECKING:
 PARTS = ("fluid", "body", "tail", "coefficients", "interaction", "motion")
 SURROUNDINGS = ("wall", "channel")
 DRIVE = ("magnet", "field")
+OUTSIDE = ("gravity", "flow", "noise")
 
 
 @checks.by_name
@@ -72,6 +75,9 @@ class Swimmer:
     field
         Magnetic field that it is in, `RotatingField`, `UniformField` or `OscillatingField`; none
         by default. A gait does not depend on magnet and field; what follows a path does.
+    gravity, flow, noise
+        `Gravity`, background flow (`ShearFlow` and others) and thermal `Noise`; none by default.
+        A gait does not depend on them either.
     hook
         `Hook` between body and elastic tail; none by default.
     calibration
@@ -108,37 +114,22 @@ class Swimmer:
     magnet: Magnet | None = None
     field: AppliedField | None = None
     hook: Hook | None = None
+    gravity: Gravity | None = None
+    flow: Flow | None = None
+    noise: Noise | None = None
     calibration: Provenance | None = dataclasses.field(default=None, repr=False, compare=False)
 
     def __post_init__(self) -> None:
         for name, kind in zip(PARTS, (Fluid, Body, Tail, Coefficients, Interaction, Motion)):
             self._check_part(name, kind)
-        kinds = (Wall, Channel, Magnet, AppliedField, Hook, Provenance)
-        for name, kind in zip((*SURROUNDINGS, *DRIVE, "hook", "calibration"), kinds):
+        kinds = (Wall, Channel, Magnet, AppliedField, Gravity, Flow, Noise, Hook, Provenance)
+        for name, kind in zip((*SURROUNDINGS, *DRIVE, *OUTSIDE, "hook", "calibration"), kinds):
             if getattr(self, name) is not None:
                 self._check_part(name, kind)
         if self.hook is not None:
             self.hook.check(self.tail)
-        if self.wall is not None and self.channel is not None:
-            raise SpecError("wall, channel: one of them bounds the fluid; remove the other")
-        if self.region is not None and not callable(getattr(self.region, "gait", None)):
-            raise SpecError("region", self.region, "a region calibration", "see calibrate_region")
-        plain = self.coefficients.is_usual and self.interaction == Interaction()
-        if self.region is not None and not plain:
-            raise SpecError(
-                "region: corrections over a region take the place of the law of local resistance "
-                "and of interaction coefficients; leave out [coefficients] and [interaction], or "
-                "[region]"
-            )
-        if self.body.is_absent and self.tail.is_absent:
-            raise SpecError(
-                'tail.kind = "none": a swimmer needs a body or a tail; give it one of the two'
-            )
         checks.choice("units", self.units, ("dimensionless", "SI"))
-        check_units(self)
-        if self.motion.frequency_frame == "lab" and self.tail.surface_motion != "rigid":
-            allowed = '"body" for a tail that does not rotate rigidly'
-            raise SpecError("motion.frequency_frame", "lab", allowed)
+        fitting.check(self)
 
     def _check_part(self, name: str, kind: type) -> None:
         if not isinstance(getattr(self, name), kind):
@@ -150,7 +141,7 @@ class Swimmer:
     @property
     def parts(self) -> tuple[str, ...]:
         """Names of the parts it has, as the tables of a spec file."""
-        others = (*SURROUNDINGS, *DRIVE, "hook")
+        others = (*SURROUNDINGS, *DRIVE, *OUTSIDE, "hook")
         return PARTS + tuple(n for n in others if getattr(self, n) is not None)
 
     @property

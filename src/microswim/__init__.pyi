@@ -33,6 +33,7 @@ from .numerics.rigid_motion import ScrewMotion as ScrewMotion
 from .output import io as io
 from .output import plots as plots
 from .output import report as report
+from .path.following import path as path
 from .path.regimes import Regimes as Regimes
 from .path.regimes import regimes as regimes
 from .path.trajectory import trajectory as trajectory

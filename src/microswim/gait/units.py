@@ -19,6 +19,7 @@ UNITS = {
     "power": ("W", "power"),
     "torque": ("N m", "torque"),
     "force": ("N", "force"),
+    "work": ("J", "work"),
     "wrench": ("N, N m", "force, torque"),
     "bending stiffness": ("N m^2", "force length^2"),
     "speed per torque": ("1/(N s)", "length/(torque time)"),

@@ -65,7 +65,7 @@ def follow(
 
     x0, q0, phase0 = start
     y0 = np.concatenate([x0, q0, [float(phase0)]])
-    scale = np.concatenate([np.full(3, _length(gait)), np.ones(5)])
+    scale = np.concatenate([np.full(3, length_of(gait)), np.ones(5)])
     found = solve_ivp(
         change, (t[0], t[-1]), y0, "DOP853", t, rtol=TOLERANCE, atol=TOLERANCE * scale,
         max_step=max_step,
@@ -79,7 +79,7 @@ def follow(
     return found.y[:3].T, q / np.linalg.norm(q, axis=1, keepdims=True), found.y[7]
 
 
-def _length(gait: Gait) -> float:
-    """A length of the swimmer, from its resistances to turning and to moving."""
+def length_of(gait: Gait) -> float:
+    """Return a length of the swimmer, from its resistances to turning and to moving."""
     R = np.real(gait.resistance(0.0))
     return float(np.sqrt(np.trace(R[3:, 3:]) / np.trace(R[:3, :3])))

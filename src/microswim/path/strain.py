@@ -1,4 +1,4 @@
-"""What a straining background flow does to a swimmer, at the level of resistive force theory.
+"""What a flow that strains or bends does to a swimmer, at the level of resistive force theory.
 
 A swimmer held in the flow ``u(X) = E X`` (E symmetric, X from the body's centre) feels the wrench
 ``S(phi) e``, e = the six entries `ENTRIES` of E. With the local resistance C of Eqs. (5), (6)
@@ -9,9 +9,15 @@ A swimmer held in the flow ``u(X) = E X`` (E symmetric, X from the body's centre
 K_i the body's own resistance to rotation. The body of revolution and the ellipsoid are exact when
 alone; that body and tail shade one another in a strain is left out, as in the surrogate itself.
 ``g(phi) = int û . C u dl`` is the part of the motor's torque.
+
+In a curved flow ``u(X) = sum_k c_k u_k(X)``, u_k the 18 unit flows ``e_i X_j X_l``, it feels C c:
+the tail as above, the body Faxen's force ``K_i (a_j^2 d_j^2 u_i) / 6`` [Kim & Karrila 1991, ch. 3],
+which is exact for an ellipsoid alone.
 """
 
 from __future__ import annotations
+
+from collections.abc import Callable
 
 import numpy as np
 
@@ -50,6 +56,21 @@ def body_coupling(swimmer: Swimmer) -> np.ndarray:
     return S
 
 
+def curved_coupling(swimmer: Swimmer, phases: np.ndarray) -> np.ndarray:
+    """``C`` (n, 6, 18) at the phases: wrench on the swimmer held in the flows ``e_i X_j X_k``."""
+
+    def bent(X: np.ndarray) -> np.ndarray:
+        squares = np.stack([X[:, j] * X[:, k] for j, k in ENTRIES])
+        return np.einsum("kn,il->ikln", squares, np.eye(3)).reshape(18, 3, -1).swapaxes(1, 2)
+
+    C, _ = _tail_in(swimmer, phases, bent)
+    K = np.diag(body_resistance(swimmer))[:3]
+    square = np.array(swimmer.body.semi_axes3, dtype=float) ** 2
+    for i in range(3):
+        C[:, i, 6 * i : 6 * i + 3] += K[i] * square / 3.0
+    return C
+
+
 def tail_coupling(
     swimmer: Swimmer, phases: np.ndarray, gradients: np.ndarray
 ) -> tuple[np.ndarray, np.ndarray]:
@@ -58,6 +79,13 @@ def tail_coupling(
 
     The flows have the gradients (m, 3, 3); they turn no section about itself (no spin).
     """
+    return _tail_in(swimmer, phases, lambda X: X @ gradients.swapaxes(1, 2))
+
+
+def _tail_in(
+    swimmer: Swimmer, phases: np.ndarray, flows: Callable[[np.ndarray], np.ndarray]
+) -> tuple[np.ndarray, np.ndarray]:
+    """The same in flows that give velocities (m, k, 3) at points (k, 3) about the centre."""
     tail = swimmer.tail
     local = swimmer.coefficients.local(tail, swimmer.fluid.viscosity)
     c = tuple(float(f * x) for f, x in zip(swimmer.interaction.tail, local))
@@ -66,8 +94,7 @@ def tail_coupling(
     length = tail.apparent_length
     P, P_s, U = tail.centreline(length * x[None, :], np.asarray(phases)[:, None])
     X = P + np.array([swimmer.body.semi_axes3[0], 0.0, 0.0])
-    S = np.empty((len(phases), 6, len(gradients)))
-    g = np.empty((len(phases), len(gradients)))
+    S, g = [], []
     for n in range(len(phases)):
         at = [np.ascontiguousarray(v[n], dtype=float) for v in (X, P_s, U)]
 
@@ -75,14 +102,15 @@ def tail_coupling(
             _, F, G = centreline_tail.dispatcher(at[0], at[1], flow, length * w, arc, c, 0.0)
             return F, G
 
-        for k, A in enumerate(gradients):
-            flow = at[0] @ A.T
-            S[n, :, k], alone = held(flow)
-            beating = held(at[2])[1]
+        beating = held(at[2])[1]
+        for u in np.ascontiguousarray(flows(at[0])):
+            wrench, alone = held(u)
+            S.append(wrench)
             like = np.sqrt(beating / alone) if alone > 0 and beating > 0 else 1.0
-            up, down = held(at[2] + like * flow)[1], held(at[2] - like * flow)[1]
-            g[n, k] = (up - down) / (4.0 * like)  # C is symmetric
-    return S, g
+            up, down = held(at[2] + like * u)[1], held(at[2] - like * u)[1]
+            g.append((up - down) / (4.0 * like))  # C is symmetric
+    n = len(phases)
+    return np.array(S).reshape(n, -1, 6).swapaxes(1, 2).copy(), np.array(g).reshape(n, -1)
 
 
 def _nodes(swimmer: Swimmer) -> tuple[np.ndarray, np.ndarray]:

@@ -122,7 +122,7 @@ def trajectory(
         warn_if_held(gait, moment)
         further = {"force": force, "torque": torque, "flow": flow}
         x, q, angle = _in_space(gait, t, rate, np.array(moment), field, further, start, max_step)
-        return _dataset(gait, t, x, q, angle)
+        return dataset(gait, t, x, q, angle)
     if isinstance(field, AppliedField):
         field = field.at
     for name, given in (("moment", moment), ("field", field)):
@@ -139,7 +139,7 @@ def trajectory(
         x = x + (t - t[0])[:, None] * _load("flow", flow, t[:1])
     else:
         x, q, angle = _driven(gait, t, gait.rate if rate is None else rate, loads, start, max_step)
-    return _dataset(gait, t, x, q, angle)
+    return dataset(gait, t, x, q, angle)
 
 
 def _check_moment(moment: Any) -> None:
@@ -298,20 +298,22 @@ def _half_steps(t: np.ndarray, counts: np.ndarray) -> np.ndarray:
     return out
 
 
-def _dataset(gait: Gait, t: Any, x: Any, q: Any, angle: Any) -> xr.Dataset:
+def dataset(gait: Gait, t: Any, x: Any, q: Any, angle: Any) -> xr.Dataset:
+    """Return positions, quaternions and phases at the times, of one path or of several."""
     import xarray as xr
 
     length, time = (unit(gait.units, kind) for kind in ("length", "time"))
+    many = ("path",) if np.ndim(x) == 3 else ()
     return sealed(
         xr.Dataset(
             {
                 "position": (
-                    ("time", "axis"),
+                    (*many, "time", "axis"),
                     x,
                     {"units": length, "long_name": "body centre, lab"},
                 ),
                 "quaternion": (
-                    ("time", "wxyz"),
+                    (*many, "time", "wxyz"),
                     q,
                     {"units": "1", "long_name": "attitude, body to lab"},
                 ),

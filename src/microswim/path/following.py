@@ -1,0 +1,285 @@
+"""The path of a swimmer under everything that its spec says acts on it."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import replace
+from os import PathLike
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from microswim import checks
+from microswim.errors import SpecError
+from microswim.gait import doors
+from microswim.gait.gait import Gait
+from microswim.gait.held import warn_if_held
+from microswim.gait.pose_table import FREE
+from microswim.gait.poses import FreePoses, Poses
+from microswim.numerics.array import Array
+from microswim.numerics.rigid_motion import multiply
+from microswim.path import outcome
+from microswim.path.course import Course, Followed, follow
+from microswim.path.in_space import length_of
+from microswim.path.loads import loads_of
+from microswim.path.trajectory import dataset
+from microswim.swimmer.swimmer import Swimmer
+
+if TYPE_CHECKING:
+    import xarray as xr
+
+MOST_SAMPLES, A_PERIOD = 4000, 16
+MOST_PATHS = 1_000_000
+TURNS = 0.1  #: rad that noise turns the swimmer by in a step, at most (root mean square)
+_LOOSE = 30.0  #: times the tolerance: the second march, for the error of the first
+
+
+@checks.given(
+    swimmer=checks.swimmer,
+    time=checks.above_zero("time"),
+    model=checks.text,
+    gait=checks.gait,
+    position=checks.series,
+    quaternion=checks.series,
+    tilt=checks.series,
+    phase=checks.series,
+    force=checks.series,
+    torque=checks.series,
+    samples=checks.at_least(2),
+    tolerance=checks.above_zero("number"),
+    contact=checks.above_zero("length"),
+    paths=checks.at_least(1),
+    seed=checks.at_least(0),
+    step=checks.above_zero("time"),
+    keep=checks.place,
+    progress=checks.function,
+)
+def path(
+    swimmer: Swimmer,
+    time: float,
+    *,
+    model: doors.Model = "auto",
+    gait: Gait | None = None,
+    position: Any = None,
+    quaternion: Any = None,
+    tilt: float | None = None,
+    phase: float = 0.0,
+    force: Any = (0.0, 0.0, 0.0),
+    torque: Any = (0.0, 0.0, 0.0),
+    samples: int | None = None,
+    tolerance: float = 1e-7,
+    contact: float | None = None,
+    paths: int = 1,
+    seed: int = 0,
+    step: float | None = None,
+    keep: str | PathLike[str] | None = None,
+    progress: Callable[[int, int], None] | None = None,
+) -> xr.Dataset:
+    """Follow a swimmer in time: its motor, magnetic field, gravity, flow and thermal noise.
+
+    Parameters
+    ----------
+    swimmer
+        With its `magnet` and `field`, `gravity`, `flow` and `noise`; what it has not does not act.
+    time
+        How long.
+    model, gait
+        Model of the gait, or the gait itself.
+    position, quaternion, phase
+        Pose at the start, lab frame, and phase of the motor; the origin and the lab's axes by
+        default, in which the swimmer heads for -x.
+    tilt
+        Angle (rad) by which it noses down at the start, in place of `quaternion`.
+    force, torque
+        Further ones on the body about its centre, constant, lab frame (3,).
+    samples
+        Times at which the path is kept, evenly spaced; by default 16 in a period of the motor, and
+        whole periods where these would be more than 4000.
+    tolerance
+        Error of a time step, in lengths of the swimmer and in radians.
+    contact
+        Range of the repulsion that keeps the swimmer off a boundary (length); by default a
+        hundredth of the body's half width.
+    paths
+        Number of paths with noise; more than one adds a dimension ``path``.
+    seed
+        Of the noise: the same seed, the same path.
+    step
+        Time step with noise; by default 1/24 of a period, and short enough that noise turns the
+        swimmer by less than 0.1 rad.
+    keep
+        File in which the path is kept while it grows; a call that finds it there goes on.
+    progress
+        Called with the parts done and of all.
+
+    Returns
+    -------
+    xarray.Dataset
+        ``position`` (time, axis), ``quaternion`` (time, wxyz) and ``phase`` as of `trajectory`;
+        ``gap`` to the boundary; without noise ``motor_work`` and ``dissipated`` since the start;
+        as attributes ``outcome``, ``circle_radius``, ``circle_sense`` (seen from above),
+        ``gap_mean``, ``drift`` and ``position_error`` (of the last place, by the time steps alone).
+
+    Raises
+    ------
+    SpecError
+        If an argument is out of range, or the gait holds at one pose.
+    MicroswimError
+        If the path cannot be followed.
+
+    Examples
+    --------
+    >>> import microswim as ms
+    >>> swimmer = ms.Swimmer.preset("tabak/helix").with_({"tail.frequency": 1.0})
+    >>> found = ms.path(swimmer, time=2.0)
+    >>> found.attrs["outcome"], bool(found.position[-1, 0] < 0)
+    ('free', True)
+    """
+    made = swimmer.gait(model) if gait is None else gait
+    poses = _poses(swimmer, made)
+    if swimmer.field is not None and swimmer.magnet is not None:
+        warn_if_held(made, swimmer.magnet.vector)
+    noisy = swimmer.noise is not None
+    if paths > 1 and not noisy:
+        raise SpecError("paths", paths, "1 without [noise]", "all paths would be the same")
+    if paths > MOST_PATHS:
+        raise SpecError("paths", paths, f"at most {MOST_PATHS}")
+    loads = loads_of(swimmer, made, _three("force", force), _three("torque", torque), contact)
+    start = _start(swimmer, poses, position, quaternion, tilt)
+    times = _times(made, time, samples)
+    energy = swimmer.noise.energy(swimmer.units) if noisy else 0.0  # type: ignore[union-attr]
+    length = length_of(made)
+    course = Course(
+        table=poses.table,
+        loads=loads,
+        times=times,
+        position=np.tile(start[0], (paths, 1)),
+        quaternion=np.tile(start[1], (paths, 1)),
+        phase=float(phase),
+        length=length,
+        tolerance=float(tolerance),
+        longest=_longest(made, loads, times, energy, step),
+        energy=energy,
+        seed=int(seed),
+    )
+    found = follow(course, None if keep is None else Path(keep), progress)
+    return _told(swimmer, made, poses, course, found)
+
+
+def _poses(swimmer: Swimmer, gait: Gait) -> Poses:
+    return FreePoses(gait)
+
+
+def _three(name: str, value: Any) -> Array:
+    checks.numbers(name, np.ravel(value).tolist(), 3, "three finite numbers [x, y, z]")
+    return np.array(value, float).reshape(3)
+
+
+def _start(
+    swimmer: Swimmer, poses: Poses, position: Any, quaternion: Any, tilt: float | None
+) -> tuple[Array, Array]:
+    x, q = poses.start
+    if position is not None:
+        x = _three("position", position)
+    if quaternion is not None and tilt is not None:
+        raise SpecError("tilt, quaternion: give one of the two")
+    if quaternion is not None:
+        checks.numbers("quaternion", np.ravel(quaternion).tolist(), 4, "four numbers wxyz")
+        q = np.array(quaternion, float).reshape(4)
+        if not 0.99 < np.linalg.norm(q) < 1.01:
+            raise SpecError("quaternion", quaternion, "a unit quaternion wxyz")
+        q = q / np.linalg.norm(q)
+    if tilt is not None:
+        checks.number("tilt", tilt, "an angle (rad)", least=-7.0, most=7.0)
+        own = swimmer.wall.tilt if swimmer.wall is not None else 0.0
+        half = (own - tilt) / 2.0
+        q = multiply(np.array([np.cos(half), 0.0, np.sin(half), 0.0]), q)
+    return x, q
+
+
+def _times(gait: Gait, time: float, samples: int | None) -> Array:
+    """Times at which the path is kept."""
+    if samples is not None:
+        return np.linspace(0.0, time, int(samples))
+    period = float(gait.period)
+    turns = time / period
+    if not turns > 0 or A_PERIOD * turns <= MOST_SAMPLES:
+        count = int(np.clip(np.ceil(A_PERIOD * turns), 200, MOST_SAMPLES)) if turns else 1000
+        return np.linspace(0.0, time, count + 1)
+    every = period * np.ceil(2.0 * turns / MOST_SAMPLES)
+    inside = np.arange(0.0, time * (1.0 - 1e-12), every)
+    return np.append(inside, time)
+
+
+def _longest(gait: Gait, loads: Any, times: Array, energy: float, step: float | None) -> float:
+    """Longest step: a part of the period of motor and field, with noise a small turn."""
+    if step is not None:
+        return float(step)
+    fastest = max(abs(loads.rate), loads.field_rate, np.abs(loads.gradient).max(), 1e-300)
+    share = 24.0 if energy else 8.0
+    limits = [2.0 * np.pi / fastest / share, (times[-1] - times[0]) / 16.0]
+    if energy:
+        R = np.real(gait.resistance(0.0))[3:, 3:]
+        limits.append(TURNS**2 / (2.0 * energy * float(np.trace(np.linalg.inv(R)))))
+    return float(min(limits))
+
+
+def _told(
+    swimmer: Swimmer, gait: Gait, poses: Poses, course: Course, found: Followed
+) -> xr.Dataset:
+    """Return what was found with its numbers."""
+    times = course.times
+    angle = course.phase + course.loads.rate * times
+    many = len(course.position) > 1
+    if many:
+        data = dataset(gait, times, found.position, found.quaternion, angle)
+    else:
+        data = dataset(gait, times, found.position[0], found.quaternion[0], angle)
+    bounded = poses.table.kind != FREE
+    told: dict[str, Any] = {}
+    if bounded:
+        gaps = np.array(
+            [
+                [poses.gap(x, q, p) for x, q, p in zip(*one, angle)]
+                for one in zip(found.position, found.quaternion)
+            ]
+        )
+        told["gap"] = gaps if many else gaps[0]
+    if not course.energy:
+        told["motor_work"], told["dissipated"] = found.spent[0].T
+    return outcome.with_numbers(data, told, _ends(swimmer, course, found, bounded, told))
+
+
+def _ends(
+    swimmer: Swimmer, course: Course, found: Followed, bounded: bool, told: dict[str, Any]
+) -> dict[str, Any]:
+    """Return how each path ended, and its numbers."""
+    x = found.position[0]
+    up = np.array([0.0, 0.0, 1.0])
+    radius, sense = outcome.circling(x, up)
+    span = course.times[-1] - course.times[0]
+    gaps = np.atleast_2d(told["gap"])[0] if bounded else np.full(1, np.inf)
+    if bounded:
+        gaps = np.append(gaps, found.least[0])  # between the samples as well
+    length = 2.0 * float(swimmer.body.semi_axes3[0]) + float(swimmer.tail.apparent_length)
+    last = np.atleast_2d(told["gap"])[0] if bounded else gaps
+    return {
+        "outcome": outcome.ended(last, gaps.min(), length, course.loads.contact[1], sense),
+        "circle_radius": np.nan if radius is None else radius,
+        "circle_sense": sense or "",
+        "gap_mean": float(np.mean(last)) if bounded else np.nan,
+        "drift": (x[-1] - x[0]) / span,
+        "position_error": np.nan if course.energy else _off(course, found),
+        "steps": found.steps,
+        "contact": course.loads.contact[1],
+    }
+
+
+def _off(course: Course, found: Followed) -> float:
+    """Distance by which a second march with looser steps ends elsewhere."""
+    ends = course.times[[0, -1]]
+    loose = replace(course, times=ends, tolerance=_LOOSE * course.tolerance)
+    if loose.longest < 4.0 * (ends[1] - ends[0]):
+        loose = replace(loose, longest=1.5 * course.longest)
+    return float(np.linalg.norm(follow(loose).position[0, -1] - found.position[0, -1]))

@@ -1,0 +1,117 @@
+"""All loads of a swimmer as the arrays that the compiled path reads."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import Any
+
+import numpy as np
+
+from microswim.gait.gait import Gait
+from microswim.numerics.array import Array
+from microswim.numerics.fourier import series_of, trimmed
+from microswim.path import strain, weight
+from microswim.path.velocity import CURVED, LINEAR, STILL, Loads
+from microswim.swimmer.flow import Flow, PoiseuilleFlow
+from microswim.swimmer.magnetism.applied_field import AppliedField, unit
+from microswim.swimmer.magnetism.magnet import vector_of
+from microswim.swimmer.swimmer import Swimmer
+
+FINEST = 512
+#: Range of the repulsion that keeps a swimmer off a boundary, of its body's girth.
+CONTACT = 0.01
+
+
+def loads_of(
+    swimmer: Swimmer, gait: Gait, force: Any = (0, 0, 0), torque: Any = (0, 0, 0), reach: Any = None
+) -> Loads:
+    """Return the loads on a swimmer.
+
+    Parameters
+    ----------
+    swimmer
+        Its magnet, field, gravity and flow; the field does not depend on place.
+    gait
+        Its rate and free axes.
+    force, torque
+        Further ones, constant, lab frame (3,).
+    reach
+        Range of the repulsion between swimmer and boundary (length).
+    """
+    pull = np.zeros(3) if swimmer.gravity is None else swimmer.gravity.vector
+    whole = np.asarray(force, float) + weight.excess(swimmer) * pull
+    magnetic = swimmer.magnet is not None and swimmer.field is not None
+    bends = _bends(swimmer.flow)
+    flow = swimmer.flow
+    return Loads(
+        rate=float(np.real(gait.rate)),
+        free=np.array(gait.free),
+        force=whole,
+        torque=np.array(torque, float),
+        gravity=pull,
+        arm=periodic(lambda p: weight.arm(swimmer, p), swimmer.gravity is not None, 3),
+        moment=np.array(vector_of(swimmer.magnet) if magnetic else (0.0, 0.0, 0.0)),
+        field=_waves(swimmer.field) if magnetic else np.zeros((3, 3)),
+        field_rate=float(swimmer.field.rate) if magnetic else 0.0,  # type: ignore[union-attr]
+        flow=np.zeros(3) if flow is None or bends == CURVED else flow.at_origin,
+        gradient=np.zeros((3, 3)) if flow is None else flow.gradient,
+        tube=_tube(flow),
+        bends=bends,
+        strain=periodic(lambda p: strain.coupling(swimmer, p)[0].reshape(-1, 36), bends, 36),
+        curved=periodic(
+            lambda p: strain.curved_coupling(swimmer, p).reshape(-1, 108), bends == CURVED, 108
+        ),
+        activity=np.ascontiguousarray(np.real(gait.activity_series)[:, None]),
+        contact=np.array([_push(gait, whole), _reach(swimmer) if reach is None else float(reach)]),
+    )
+
+
+def periodic(function: Callable[[Array], Array], wanted: Any, width: int) -> Array:
+    """Return the series (1 + 2 H, width) of a function of phases (n,) to (n, width); or zeros."""
+    if not wanted:
+        return np.zeros((1, width))
+    n = 16
+    while True:
+        series = series_of(function(2.0 * np.pi * np.arange(n) / n))
+        size = np.abs(series).max(axis=0)
+        small = np.abs(series[-4:]) <= 1e-13 * np.where(size > 0, size.max(), 1.0)
+        if small.all() or n >= FINEST:
+            return np.ascontiguousarray(trimmed(series))
+        n *= 2
+
+
+def _waves(field: AppliedField | None) -> Array:
+    """Rows B_0, B_1, B_2 of ``B_0 + B_1 cos(w t) + B_2 sin(w t)``."""
+    assert field is not None
+    if not field.rate:
+        return np.array([field.at(0.0), np.zeros(3), np.zeros(3)])
+    turn = 2.0 * np.pi / field.rate
+    start, quarter, half = (field.at(share * turn) for share in (0.0, 0.25, 0.5))
+    mean = (start + half) / 2.0
+    return np.array([mean, (start - half) / 2.0, quarter - mean])
+
+
+def _bends(flow: Flow | None) -> int:
+    if flow is None:
+        return STILL
+    return CURVED if flow.bends else (LINEAR if flow.gradient.any() else STILL)
+
+
+def _tube(flow: Flow | None) -> Array:
+    if not isinstance(flow, PoiseuilleFlow):
+        return np.zeros(8)
+    return np.concatenate(
+        [unit(flow.axis), flow.centre, [flow.speed, (2.0 / flow.diameter) ** 2]]
+    )
+
+
+def _push(gait: Gait, force: Array) -> float:
+    """Size of the repulsion: of the thrust, or of what pulls if that is more."""
+    phases = np.linspace(0.0, 2.0 * np.pi, 16, endpoint=False)
+    thrust = np.abs(np.real(gait.propulsion(phases)[:, :3] * gait.rate)).max()
+    return float(max(thrust, np.linalg.norm(force))) or 1.0
+
+
+def _reach(swimmer: Swimmer) -> float:
+    girth = max(np.real(np.array(swimmer.body.semi_axes3, float)[1:])) or float(swimmer.tail.radius)
+    return CONTACT * float(girth)

@@ -1,0 +1,258 @@
+"""Velocity of a swimmer at a pose under all its loads, compiled.
+
+    R V + F_p rate = W + S e + C c         V relative to the flow u(x), body frame
+    x' = Q V + u(x)     w = Omega + Q' curl u / 2
+
+W: force and torque, weight in its two middles, torque of the field, contact with a boundary;
+S e: strain of the flow, C c: its curvature (`microswim.path.strain`). R, F_p: at this pose
+(`microswim.gait.pose_table`).
+"""
+
+from __future__ import annotations
+
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from microswim.gait.pose_table import WORK as POSE_WORK
+from microswim.gait.pose_table import resist
+from microswim.gait.stepping import row
+from microswim.numerics.compiled import compiled
+from microswim.numerics.solve6 import solve
+
+STILL, LINEAR, CURVED = 0, 1, 2  #: flows: none that bends or turns, one gradient, Poiseuille's
+
+
+class Loads(NamedTuple):
+    """Everything that acts on a swimmer, as plain arrays; vectors in the lab frame unless said.
+
+    Parameters
+    ----------
+    rate
+        Phase rate of the motor.
+    free
+        Degrees of freedom that are free (6,).
+    force, torque
+        Constant, weight included (3,).
+    gravity
+        Acceleration (3,), times the series `arm` a torque.
+    arm
+        Series (1 + 2 H, 3) of ``sum (rho_i - rho_f) V_i r_i`` about the body's centre, body frame.
+    moment
+        Magnetic, body frame (3,).
+    field
+        Rows of ``B = B_0 + B_1 cos(w t) + B_2 sin(w t)`` (3, 3).
+    field_rate
+        w (rad per time).
+    flow, gradient
+        Velocity at the lab's origin (3,) and its gradient (3, 3).
+    tube
+        Poiseuille's flow: axis (3,), a point of it (3,), speed on it, 1/a^2.
+    bends
+        `STILL`, `LINEAR` or `CURVED`.
+    strain, curved
+        Series of S (1 + 2 H, 36) and of C (1 + 2 H, 108).
+    activity
+        Series of the motor's power per squared rate with the body held.
+    contact
+        Size of the short-range repulsion and its range.
+    """
+
+    rate: float
+    free: np.ndarray
+    force: np.ndarray
+    torque: np.ndarray
+    gravity: np.ndarray
+    arm: np.ndarray
+    moment: np.ndarray
+    field: np.ndarray
+    field_rate: float
+    flow: np.ndarray
+    gradient: np.ndarray
+    tube: np.ndarray
+    bends: int
+    strain: np.ndarray
+    curved: np.ndarray
+    activity: np.ndarray
+    contact: np.ndarray
+
+
+#: Scratch of `velocity`: R, its copy, F_p, W, touch, rotation, gradient, a row of a table.
+WORK = 36 + 36 + 6 + 6 + 7 + 9 + 9 + POSE_WORK
+_TABLE = 36 + 36 + 6 + 6 + 7 + 9 + 9
+
+
+@compiled()
+def matrix(q: Any, Q: Any) -> None:
+    """Write the rotation matrix (3, 3) of a unit quaternion, body to lab."""
+    w, x, y, z = q[0], q[1], q[2], q[3]
+    Q[0, 0], Q[0, 1], Q[0, 2] = 1 - 2 * (y * y + z * z), 2 * (x * y - w * z), 2 * (x * z + w * y)
+    Q[1, 0], Q[1, 1], Q[1, 2] = 2 * (x * y + w * z), 1 - 2 * (x * x + z * z), 2 * (y * z - w * x)
+    Q[2, 0], Q[2, 1], Q[2, 2] = 2 * (x * z - w * y), 2 * (y * z + w * x), 1 - 2 * (x * x + y * y)
+
+
+@compiled()
+def cross_to(W: Any, k: int, a: Any, b0: Any, b1: Any, b2: Any) -> None:
+    """Add ``a x b`` to W[k:k+3]."""
+    W[k] += a[1] * b2 - a[2] * b1
+    W[k + 1] += a[2] * b0 - a[0] * b2
+    W[k + 2] += a[0] * b1 - a[1] * b0
+
+
+@compiled()
+def into_body(Q: Any, v: Any) -> Any:
+    """Return the components of a vector of the lab in the body frame."""
+    return (
+        Q[0, 0] * v[0] + Q[1, 0] * v[1] + Q[2, 0] * v[2],
+        Q[0, 1] * v[0] + Q[1, 1] * v[1] + Q[2, 1] * v[2],
+        Q[0, 2] * v[0] + Q[1, 2] * v[1] + Q[2, 2] * v[2],
+    )
+
+
+@compiled()
+def add_loads(loads: Any, t: Any, phase: Any, Q: Any, W: Any, values: Any) -> Any:
+    """Add force, torque, weight and field to W; return the motor's part against the weight."""
+    for i in range(3):
+        f, m = 0.0, 0.0
+        for k in range(3):
+            f += Q[k, i] * loads.force[k]
+            m += Q[k, i] * loads.torque[k]
+        W[i] += f
+        W[3 + i] += m
+    c, n = np.cos(loads.field_rate * t), np.sin(loads.field_rate * t)
+    B, g = loads.field, loads.gravity
+    b0, b1, b2 = into_body(Q, B[0] + c * B[1] + n * B[2])
+    cross_to(W, 3, loads.moment, b0, b1, b2)
+    g0, g1, g2 = into_body(Q, g)
+    row(loads.arm, phase, values)
+    cross_to(W, 3, values, g0, g1, g2)
+    lifted = 0.0  # d/dphase of arm . g
+    c, n = 1.0, 0.0
+    for h in range(1, loads.arm.shape[0], 2):
+        c, n = np.cos((h + 1) // 2 * phase), np.sin((h + 1) // 2 * phase)
+        for i in range(3):
+            down = g0 if i == 0 else (g1 if i == 1 else g2)
+            lifted += (h + 1) // 2 * (c * loads.arm[h + 1, i] - n * loads.arm[h, i]) * down
+    return lifted
+
+
+@compiled()
+def add_strain(loads: Any, phase: Any, Q: Any, A: Any, W: Any, values: Any) -> None:
+    """Add ``S e``; e: entries 00, 11, 22, 01, 02, 12 of ``Q' (A + A')/2 Q``."""
+    row(loads.strain, phase, values)
+    n = 0
+    for i, j in ((0, 0), (1, 1), (2, 2), (0, 1), (0, 2), (1, 2)):
+        e = 0.0
+        for k in range(3):
+            for m in range(3):
+                e += Q[k, i] * (A[k, m] + A[m, k]) / 2.0 * Q[m, j]
+        for r in range(6):
+            W[r] += values[6 * r + n] * e
+        n += 1
+
+
+@compiled()
+def add_curvature(loads: Any, phase: Any, Q: Any, W: Any, values: Any) -> None:
+    """Add ``C c`` of Poiseuille's flow: ``-U/a^2 e_i (X.X - (e.X)^2)`` by its monomials X_j X_k."""
+    row(loads.curved, phase, values)
+    e = into_body(Q, loads.tube[:3])
+    bend = -loads.tube[6] * loads.tube[7]
+    for i in range(3):
+        n = 0
+        for j, k in ((0, 0), (1, 1), (2, 2), (0, 1), (0, 2), (1, 2)):
+            c = bend * e[i] * (1.0 - e[j] * e[j]) if j == k else -2.0 * bend * e[i] * e[j] * e[k]
+            for r in range(6):
+                W[r] += values[18 * r + 6 * i + n] * c
+            n += 1
+
+
+@compiled()
+def background(loads: Any, x: Any, A: Any) -> Any:
+    """Write the flow's gradient at a place; return its velocity there."""
+    u0, u1, u2 = loads.flow[0], loads.flow[1], loads.flow[2]
+    for i in range(3):
+        for j in range(3):
+            A[i, j] = loads.gradient[i, j]
+    u0 += A[0, 0] * x[0] + A[0, 1] * x[1] + A[0, 2] * x[2]
+    u1 += A[1, 0] * x[0] + A[1, 1] * x[1] + A[1, 2] * x[2]
+    u2 += A[2, 0] * x[0] + A[2, 1] * x[1] + A[2, 2] * x[2]
+    if loads.bends == CURVED:
+        tube = loads.tube
+        along = 0.0
+        for i in range(3):
+            along += (x[i] - tube[3 + i]) * tube[i]
+        square = 0.0
+        for j in range(3):
+            y = x[j] - tube[3 + j] - along * tube[j]
+            square += y * y
+            for i in range(3):
+                A[i, j] -= 2.0 * tube[6] * tube[7] * tube[i] * y
+        speed = tube[6] * (1.0 - square * tube[7])
+        u0, u1, u2 = u0 + speed * tube[0], u1 + speed * tube[1], u2 + speed * tube[2]
+    return u0, u1, u2
+
+
+@compiled()
+def add_contact(loads: Any, touch: Any, W: Any) -> None:
+    """Add the short-range repulsion ``F e^-d / (1 - e^-d)``, d = gap / range, along the normal.
+
+    It grows beyond all bounds as the gap closes.
+    """
+    near = np.exp(-touch[0] / loads.contact[1])
+    push = loads.contact[0] * near / (1.0 - near)
+    f0, f1, f2 = push * touch[4], push * touch[5], push * touch[6]
+    W[0] += f0
+    W[1] += f1
+    W[2] += f2
+    cross_to(W, 3, touch[1:4], f0, f1, f2)
+
+
+@compiled()
+def velocity(
+    table: Any, loads: Any, t: Any, x: Any, q: Any, phase: Any, kick: Any, out: Any, work: Any
+) -> Any:
+    """Write velocity (lab), angular velocity (body), power of motor and of dissipation, (8,).
+
+    Returns the gap to the boundary, infinite in free fluid; where it is not positive nothing is
+    written. `kick` (6,) is a further twist, body frame.
+    """
+    R, A = work[:36].reshape((6, 6)), work[36:72].reshape((6, 6))
+    F, W, touch = work[72:78], work[78:84], work[84:91]
+    Q, G, values = work[91:100].reshape((3, 3)), work[100:109].reshape((3, 3)), work[_TABLE:]
+    resist(table, x, q, phase, R, F, touch, values)
+    if touch[0] <= 0.0:
+        return touch[0]
+    matrix(q, Q)
+    for i in range(6):
+        W[i] = 0.0
+        for j in range(6):
+            A[i, j] = R[i, j]
+    lifted = add_loads(loads, t, phase, Q, W, values)
+    if touch[0] < 40.0 * loads.contact[1]:
+        add_contact(loads, touch, W)
+    u0, u1, u2 = background(loads, x, G)
+    if loads.bends != STILL:
+        add_strain(loads, phase, Q, G, W, values)
+    if loads.bends == CURVED:
+        add_curvature(loads, phase, Q, W, values)
+    for i in range(6):
+        W[i] -= F[i] * loads.rate
+    solve(A, W, loads.free)
+    row(loads.activity, phase, values)
+    work_of_tail, spent = values[0] * loads.rate, 0.0
+    for i in range(6):
+        work_of_tail += F[i] * W[i]
+        for j in range(6):
+            spent += W[i] * R[i, j] * W[j]
+    out[6] = loads.rate * (work_of_tail - lifted)
+    moved = work_of_tail - values[0] * loads.rate
+    out[7] = spent + loads.rate * (2.0 * moved + values[0] * loads.rate)
+    for i in range(6):
+        W[i] += kick[i]
+    out[0] = u0 + Q[0, 0] * W[0] + Q[0, 1] * W[1] + Q[0, 2] * W[2]
+    out[1] = u1 + Q[1, 0] * W[0] + Q[1, 1] * W[1] + Q[1, 2] * W[2]
+    out[2] = u2 + Q[2, 0] * W[0] + Q[2, 1] * W[1] + Q[2, 2] * W[2]
+    c0, c1, c2 = (G[2, 1] - G[1, 2]) / 2.0, (G[0, 2] - G[2, 0]) / 2.0, (G[1, 0] - G[0, 1]) / 2.0
+    for i in range(3):
+        out[3 + i] = W[3 + i] + Q[0, i] * c0 + Q[1, i] * c1 + Q[2, i] * c2
+    return touch[0]

@@ -1,0 +1,57 @@
+"""What a swimmer weighs in its fluid and where: force, and arm about the body's centre.
+
+    F = sum (rho_i - rho_f) V_i g       d(phi) = sum (rho_i - rho_f) V_i r_i,    torque d x g
+
+over body and tail, r_i the middle of each volume; mass off the middle of the body adds
+``rho_b V_b c`` to d.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+
+from microswim.numerics.array import Array
+from microswim.numerics.quadrature import gauss
+from microswim.swimmer.geometry.solids.volume import volume_and_middle
+from microswim.swimmer.swimmer import Swimmer
+
+NODES = 48  #: along each smooth panel of a tail, per wave
+
+
+def excess(swimmer: Swimmer) -> float:
+    """Return the mass beyond that of the fluid displaced; zero without gravity."""
+    if swimmer.gravity is None:
+        return 0.0
+    body, tail = swimmer.gravity.densities
+    volume, _ = volume_and_middle(swimmer.body)
+    filament, _ = _tail(swimmer, np.zeros(1))
+    rho = swimmer.fluid.density
+    return float((body - rho) * volume + (tail - rho) * filament[0])
+
+
+def arm(swimmer: Swimmer, phases: Array) -> Array:
+    """Return d (n, 3) at the phases, body frame; zero without gravity."""
+    if swimmer.gravity is None:
+        return np.zeros((len(phases), 3))
+    body, tail = swimmer.gravity.densities
+    volume, middle = volume_and_middle(swimmer.body)
+    filament, moment = _tail(swimmer, phases)
+    rho, centre = swimmer.fluid.density, swimmer.body.centre
+    own = (body - rho) * volume * (middle - centre)
+    own = own + body * volume * np.array(swimmer.gravity.centre_of_mass)
+    return own + (tail - rho) * (moment - filament[:, None] * centre)
+
+
+def _tail(swimmer: Swimmer, phases: Array) -> tuple[Array, Array]:
+    """Volume (n,) of the filament and its first moment (n, 3), frame ``sqr``."""
+    tail = swimmer.tail
+    length, area = float(tail.apparent_length), np.pi * float(tail.radius) ** 2
+    x, w = gauss(int(NODES * (1 + np.ceil(float(tail.number_of_waves)))))
+    volume, moment = np.zeros(len(phases)), np.zeros((len(phases), 3))
+    for a, b in zip(tail.edges, tail.edges[1:]):
+        s = length * (a + (b - a) * x)
+        P, slope, _ = tail.centreline(s[None], np.asarray(phases)[:, None])
+        weight = area * length * (b - a) * w * np.linalg.norm(slope, axis=-1)
+        volume += weight.sum(axis=1)
+        moment += np.einsum("nk,nki->ni", weight, P)
+    return volume, moment

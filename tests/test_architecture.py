@@ -124,7 +124,8 @@ import importlib, pkgutil, types
 import microswim
 for module in pkgutil.iter_modules(microswim.__path__):
     importlib.import_module(f"microswim.{module.name}")
-modules = {n for n in microswim.__all__ if isinstance(getattr(microswim, n), types.ModuleType)}
+found = {n: getattr(microswim, n) for n in microswim.__all__}
+modules = {n for n, x in found.items() if isinstance(x, types.ModuleType) and not callable(x)}
 print(*sorted(modules))
 """
     assert in_a_fresh_interpreter(code).split() == ["data", "io", "plots", "report"]

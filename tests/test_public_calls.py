@@ -15,7 +15,9 @@ import microswim as ms
 
 HELIX = ms.Swimmer.preset("tabak/helix")
 GAIT = HELIX.gait()
-NO_PARTS = dict.fromkeys(("region", "wall", "channel", "magnet", "field"))
+NO_PARTS = dict.fromkeys(
+    ("region", "wall", "channel", "magnet", "field", "gravity", "flow", "noise")
+)
 WAVE = {
     "length": 2.0,
     "amplitude": 0.1,
@@ -109,6 +111,25 @@ CALLS = {
     }
     | dict.fromkeys(("position", "direction", "force", "torque"), (0.0, 0.0, 1.0)),
     "Group": {"members": (ms.Member(swimmer=HELIX),)},
+    "Gravity": {
+        "density": None,
+        "body_density": 2.0,
+        "tail_density": 3.0,
+        "direction": (0.0, 0.0, -1.0),
+        "acceleration": 9.0,
+        "centre_of_mass": (0.0, 0.0, 0.1),
+    },
+    "UniformFlow": {"speed": 1.0, "direction": (1.0, 0.0, 0.0)},
+    "ShearFlow": {"rate": 1.0, "direction": (1.0, 0.0, 0.0), "across": (0.0, 0.0, 1.0)},
+    "StrainFlow": {"rate": 1.0, "direction": (1.0, 0.0, 0.0), "compression": (0.0, 0.0, 1.0)},
+    "RotationFlow": {"rate": 1.0, "axis": (1.0, 0.0, 0.0)},
+    "PoiseuilleFlow": {
+        "speed": 1.0,
+        "diameter": 4.0,
+        "axis": (1.0, 0.0, 0.0),
+        "centre": (0.0, 0.0, 0.1),
+    },
+    "Noise": {"temperature": 1.0},
     "Observation": {
         "swimmer": HELIX,
         "quantity": "velocity.us",
@@ -229,6 +250,26 @@ FUNCTIONS = {
         "max_step": 0.1,
     }
     | dict.fromkeys(("force", "torque", "moment", "field", "flow"), (0.0, 0.0, 1.0)),
+    "path": {
+        "swimmer": HELIX,
+        "time": 0.1,
+        "model": "rft",
+        "gait": GAIT,
+        "position": (0.0,) * 3,
+        "quaternion": (1.0, 0.0, 0.0, 0.0),
+        "tilt": None,
+        "phase": 0.0,
+        "force": (0.0,) * 3,
+        "torque": (0.0,) * 3,
+        "samples": 3,
+        "tolerance": 1e-6,
+        "contact": 0.1,
+        "paths": 1,
+        "seed": 1,
+        "step": 0.1,
+        "keep": "path.npz",
+        "progress": told,
+    },
     "screw": {"gait": GAIT, "steps": 256},
     "summary": {"gait": GAIT},
     "observed": {"gait": GAIT, "quantity": "velocity.us", "phase": 0.0, "body_length": 1.0},
@@ -245,6 +286,7 @@ FUNCTIONS = {
     "io.load": {"path": "run.nc"},
     "plots.trajectory": {"run": RUN, "swimmer": HELIX},
     "plots.velocity": {"run": RUN},
+    "plots.path": {"found": RUN},
     "data.load": {"name": "tabak-table-2"},
     "data.names": {},
     "Swimmer.from_toml": {"path": "spec.toml", "overrides": {}, "trust": "own.py"},
@@ -286,6 +328,12 @@ FITS = {
     ("Wall", "tilt"): {"minus one"},
     ("Wall", "azimuth"): {"minus one"},
     ("Channel", "tilt"): {"minus one"},
+    ("UniformFlow", "speed"): {"minus one"},
+    ("ShearFlow", "rate"): {"minus one"},
+    ("StrainFlow", "rate"): {"minus one"},
+    ("RotationFlow", "rate"): {"minus one"},
+    ("PoiseuilleFlow", "speed"): {"minus one"},
+    ("path", "phase"): {"minus one"},
     ("trajectory", "rate"): {"minus one"},
     ("trajectory", "phase"): {"minus one"},
     ("observed", "phase"): {"minus one"},

@@ -134,9 +134,8 @@ def test_a_tail_in_a_curved_flow_is_that_in_its_tangent_plus_its_curvature():
 
 
 def test_a_magnet_turns_as_trajectory_says():
-    parts = {"magnet": ms.Magnet(moment=(0.0, 1.0, 0.0)),
-             "field": ms.RotatingField(strength=200.0, frequency=0.2, axis=(1, 0, 0), cone=0.2)}  # fmt: skip
-    swimmer = robot(**parts)
+    field = ms.RotatingField(strength=200.0, frequency=0.2, axis=(1, 0, 0), cone=0.2)
+    swimmer = robot(magnet=ms.Magnet(moment=(0.0, 1.0, 0.0)), field=field)
     found = ms.path(swimmer, 4.0, model="rft", samples=41)
     other = ms.trajectory(
         swimmer.gait(), found.time.values, moment=swimmer.magnet, field=swimmer.field, max_step=5e-3

@@ -19,7 +19,7 @@ from microswim.path import brownian
 from microswim.path.march import DONE, TOO_LONG, march
 from microswim.path.velocity import Loads
 
-MOST_STEPS = 5e8
+MOST_STEPS = 1e8
 CHUNKS = 48  #: of a path, each kept when it is done
 _NUMBERS = 2_000_000  #: random ones drawn at a time
 
@@ -113,6 +113,9 @@ def follow(
     MicroswimError
         If the path cannot be followed: it would take too many steps, or leads into a boundary.
     """
+    shortest = (course.times[-1] - course.times[0]) / course.longest
+    if not shortest * (len(course.position) if course.energy else 1) <= MOST_STEPS:
+        raise too_long()
     cuts = np.unique(np.linspace(0, course.times.size - 1, CHUNKS + 1).astype(int))
     found = _kept(course, keep) if keep is not None and keep.exists() else None
     known = found or _start(course)
@@ -160,11 +163,14 @@ def _marched(course: Course, known: Followed, times: Array, chunk: int) -> None:
     _append(known, X[:, 1:], Q[:, 1:], spent[:, 1:] + known.spent[:, -1:])
 
 
+def too_long() -> SpecError:
+    """Return the error of a path that would never end."""
+    return SpecError(f"time: the path would take more than {MOST_STEPS:g} steps; shorten it")
+
+
 def _failed(how: int, known: Followed) -> MicroswimError:
     if how == TOO_LONG:
-        return SpecError(
-            f"time: the path would take more than {MOST_STEPS:g} steps; shorten it or raise tolerance"
-        )
+        return too_long()
     if np.isfinite(known.least).any():
         return MicroswimError(
             "the path cannot be followed: the swimmer starts inside the boundary, or is pressed "

@@ -100,9 +100,7 @@ def _bends(flow: Flow | None) -> int:
 def _tube(flow: Flow | None) -> Array:
     if not isinstance(flow, PoiseuilleFlow):
         return np.zeros(8)
-    return np.concatenate(
-        [unit(flow.axis), flow.centre, [flow.speed, (2.0 / flow.diameter) ** 2]]
-    )
+    return np.concatenate([unit(flow.axis), flow.centre, [flow.speed, (2.0 / flow.diameter) ** 2]])
 
 
 def _push(gait: Gait, force: Array) -> float:

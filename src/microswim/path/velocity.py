@@ -140,15 +140,13 @@ def add_loads(loads: Any, t: Any, phase: Any, Q: Any, W: Any, values: Any) -> An
 def add_strain(loads: Any, phase: Any, Q: Any, A: Any, W: Any, values: Any) -> None:
     """Add ``S e``; e: entries 00, 11, 22, 01, 02, 12 of ``Q' (A + A')/2 Q``."""
     row(loads.strain, phase, values)
-    n = 0
-    for i, j in ((0, 0), (1, 1), (2, 2), (0, 1), (0, 2), (1, 2)):
+    for n, (i, j) in enumerate(((0, 0), (1, 1), (2, 2), (0, 1), (0, 2), (1, 2))):
         e = 0.0
         for k in range(3):
             for m in range(3):
                 e += Q[k, i] * (A[k, m] + A[m, k]) / 2.0 * Q[m, j]
         for r in range(6):
             W[r] += values[6 * r + n] * e
-        n += 1
 
 
 @compiled()
@@ -158,12 +156,10 @@ def add_curvature(loads: Any, phase: Any, Q: Any, W: Any, values: Any) -> None:
     e = into_body(Q, loads.tube[:3])
     bend = -loads.tube[6] * loads.tube[7]
     for i in range(3):
-        n = 0
-        for j, k in ((0, 0), (1, 1), (2, 2), (0, 1), (0, 2), (1, 2)):
+        for n, (j, k) in enumerate(((0, 0), (1, 1), (2, 2), (0, 1), (0, 2), (1, 2))):
             c = bend * e[i] * (1.0 - e[j] * e[j]) if j == k else -2.0 * bend * e[i] * e[j] * e[k]
             for r in range(6):
                 W[r] += values[18 * r + 6 * i + n] * c
-            n += 1
 
 
 @compiled()

@@ -165,14 +165,17 @@ def dataset(
 
 def _about(run: xr.Dataset, gait: Gait, periods: float, spec: str) -> xr.Dataset:
     """Return a run with its birthplace."""
+    run = run.assign_attrs(model=gait.model, units=gait.units, periods=float(periods))
+    return with_birthplace(run, spec, "Swimming of a micro-swimmer")
+
+
+def with_birthplace(run: xr.Dataset, spec: str, title: str) -> xr.Dataset:
+    """Return a run with what it came from: version, date, model and spec."""
     return run.assign_attrs(
-        title="Swimming of a micro-swimmer",
-        source=f"microswim {__version__}, model {gait.model}",
+        title=title,
+        source=f"microswim {__version__}, model {run.attrs['model']}",
         microswim_version=__version__,
         created=datetime.now(UTC).isoformat(timespec="seconds"),
-        model=gait.model,
-        units=gait.units,
-        periods=float(periods),
         spec=spec,
     )
 
@@ -313,10 +316,17 @@ def _save_csv(run: xr.Dataset, path: Path) -> None:
     header = [
         f"{run.attrs['source']}, {run.attrs['created']}",
         f"body centre in the lab frame; quaternion body to lab; units: {time}, {length}, rad",
-        "time,x,y,z,qw,qx,qy,qz,motor_phase",
+        "time,x,y,z,qw,qx,qy,qz,motor_phase" + (",path" if "path" in run.dims else ""),
     ]
-    columns = (run.time, run.position, run.quaternion, run.motor_phase)
-    table = np.column_stack([c.values for c in columns])
+    one = run.position.transpose(..., "time", "axis").values.reshape(-1, run.time.size, 3)
+    q = run.quaternion.values.reshape(-1, run.time.size, 4)
+    tables = [
+        np.column_stack([run.time, one[i], q[i], run.motor_phase])
+        if len(one) == 1
+        else np.column_stack([run.time, one[i], q[i], run.motor_phase, np.full(run.time.size, i)])
+        for i in range(len(one))
+    ]
+    table = np.concatenate(tables)
     comments = "".join(f"# {line}\n" for line in header[:2])
     text = StringIO()
     np.savetxt(text, table, fmt="%.12g", delimiter=",")

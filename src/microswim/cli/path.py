@@ -1,0 +1,286 @@
+"""``microswim path``: the path of a swimmer under all that its spec says acts on it."""
+
+from __future__ import annotations
+
+import time as clock
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import click
+
+from microswim.cli._options import (
+    Given,
+    auto_option,
+    example,
+    force_option,
+    json_option,
+    level_option,
+    out_option,
+    print_json,
+    swimmer_options,
+)
+from microswim.errors import SpecError
+from microswim.numerics.files import write
+
+if TYPE_CHECKING:
+    import xarray as xr
+
+    from microswim.output.report.html import Table
+
+FILES = {
+    "path.png": "the path from above, from the side and in time",
+    "path.nc": "everything, netCDF with units",
+    "path.csv": "position and quaternion in time",
+    "swimmer.pvd": "the swimmer in time, for ParaView (frames in vtk/)",
+    "path.vtp": "its path, for ParaView",
+    "spec.toml": "the spec it came from",
+    "checkpoint.npz": "what --resume goes on from",
+}
+FRAMES = 120  #: of the swimmer for ParaView
+
+
+@click.command(
+    epilog=example(
+        "microswim path robot.toml --time 10s",
+        "microswim path robot.toml --time 60s --from 0um,0um,20um --tilt 10deg --out path",
+        "microswim path robot.toml --time 60s --out path --resume     after it was killed",
+        "microswim path cell.toml --time 30s --paths 200 --seed 1 --json     with [noise]",
+    )
+)
+@swimmer_options
+@click.option("--time", required=True, metavar="T", help="How long, such as 60s.")
+@click.option(
+    "--from",
+    "start",
+    metavar="X,Y,Z",
+    help="Start of the body's centre in the lab; by default 0,0,0.",
+)
+@click.option(
+    "--tilt", metavar="A", help="Angle by which it noses down at the start, such as 10deg."
+)
+@auto_option
+@level_option
+@click.option(
+    "--samples",
+    type=click.IntRange(2, 1_000_000),
+    help="Times at which the path is kept; by default 16 a period, at most 4000.",
+)
+@click.option(
+    "--tolerance",
+    type=click.FloatRange(1e-12, 1e-2),
+    default=1e-7,
+    show_default=True,
+    help="Error of a time step, in lengths of the swimmer and radians.",
+)
+@click.option(
+    "--paths",
+    type=click.IntRange(1, 1_000_000),
+    default=1,
+    show_default=True,
+    help="Number of paths with [noise].",
+)
+@click.option("--seed", type=click.IntRange(0), default=0, show_default=True, help="Of the noise.")
+@json_option
+@out_option
+@click.option("--resume", is_flag=True, help="Go on with the path in --out, if there is one.")
+@force_option
+def command(
+    given: Given,
+    time: str,
+    start: str | None,
+    tilt: str | None,
+    model: str,
+    level: str | None,
+    as_json: bool,
+    out: Path | None,
+    resume: bool,
+    force: bool,
+    **asked: Any,
+) -> None:
+    """Follow a swimmer in time: motor, [magnet] and [field], [gravity], [flow], [noise].
+
+    With --out the path is kept in parts while it grows: killed at any moment, --resume goes on from
+    there to the same numbers. The swimmer heads for -x at the start.
+    """
+    from microswim.cli import _print
+    from microswim.cli._progress import bar
+    from microswim.path.following import path
+
+    asked |= _start(given, time, start, tilt)
+    _check(out, resume, force)
+    gait, _ = _print.timed_gait(given.swimmer, model, level)
+    begun = clock.perf_counter()
+    if out is not None:
+        write(out / "spec.toml", given.text)
+        asked["keep"] = out / "checkpoint.npz"
+    try:
+        with bar(f"path {given.name}") as progress:
+            found = path(given.swimmer, gait=gait, progress=progress, **asked)
+    except KeyboardInterrupt:
+        if out is not None and (out / "checkpoint.npz").exists():
+            click.echo("the same command with --resume goes on", err=True)
+        raise
+    report = _report(given, gait, found, clock.perf_counter() - begun)
+    if out is not None:
+        _write(out, given, found)
+    if as_json:
+        print_json(report)
+    else:
+        _print.print_table(_table(given.name, report))
+        for remark in report["remarks"]:
+            click.echo(f"  note: {remark}")
+    if out is not None:
+        click.echo(f"written to {out}/", err=True)
+        for name, meaning in FILES.items():
+            if (out / name).exists():
+                click.echo(f"  {name:<14}  {meaning}", err=True)
+
+
+def _start(given: Given, time: str, start: str | None, tilt: str | None) -> dict[str, Any]:
+    """Return time and pose at the start as numbers."""
+    from microswim.spec.values import in_unit
+
+    units = given.swimmer.units
+    asked: dict[str, Any] = {"time": in_unit("--time", time, "s", units)}
+    if not asked["time"] > 0:
+        raise SpecError("--time", time, "above zero")
+    if start is not None:
+        parts = start.split(",")
+        if len(parts) != 3:
+            raise SpecError("--from", start, "three lengths x,y,z", "such as 0um,0um,20um")
+        asked["position"] = tuple(in_unit("--from", part, "m", units) for part in parts)
+    if tilt is not None:
+        bare = tilt.strip().lstrip("+-").replace(".", "", 1).isdecimal()
+        asked["tilt"] = float(tilt) if bare else in_unit("--tilt", tilt, "rad", "SI")
+    return asked
+
+
+def _check(out: Path | None, resume: bool, force: bool) -> None:
+    """Refuse before any work what cannot end well; with --force, clear the way."""
+    import shutil
+
+    from microswim.cli import _folder
+
+    if resume and out is None:
+        raise SpecError("--resume needs --out DIR")
+    if out is None or resume:
+        return
+    if (out / "checkpoint.npz").exists() and not force:
+        raise SpecError(
+            f"--out = {out}: holds a path; --resume goes on with it, --force replaces it"
+        )
+    _folder.check(out, force)
+    for name in FILES:
+        (out / name).unlink(missing_ok=True)
+    shutil.rmtree(out / "vtk", ignore_errors=True)
+
+
+def _report(given: Given, gait: Any, found: xr.Dataset, seconds: float) -> dict[str, Any]:
+    import numpy as np
+
+    from microswim.calibration.atlas.expected import expected_error
+
+    many = "path" in found.dims
+    x, q = found.position.values, found.quaternion.values
+    ends = x[:, -1] if many else x[-1:]
+    about = found.attrs
+    report = {
+        "swimmer": given.name,
+        "model": gait.model,
+        "units": about["units"],
+        "time": float(found.time[-1]),
+        "position": ends.mean(axis=0),
+        "quaternion": None if many else q[-1],
+        "outcome": about["outcome"],
+        "circle_radius": about["circle_radius"],
+        "circle_sense": about["circle_sense"] or None,
+        "gap_mean": about["gap_mean"],
+        "drift": (ends.mean(axis=0) - (x[0, 0] if many else x[0])) / float(found.time[-1]),
+    }
+    if many:
+        moved = ends - x[:, 0]
+        report["paths"] = len(ends)
+        report["mean_square_displacement"] = float((moved**2).sum(axis=1).mean())
+        report["covariance"] = np.cov(moved.T)
+    if "motor_work" in found:
+        report["motor_work"] = float(found.motor_work[-1])
+        report["dissipated"] = float(found.dissipated[-1])
+    velocity = expected_error(given.swimmer, gait)
+    position = about["position_error"]
+    return report | {
+        "expected_error": {
+            "position": position,
+            "velocity": velocity,
+            "how": "position: of the time steps alone, against looser ones; velocity: of the model",
+        },
+        "steps": about["steps"],
+        "remarks": _remarks(given.swimmer),
+        "wall_seconds": seconds,
+    }
+
+
+def _remarks(swimmer: Any) -> list[str]:
+    said = []
+    if swimmer.flow is not None and (swimmer.flow.gradient.any() or swimmer.flow.bends):
+        said.append(
+            "what a strain of the flow does to the tail is at the level of local drag, the body "
+            "is taken alone; turning with the flow is exact"
+        )
+    return said
+
+
+def _write(out: Path, given: Given, found: xr.Dataset) -> None:
+    import shutil
+
+    from microswim.numerics.files import scratch
+    from microswim.output.io import run as io
+    from microswim.output.io import vtk
+    from microswim.output.plots.path import path as picture
+    from microswim.output.report.html import png
+
+    run = io.with_birthplace(found.rename(phase="motor_phase"), given.text, "Path of a swimmer")
+    io.save(run, out / "path.nc")
+    io.save(run, out / "path.csv")
+    write(out / "path.png", png(picture(found)))
+    if "path" in found.dims:
+        return
+    with scratch(out / "frames", out) as new:
+        vtk.write_swimmer(new, given.swimmer.settled, run, FRAMES)
+        shutil.rmtree(out / "vtk", ignore_errors=True)
+        for entry in new.iterdir():
+            entry.replace(out / entry.name)
+
+
+def _table(who: str, report: dict[str, Any]) -> Table:
+    from microswim.gait.readable import quantity, significant
+    from microswim.gait.units import unit
+    from microswim.output.report.html import Table
+
+    units = report["units"]
+
+    def q(value: float, kind: str) -> str:
+        return quantity(value, unit(units, kind))
+
+    length = [q(value, "length") for value in report["position"]]
+    rows = [("at the end, x, y, z" if "paths" not in report else "mean end", ", ".join(length))]
+    rows.append(("drift, x, y, z", ", ".join(q(v, "speed") for v in report["drift"])))
+    if "paths" in report:
+        spread = report["mean_square_displacement"] ** 0.5
+        rows.append(("root mean square displacement", q(spread, "length")))
+    else:
+        rows.append(("outcome", report["outcome"]))
+    if report["circle_sense"]:
+        circle = f"{q(report['circle_radius'], 'length')}, {report['circle_sense']} from above"
+        rows.append(("radius of its circle", circle))
+    if report["gap_mean"] == report["gap_mean"]:
+        rows.append(("mean gap", q(report["gap_mean"], "length")))
+    if "motor_work" in report:
+        rows.append(("work of the motor", q(report["motor_work"], "work")))
+    off = report["expected_error"]
+    error, of_speed = off["position"], off["velocity"]["us"]
+    model = f"u_s of model {report['model']} within {100 * of_speed:.2g} %" if of_speed else ""
+    known = f"end within {q(error, 'length')} by the time steps" if error == error else ""
+    note = "; ".join(part for part in (known, model) if part)
+    title = f"{who}: path over {q(report['time'], 'time')}, {report['steps']:,} steps"
+    note = f"{note}; {significant(report['wall_seconds'], 2)} s".lstrip("; ")
+    return Table(title, ("", ""), rows, note)

@@ -1,0 +1,118 @@
+"""Picture of a path: from above, from the side, and in time."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+import xarray as xr
+
+from microswim import checks
+from microswim.gait.units import unit
+from microswim.output.plots.style import (
+    BLACK,
+    BLUE,
+    CYCLE,
+    GREY,
+    LINES,
+    WIDE,
+    blank,
+    few_ticks,
+    letter,
+    look,
+    readable,
+)
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+    from matplotlib.figure import Figure
+
+MOST = 60  #: paths that are drawn
+
+
+@checks.given(found=checks.dataset)
+def path(found: xr.Dataset) -> Figure:
+    """Draw a path from above (x, y), from the side (x, z) and in time.
+
+    Parameters
+    ----------
+    found
+        What `microswim.path` gives; of many paths the first sixty are drawn.
+
+    Returns
+    -------
+    matplotlib.figure.Figure
+        Call its ``savefig``.
+
+    Examples
+    --------
+    >>> import microswim as ms
+    >>> swimmer = ms.Swimmer.preset("tabak/helix")
+    >>> ms.plots.path(ms.path(swimmer, time=1.0)).axes[0].get_xlabel()
+    'x'
+    """
+    x = found.position.values
+    places = x[:MOST] if x.ndim == 3 else x[None]
+    length = found.position.attrs["units"]
+    factor, _ = readable(places, "", length)
+    with look():
+        figure = blank(WIDE, 3.0)
+        above, side, time = figure.subplots(1, 3, width_ratios=[1.0, 1.0, 1.1])
+        for axes, (i, j), name in ((above, (0, 1), "a"), (side, (0, 2), "b")):
+            _plane(axes, factor * places, i, j)
+            for k, which in ((i, "x"), (j, "y")):
+                label = readable(places, "xyz"[k], length)[1]
+                axes.set(**{f"{which}label": label.replace(" (length)", "")})
+            letter(axes, name)
+        if "gap" in found:  # the wall is the plane z = 0
+            side.axhline(0.0, color=BLACK, linewidth=1.5)
+        _in_time(time, found, places)
+        letter(time, "c")
+        return figure
+
+
+def _plane(axes: Axes, places: np.ndarray, i: int, j: int) -> None:
+    """The paths in the plane of two axes of the lab: dot at the start, ring at the end."""
+    many = len(places) > 1
+    for k, x in enumerate(places):
+        colour = CYCLE[k % len(CYCLE)] if many else BLUE
+        axes.plot(x[:, i], x[:, j], color=colour, linewidth=0.6 if many else 1.0)
+        axes.plot(x[-1, i], x[-1, j], "o", color=colour, markersize=3, markerfacecolor="white")
+    axes.plot(places[0, 0, i], places[0, 0, j], "o", color=BLACK, markersize=3.5)
+    low, high = places[..., [i, j]].min(axis=(0, 1)), places[..., [i, j]].max(axis=(0, 1))
+    half = 0.55 * max(float((high - low).max()), 1e-12)
+    middle = (low + high) / 2.0
+    axes.set(
+        xlim=(middle[0] - half, middle[0] + half),
+        ylim=(middle[1] - half, middle[1] + half),
+        aspect="equal",
+    )
+    few_ticks(axes, 4)
+
+
+def _in_time(axes: Axes, found: xr.Dataset, places: np.ndarray) -> None:
+    """Displacement in time; beside a boundary the gap; of many paths the mean square."""
+    units = found.attrs["units"]
+    t = found.time.values
+    per, label_t = readable(t, "time", unit(units, "time"))
+    if "path" in found.dims:
+        moved = found.position.values - found.position.values[:, :1]
+        square = (moved**2).sum(axis=-1).mean(axis=0)
+        factor, name = readable(np.sqrt(square), "", unit(units, "length"))
+        axes.loglog(per * t[1:], factor**2 * square[1:], color=BLUE)
+        inner = name.strip(" ()")
+        axes.set(xlabel=label_t, ylabel=f"mean square displacement ({inner}$^2$)")
+        return
+    shown: Any
+    if "gap" in found:
+        factor, name = readable(found.gap.values, "gap to the wall", unit(units, "length"))
+        axes.plot(per * t, factor * found.gap.values, color=BLUE)
+        axes.set(ylim=(0.0, None))
+    else:
+        moved = places[0] - places[0, 0]
+        factor, name = readable(moved, "displacement", unit(units, "length"))
+        for values, shown, (colour, style) in zip(moved.T, "xyz", LINES):
+            axes.plot(per * t, factor * values, color=colour, ls=style, label=shown)
+        axes.axhline(0.0, color=GREY, linewidth=0.4)
+        axes.legend()
+    axes.set(xlabel=label_t, ylabel=name)

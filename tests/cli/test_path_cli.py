@@ -1,0 +1,120 @@
+"""``microswim path`` as a user types it."""
+
+import json
+import subprocess
+import sys
+import time
+
+import numpy as np
+import pytest
+from click.testing import CliRunner
+
+import microswim as ms
+from microswim.cli import main
+
+CELL = ["--preset", "goto/C", "--model", "rft", "--set", "gravity.density=1100 kg/m^3"]
+
+
+def call(*args):
+    return CliRunner().invoke(main, ["path", *map(str, args)])
+
+
+def test_the_json_says_where_it_ended_and_how_wrong_that_is():
+    run = call(*CELL, "--time", "0.5s", "--from", "0um,0um,10um", "--tilt", "20deg", "--json")
+    assert run.exit_code == 0, run.output
+    said = json.loads(run.stdout)
+    swimmer = ms.Swimmer.preset("goto/C", {"gravity.density": "1100 kg/m^3"})
+    found = ms.path(swimmer, 0.5, model="rft", position=(0, 0, 1e-5), tilt=np.radians(20.0))
+    assert np.allclose(said["position"], found.position[-1], rtol=1e-12)
+    assert said["outcome"] == "free"
+    assert said["circle_radius"] is None
+    assert said["gap_mean"] is None
+    assert 0 <= said["expected_error"]["position"] < 1e-9
+    assert said["expected_error"]["velocity"]["us"] > 0
+    assert said["dissipated"] > 0
+
+
+def test_the_table_says_so_in_words():
+    run = call(*CELL, "--time", "0.2s", "--set", 'flow={kind="shear", rate="1 1/s"}')
+    if run.exit_code:  # a table as a whole is no field of --set
+        run = call(*CELL, "--time", "0.2s", "--set", "flow.kind=shear", "--set", "flow.rate=1 1/s")
+    assert run.exit_code == 0, run.output
+    assert "outcome" in run.stdout
+    assert "level of local drag" in run.stdout
+
+
+def test_files_are_those_that_are_said(tmp_path):
+    out = tmp_path / "o"
+    run = call(*CELL, "--time", "0.1s", "--out", out)
+    assert run.exit_code == 0, run.output
+    for name in ("path.png", "path.nc", "path.csv", "swimmer.pvd", "path.vtp", "spec.toml"):
+        assert (out / name).stat().st_size > 0
+        assert name in run.stderr
+    data = ms.io.load(out / "path.nc")
+    table = np.loadtxt(out / "path.csv", delimiter=",", comments=("#", "t"))
+    assert np.allclose(table[:, 1:4], data.position, rtol=1e-10)
+    assert data.attrs["outcome"] == "free"
+    again = call(*CELL, "--time", "0.1s", "--out", out)
+    assert again.exit_code == 2
+    assert "--resume" in again.stderr
+    other = call(*CELL, "--time", "0.2s", "--out", out, "--resume")
+    assert other.exit_code == 2
+    assert "another path" in other.stderr
+    assert call(*CELL, "--time", "0.1s", "--out", out, "--resume").exit_code == 0
+
+
+def test_many_paths_with_noise_give_their_spread(tmp_path):
+    noisy = [*CELL, "--set", "noise.temperature=298 K", "--time", "0.05s", "--paths", "40"]
+    run = call(*noisy, "--samples", "3", "--out", tmp_path / "o", "--json")
+    assert run.exit_code == 0, run.output
+    said = json.loads(run.stdout)
+    assert np.shape(said["covariance"]) == (3, 3)
+    assert said["mean_square_displacement"] > 0
+    table = np.loadtxt(tmp_path / "o" / "path.csv", delimiter=",", comments=("#", "t"))
+    assert table.shape == (120, 10)
+
+
+def test_a_killed_path_goes_on_where_it_was(tmp_path):
+    out = tmp_path / "o"
+    args = [*CELL, "--set", "noise.temperature=298 K", "--time", "40s", "--out", str(out)]
+    code = "import sys; from microswim.cli import main; main(sys.argv[1:])"
+    process = subprocess.Popen(
+        [sys.executable, "-c", code, "path", *args],
+        stdout=subprocess.DEVNULL,
+        stderr=subprocess.DEVNULL,
+    )
+    try:
+        while process.poll() is None and not (out / "checkpoint.npz").exists():
+            time.sleep(0.01)
+    finally:
+        process.kill()
+        process.wait()
+    assert not (out / "path.nc").exists()
+    with np.load(out / "checkpoint.npz") as kept:
+        assert 1 <= kept["chunks"] < 48
+        part = kept["position"]
+    run = call(*args, "--resume", "--json")
+    assert run.exit_code == 0, run.output
+    whole = ms.io.load(out / "path.nc").position.values
+    assert np.array_equal(whole[: part.shape[1]], part[0])
+
+
+@pytest.mark.parametrize(
+    ("options", "said"),
+    [
+        (["--time", "5"], "--time"),
+        (["--time", "-1s"], "--time"),
+        (["--time", "1s", "--from", "0um,1um"], "--from"),
+        (["--time", "1s", "--from", "0,1,2"], "--from"),
+        (["--time", "1s", "--tilt", "3um"], "--tilt"),
+        (["--time", "1s", "--paths", "3"], "paths"),
+        (["--time", "1s", "--resume"], "--out"),
+        (["--time", "1e9s"], "steps"),
+    ],
+)
+def test_what_makes_no_sense_is_a_sentence(options, said):
+    run = call(*CELL, *options)
+    assert run.exit_code == 2, run.output
+    assert said in run.stderr
+    assert run.stderr.count("Error") == 1
+    assert "Traceback" not in run.output

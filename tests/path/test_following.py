@@ -144,6 +144,23 @@ def test_a_magnet_turns_as_trajectory_says():
     assert np.allclose(found.quaternion, other.quaternion, atol=1e-6)
 
 
+def test_a_magnet_pulls_as_trajectory_says():
+    """In the field of a dipole the robot is drawn along as well."""
+    robot_ = ms.Swimmer.preset("goto/C").with_({"tail.frequency": 0.0})
+    dipole = ms.DipoleField(moment=(0.0, 1e-9, 0.0), position=(4e-5, 0.0, 0.0))
+    swimmer = ms.Swimmer(
+        body=robot_.body, tail=robot_.tail, fluid=robot_.fluid, units="SI",
+        magnet=ms.Magnet(moment=(0.0, 1e-16, 0.0)), field=dipole,
+    )  # fmt: skip
+    found = ms.path(swimmer, 0.1, model="rft", samples=11)
+    other = ms.trajectory(
+        swimmer.gait(), found.time.values, moment=swimmer.magnet, field=dipole, rate=0.0
+    )
+    assert np.linalg.norm(other.position[-1]) > 1e-8
+    assert np.allclose(found.position, other.position, atol=1e-11)
+    assert np.allclose(found.quaternion, other.quaternion, atol=1e-6)
+
+
 def test_a_ball_sinks_by_stokes_law():
     gravity = ms.Gravity(density=1.5, acceleration=9.0)
     found = ms.path(alone(ms.Sphere(radius=0.5), gravity=gravity), 2.0, model="rft")

@@ -16,8 +16,10 @@ from microswim.gait.pose_table import PoseTable
 from microswim.numerics.array import Array
 from microswim.numerics.files import write
 from microswim.path import brownian
+from microswim.path.in_space import follow_loads
 from microswim.path.march import DONE, TOO_LONG, march
 from microswim.path.velocity import Loads
+from microswim.swimmer.magnetism.applied_field import AppliedField
 
 MOST_STEPS = 1e8
 CHUNKS = 48  #: of a path, each kept when it is done
@@ -48,6 +50,8 @@ class Course:
         k_B T; zero: no noise.
     seed
         Of the noise.
+    field
+        One that depends on place; none where the loads hold it.
     """
 
     table: PoseTable
@@ -61,6 +65,7 @@ class Course:
     longest: float
     energy: float = 0.0
     seed: int = 0
+    field: AppliedField | None = None
 
     @property
     def digest(self) -> str:
@@ -69,7 +74,7 @@ class Course:
         parts = (*self.table, *self.loads, self.times, self.position, self.quaternion)
         for part in (*parts, self.phase, self.length, self.tolerance, self.longest):
             whole.update(np.ascontiguousarray(part).tobytes())
-        whole.update(repr((self.energy, self.seed)).encode())
+        whole.update(repr((self.energy, self.seed, self.field)).encode())
         return whole.hexdigest()[:16]
 
 
@@ -121,7 +126,10 @@ def follow(
     known = found or _start(course)
     for i in range(known.chunks, cuts.size - 1):
         times = course.times[cuts[i] : cuts[i + 1] + 1]
-        (_scattered if course.energy else _marched)(course, known, times, i)
+        if course.field is not None:
+            _marched_in_space(course, known, times)
+        else:
+            (_scattered if course.energy else _marched)(course, known, times, i)
         known.chunks = i + 1
         if keep is not None:
             _keep(course, keep, known)
@@ -161,6 +169,16 @@ def _marched(course: Course, known: Followed, times: Array, chunk: int) -> None:
         known.least[k] = control[5]
     known.step = control[0] if m == 1 else known.step
     _append(known, X[:, 1:], Q[:, 1:], spent[:, 1:] + known.spent[:, -1:])
+
+
+def _marched_in_space(course: Course, known: Followed, times: Array) -> None:
+    """One chunk of one path in a field that depends on place."""
+    assert course.field is not None
+    start = known.position[0, -1], known.quaternion[0, -1], _phase(course, times[0])
+    control = course.tolerance, course.length, course.longest
+    X, Q, spent = follow_loads(course.table, course.loads, course.field, times, start, control)
+    known.steps += times.size - 1
+    _append(known, X[None, 1:], Q[None, 1:], spent[None, 1:] + known.spent[:, -1:])
 
 
 def too_long() -> SpecError:

@@ -24,6 +24,7 @@ from microswim.path.course import Course, Followed, follow
 from microswim.path.in_space import length_of
 from microswim.path.loads import loads_of
 from microswim.path.trajectory import dataset
+from microswim.swimmer.magnetism.applied_field import AppliedField
 from microswim.swimmer.swimmer import Swimmer
 
 if TYPE_CHECKING:
@@ -137,7 +138,7 @@ def path(
     ('free', True)
     """
     made = swimmer.gait(model) if gait is None else gait
-    poses = _poses(swimmer, made)
+    poses = _poses(made)
     if swimmer.field is not None and swimmer.magnet is not None:
         warn_if_held(made, swimmer.magnet.vector)
     noisy = swimmer.noise is not None
@@ -162,13 +163,25 @@ def path(
         longest=_longest(made, loads, times, energy, step),
         energy=energy,
         seed=int(seed),
+        field=_in_space(swimmer),
     )
     found = follow(course, None if keep is None else Path(keep), progress)
     return _told(swimmer, made, poses, course, found)
 
 
-def _poses(swimmer: Swimmer, gait: Gait) -> Poses:
-    return FreePoses(gait)
+def _in_space(swimmer: Swimmer) -> AppliedField | None:
+    """Return the field if it depends on place and there is something that it acts on."""
+    field = swimmer.field
+    if field is None or field.is_uniform or swimmer.magnet is None:
+        return None
+    if swimmer.noise is not None:
+        raise SpecError("field.kind", field.kind, "uniform, rotating or oscillating with [noise]")
+    return field
+
+
+def _poses(gait: Gait) -> Poses:
+    free: Any = FreePoses(gait)
+    return free
 
 
 def _three(name: str, value: Any) -> Array:

@@ -7,6 +7,7 @@ method of order 8 (SciPy's DOP853) in position, quaternion and phase.
 from __future__ import annotations
 
 from collections.abc import Callable
+from typing import Any
 
 import numpy as np
 
@@ -14,6 +15,7 @@ from microswim.errors import MicroswimError
 from microswim.gait.gait import Gait
 from microswim.numerics.array import Array
 from microswim.numerics.rigid_motion import multiply, rotation_matrix
+from microswim.path.velocity import WORK, Loads, velocity
 from microswim.swimmer.magnetism.applied_field import AppliedField
 
 TOLERANCE = 1e-9
@@ -49,7 +51,6 @@ def follow(
     MicroswimError
         If the path cannot be followed, as next to the source of the field.
     """
-    from scipy.integrate import solve_ivp  # nobody waits for it without such a field
 
     def change(time: float, y: Array) -> Array:
         place, q, phase = y[:3], y[3:7] / np.linalg.norm(y[3:7]), y[7]
@@ -66,17 +67,75 @@ def follow(
     x0, q0, phase0 = start
     y0 = np.concatenate([x0, q0, [float(phase0)]])
     scale = np.concatenate([np.full(3, length_of(gait)), np.ones(5)])
+    y = _integrated(change, t, y0, TOLERANCE, scale, max_step)
+    q = y[:, 3:7]
+    return y[:, :3], q / np.linalg.norm(q, axis=1, keepdims=True), y[:, 7]
+
+
+def follow_loads(
+    table: Any, loads: Loads, field: AppliedField, t: Array, start: tuple[Array, Array, float],
+    control: tuple[float, float, float],
+) -> tuple[Array, Array, Array]:  # fmt: skip
+    """Return positions (n, 3), quaternions (n, 4) and the two works (n, 2) at the times.
+
+    As `microswim.path.march` does it, in a field that depends on place as well.
+
+    Parameters
+    ----------
+    table, loads, field
+        Gait at every pose; loads, whose moment the field acts on.
+    t, start
+        Increasing times, and position, quaternion and phase at the first.
+    control
+        Tolerance of a step, a length, longest step.
+
+    Raises
+    ------
+    MicroswimError
+        If the path cannot be followed, as next to the source of the field.
+    """
+    out, work, kick = np.empty(8), np.empty(WORK), np.zeros(6)
+    x0, q0, phase0 = start
+
+    def change(time: float, y: Array) -> Array:
+        place, q = y[:3].copy(), y[3:7] / np.linalg.norm(y[3:7])
+        moment = rotation_matrix(q) @ loads.moment
+        pull = field.gradient(time, place).T @ moment
+        B = np.array([field.at(time, place), np.zeros(3), np.zeros(3)])
+        here = loads._replace(force=loads.force + pull, field=B)
+        phase = phase0 + loads.rate * (time - t[0])
+        gap = velocity.dispatcher(table, here, time, place, q, phase, kick, out, work)
+        if gap <= 0.0:
+            return np.full(9, np.nan)
+        spin = multiply(q, np.concatenate([[0.0], out[3:6]])) / 2.0
+        return np.concatenate([out[:3], spin, out[6:]])
+
+    tolerance, length, longest = control
+    power = abs(loads.rate * float(np.abs(loads.activity).sum() * loads.rate)) or 1.0
+    heat = power * (t[-1] - t[0])
+    scale = np.concatenate([np.full(3, length), np.ones(4), np.full(2, heat)])
+    y = _integrated(change, t, np.concatenate([x0, q0, np.zeros(2)]), tolerance, scale, longest)
+    q = y[:, 3:7]
+    return y[:, :3], q / np.linalg.norm(q, axis=1, keepdims=True), y[:, 7:]
+
+
+def _integrated(
+    change: Callable[[float, Array], Array], t: Array, y0: Array, tolerance: float, scale: Array,
+    longest: float,
+) -> Array:  # fmt: skip
+    """Return the states (n, k) at the times."""
+    from scipy.integrate import solve_ivp  # nobody waits for it without such a field
+
     found = solve_ivp(
-        change, (t[0], t[-1]), y0, "DOP853", t, rtol=TOLERANCE, atol=TOLERANCE * scale,
-        max_step=max_step,
+        change, (t[0], t[-1]), y0, "DOP853", t, rtol=tolerance, atol=tolerance * scale,
+        max_step=longest,
     )  # fmt: skip
     if not found.success or not np.isfinite(found.y).all():
         raise MicroswimError(
             "the path cannot be followed to its end: it leads to the source of the field, or the "
             "field changes too fast"
         )
-    q = found.y[3:7].T
-    return found.y[:3].T, q / np.linalg.norm(q, axis=1, keepdims=True), found.y[7]
+    return found.y.T
 
 
 def length_of(gait: Gait) -> float:

@@ -30,7 +30,7 @@ def loads_of(
     Parameters
     ----------
     swimmer
-        Its magnet, field, gravity and flow; the field does not depend on place.
+        Its magnet, field, gravity and flow; of a field that depends on place the moment alone.
     gait
         Its rate and free axes.
     force, torque
@@ -82,7 +82,8 @@ def periodic(function: Callable[[Array], Array], wanted: Any, width: int) -> Arr
 
 def _waves(field: AppliedField | None) -> Array:
     """Rows B_0, B_1, B_2 of ``B_0 + B_1 cos(w t) + B_2 sin(w t)``."""
-    assert field is not None
+    if field is None or not field.is_uniform:  # the path asks such a field where it is
+        return np.zeros((3, 3))
     if not field.rate:
         return np.array([field.at(0.0), np.zeros(3), np.zeros(3)])
     turn = 2.0 * np.pi / field.rate

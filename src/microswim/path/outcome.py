@@ -54,7 +54,8 @@ def circling(x: Array, up: Array) -> tuple[float | None, str | None]:
     first = np.eye(3)[int(np.argmin(np.abs(up)))]
     first = first - (first @ up) * up
     first /= np.linalg.norm(first)
-    flat = np.column_stack([x @ first, x @ np.cross(up, first)])
+    second = np.array(np.cross(up, first), float)
+    flat = np.column_stack([x @ first, x @ second])
     radius, turn = circle(flat)
     wide = np.ptp(flat, axis=0).max()
     if abs(turn) < FEWEST or np.ptp(x @ up) > max(2.0 * wide, 1e-300):

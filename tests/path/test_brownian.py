@@ -6,11 +6,10 @@ import pytest
 import microswim as ms
 from microswim.numerics.rigid_motion import rotation_matrix
 
-SPECK = ms.HelicalTail(length=2e-5, amplitude=1e-6, waves=1, radius=1e-7, frequency=0.0)
-KT = 0.02
+BARE, KT = ms.NoTail(), 0.02
 
 
-def warm(body, tail=SPECK, energy=KT, **parts):
+def warm(body, tail=BARE, energy=KT, **parts):
     fluid = ms.Fluid(viscosity=1.0)
     return ms.Swimmer(
         body=body, tail=tail, fluid=fluid, noise=ms.Noise(temperature=energy), **parts

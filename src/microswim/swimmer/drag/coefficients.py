@@ -1,7 +1,8 @@
 """Local resistance of the filament: c_t, c_n per unit length and the spin resistance c_r.
 
 Lighthill [Tabak Eqs. 7-9], Gray & Hancock, Cox, a constant pair (also from the thrust and torque
-of a held swimmer through Eq. 20), and the closed form (20) itself. All accept arrays and complex numbers.
+of a held swimmer through Eq. 20), and the closed form (20) itself. All accept arrays
+and complex numbers.
 """
 
 from __future__ import annotations

@@ -2,7 +2,9 @@
 
 import re
 
-LOADS = re.compile(r'<(?:script|img|iframe)[^>]+src="https?:[^"]*"|<link[^>]+rel="stylesheet"[^>]+https?:')
+LOADS = re.compile(
+    r'<(?:script|img|iframe)[^>]+src="https?:[^"]*"|<link[^>]+rel="stylesheet"[^>]+https?:'
+)
 
 
 def on_post_page(output, page, **_):

@@ -38,7 +38,8 @@ def on_config(config):
 def on_files(files, config):
     text = files.get_file_from_path(PAGE).content_string
     for name in LISTED.findall(text):
-        content = f"# {name}\n\n::: microswim.{name}\n    options:\n      show_root_heading: false\n"
+        options = "    options:\n      show_root_heading: false\n"
+        content = f"# {name}\n\n::: microswim.{name}\n{options}"
         files.append(File.generated(config, address(name), content=content))
     return files
 

@@ -12,6 +12,7 @@ import microswim as ms
 HELIX = ms.Swimmer.preset("tabak/helix")
 GAIT = HELIX.gait()
 TIMES = np.linspace(0.0, 3.0, 40)
+RUN = ms.io.dataset(HELIX, GAIT, periods=1)
 OVER = {"tail.amplitude": (0.08, 0.12)}
 
 
@@ -102,14 +103,18 @@ def test_a_copy_is_as_its_original():
 @pytest.mark.parametrize(
     "result",
     [
-        lambda: ms.trajectory(GAIT, TIMES),
-        lambda: ms.sweep(HELIX, {"tail.amplitude": [0.05, 0.1]}),
-        lambda: ms.robustness(HELIX, {"tail.amplitude": "5%"}, samples=8),
+        lambda _: ms.trajectory(GAIT, TIMES),
+        lambda _: ms.sweep(HELIX, {"tail.amplitude": [0.05, 0.1]}),
+        lambda folder: ms.sweep(HELIX, {"tail.amplitude": [0.05, 0.1]}, out=folder / "a.zarr"),
+        lambda _: ms.robustness(HELIX, {"tail.amplitude": "5%"}, samples=8),
+        lambda _: ms.io.dataset(HELIX, GAIT, periods=1),
+        lambda folder: ms.io.load(ms.io.save(RUN, folder / "run.nc")),
+        lambda folder: ms.io.load(ms.io.save(RUN, folder / "run.zarr")),
     ],
 )
-def test_tables_of_results_cannot_be_written_in_place(result):
+def test_tables_of_results_cannot_be_written_in_place(result, tmp_path):
     """A new table from an old one is written freely."""
-    table = result()
+    table = result(tmp_path)
     for name, variable in table.data_vars.items():
         assert not variable.values.flags.writeable, name
     first = next(iter(table.data_vars))

@@ -3,21 +3,20 @@
 from __future__ import annotations
 
 import functools
-import inspect
 import math
 from collections.abc import Callable, Iterable, Mapping, Set
-from dataclasses import MISSING, fields
 from os import PathLike
-from typing import Any, TypeVar
+from typing import Any
 
-from microswim.errors import SpecError, nearest, renamed
+from microswim.calls import by_name as by_name
+from microswim.calls import given as given
+from microswim.calls import keyword_was as keyword_was
+from microswim.calls import required as required
+from microswim.errors import SpecError
 
 #: No number that is given is larger, and no size that must be positive smaller: with what is
 #: computed from them, up to the sixth power, they stay far from the edges of the floating point.
 LARGEST, SMALLEST = 1e30, 1e-30
-
-Called = TypeVar("Called", bound=Callable[..., Any])
-Class = TypeVar("Class", bound=type)
 
 
 def number(
@@ -38,6 +37,8 @@ def number(
         raise SpecError(field, value, allowed, mend)
     if isinstance(value, complex):  # NumPy's own turns it into a real number with a warning alone
         raise SpecError(field, value, allowed)
+    if type(value).__name__ == "ndarray":  # also one of no dimension
+        raise SpecError(field, value, allowed, None if value.ndim else "float(...) makes one of it")
     try:
         x = float(value)
     except (TypeError, ValueError, OverflowError):
@@ -89,7 +90,7 @@ def truth(field: str, value: Any) -> None:
 def count(field: str, value: Any, least: int = 1) -> None:
     """Refuse what is not a whole number of at least `least`; None passes."""
     whole = hasattr(value, "__index__") and not isinstance(value, bool)
-    if value is not None and not (whole and not getattr(value, "ndim", 0) and value >= least):
+    if value is not None and not (whole and not hasattr(value, "__len__") and value >= least):
         raise SpecError(field, value, f"a whole number of at least {least}")
 
 
@@ -155,6 +156,44 @@ def numeric(field: str, value: Any) -> None:
         reals(field, value)
 
 
+def finite(field: str, value: Any) -> None:
+    """Refuse what is not a finite number, real or complex, or an array of such."""
+    if type(value) is float and math.isfinite(value):
+        return
+    import numpy as np
+
+    numeric(field, value)
+    if not np.isfinite(value).all():
+        raise SpecError(field, value, "made of finite numbers")
+
+
+def six(field: str, value: Any) -> None:
+    """Refuse what is not six finite numbers, or rows of six."""
+    import numpy as np
+
+    finite(field, value)
+    if np.shape(value)[-1:] != (6,):
+        raise SpecError(field, value, "six numbers, force and torque, or rows of six")
+
+
+def shaped(field: str, value: Any, shape: tuple[int | str, ...]) -> None:
+    """Refuse what is not finite numbers in an array of a shape, ``"n"`` for any length."""
+    import numpy as np
+
+    finite(field, value)
+    found = np.shape(value)
+    if len(found) != len(shape) or any(n not in (m, "n") for m, n in zip(found, shape)):
+        wanted = f"({', '.join(map(str, shape))}{',' if len(shape) == 1 else ''})"
+        raise SpecError(field, f"an array of shape {found}", f"one of shape {wanted}")
+
+
+def sign(field: str, value: Any) -> None:
+    """Refuse what is neither 1 nor -1."""
+    number(field, value, "1 or -1")
+    if abs(value) != 1:
+        raise SpecError(field, value, "1 or -1")
+
+
 def load(field: str, value: Any) -> None:
     """Refuse what is neither finite numbers nor a function of time."""
     if not callable(value):
@@ -166,12 +205,6 @@ def instance(field: str, value: Any, kind: str) -> None:
     if not any(kind == owner.__name__ for owner in type(value).__mro__):
         article = "an" if kind[0] in "AEIO" else "a"
         raise SpecError(field, value, f"{article} {kind}")
-
-
-def required(cls: type) -> list[str]:
-    """Return the fields of a dataclass that must be given."""
-    own = [f for f in fields(cls) if f.init]
-    return [f.name for f in own if f.default is MISSING and f.default_factory is MISSING]
 
 
 def whole(field: str, value: Any, least: int = 1) -> None:
@@ -214,128 +247,3 @@ def above_zero(what: str) -> Callable[[str, Any], None]:
 def share(field: str, value: Any) -> None:
     """Refuse what is not a number from 0 to 1."""
     number(field, value, "a share from 0 to 1", least=0.0, most=1.0)
-
-
-def by_name(cls: Class) -> Class:
-    """Decorate a dataclass so that a wrong call says which fields it has, in one sentence.
-
-    Examples
-    --------
-    >>> import microswim as ms
-    >>> ms.Fluid(0.001)
-    Traceback (most recent call last):
-        ...
-    microswim.errors.SpecError: Fluid: its fields are given by name, such as Fluid(viscosity=...)
-    """
-    made = cls.__init__
-    takes = {f.name: f for f in fields(cls) if f.init and not f.name.startswith("_")}
-    needed = required(cls)
-    by_place = [n for n, f in takes.items() if not f.kw_only]
-
-    @functools.wraps(made)
-    def init(self: Any, *args: Any, **named: Any) -> None:
-        try:
-            made(self, *args, **named)
-        except TypeError:
-            wrong = _wrong_fields(cls.__name__, list(takes), needed, by_place, args, named)
-            if wrong is None:
-                raise
-            raise wrong from None
-
-    cls.__init__ = init  # type: ignore[misc]
-    return cls
-
-
-def _wrong_fields(
-    name: str, known: list[str], needed: list[str], by_place: list[str], args: tuple, named: dict
-) -> SpecError | None:
-    """Return what is wrong with a call of a dataclass, if anything is."""
-    for field in named:
-        if field not in known:
-            it_has = f"it has {', '.join(known)}" if known else "it has none"
-            return SpecError(f"{name}: it has no field {field}; {it_has}")
-        if field in by_place[: len(args)]:
-            return SpecError(f"{name}: {field} is given twice")
-    if len(args) > len(by_place):
-        example = ", ".join(f"{field}=..." for field in needed or known[:1])
-        return SpecError(f"{name}: its fields are given by name, such as {name}({example})")
-    missing = [n for n in needed if n not in named and n not in by_place[: len(args)]]
-    return SpecError(f"{name}: {', '.join(missing)} must be given") if missing else None
-
-
-def given(**checked: Callable[[str, Any], None]) -> Callable[[Called], Called]:
-    """Return a decorator: arguments are checked before any work, their names, then each value.
-
-    Each check takes name and value and refuses in a sentence; a default passes. A function without
-    checks is held to its names alone.
-
-    Examples
-    --------
-    >>> import microswim as ms
-    >>> ms.screw(5)
-    Traceback (most recent call last):
-        ...
-    microswim.errors.SpecError: gait = 5: must be a Gait
-    """
-
-    def decorate(function: Called) -> Called:
-        takes = inspect.signature(function)
-        each = takes.parameters.values()
-        defaults = {p.name: p.default for p in each}
-        by_place = [p.name for p in each if p.kind is p.POSITIONAL_OR_KEYWORD]
-        needed = {p.name for p in each if p.default is p.empty and p.kind is not p.VAR_KEYWORD}
-        free = any(p.kind is p.VAR_KEYWORD for p in each)
-
-        @functools.wraps(function)
-        def called(*args: Any, **named: Any) -> Any:
-            values = dict(zip(by_place, args)) | named
-            once = len(values) == len(args) + len(named)
-            if not (
-                once and needed <= values.keys() and (free or values.keys() <= defaults.keys())
-            ):
-                raise _wrong_arguments(function.__qualname__, takes, args, named)
-            for name, check in checked.items():
-                if name in values and values[name] is not defaults[name]:
-                    check(name, values[name])
-            return function(*args, **named)
-
-        return called  # type: ignore[return-value]
-
-    return decorate
-
-
-def _wrong_arguments(name: str, takes: inspect.Signature, args: tuple, named: dict) -> SpecError:
-    """Return what is wrong with a call of a function."""
-    own = [p for p in takes.parameters.values() if p.name not in ("self", "cls")]
-    known = [p.name for p in own if p.kind is not p.VAR_KEYWORD]
-    args = args if len(own) == len(takes.parameters) else args[1:]
-    by_place = [p.name for p in own if p.kind in (p.POSITIONAL_ONLY, p.POSITIONAL_OR_KEYWORD)]
-    for argument in named:
-        if argument in by_place[: len(args)]:
-            return SpecError(f"{name}: {argument} is given twice")
-        if argument not in known and len(known) == len(own):
-            mend = nearest(argument, known) if known else "it takes none"
-            return SpecError(f"{name}: it takes no {argument}; {mend}")
-    if len(args) > len(by_place):
-        first = ", ".join(by_place) or "none"
-        return SpecError(f"{name}: it takes by position {first}; give the others by name")
-    filled = {*by_place[: len(args)], *named}
-    needed = (p for p in own if p.default is p.empty and p.kind is not p.VAR_KEYWORD)
-    missing = [p.name for p in needed if p.name not in filled]
-    return SpecError(f"{name}: {', '.join(missing)} must be given")
-
-
-def keyword_was(old: str, new: str) -> Callable[[Called], Called]:
-    """Return a decorator: the keyword `old` of earlier versions is taken for `new`, and warns."""
-
-    def decorate(function: Called) -> Called:
-        @functools.wraps(function)
-        def called(*args: Any, **options: Any) -> Any:
-            if old in options:
-                renamed(f"{function.__name__}({old}=...)", f"{new}=")
-                options[new] = options.pop(old)
-            return function(*args, **options)
-
-        return called  # type: ignore[return-value]
-
-    return decorate

@@ -48,8 +48,26 @@ def test_it_is_ten_thousand():
     assert sum(KINDS.values()) > 10_000
 
 
-def try_each(kind, inputs, check):
-    """Check as many distinct inputs as the kind asks for; tell how many failed, then fail."""
+@pytest.fixture
+def try_each(capsys, tmp_path, monkeypatch):
+    """Check as many distinct inputs as a kind asks for; say how many failed, whatever pytest hides.
+
+    What a command writes, it writes into a folder of the test.
+    """
+    monkeypatch.chdir(tmp_path)
+
+    def tried(kind, inputs, check):
+        mishandled = all_mishandled(kind, inputs, check)
+        with capsys.disabled():
+            count = math.ceil(SHARE * KINDS[kind])
+            print(f"\n{kind}: {count} inputs tried, {len(mishandled)} mishandled")
+        assert not mishandled, "\n".join(mishandled[:20])
+
+    return tried
+
+
+def all_mishandled(kind, inputs, check):
+    """Each input that failed its check, with how, of as many distinct ones as the kind asks for."""
     wanted, seen, mishandled = math.ceil(SHARE * KINDS[kind]), set(), []
 
     def one(value):
@@ -70,16 +88,7 @@ def try_each(kind, inputs, check):
             )  # fmt: skip
             seed(ROUNDS * SEED + turn)(quiet(given(inputs)(one)))()
     assert len(seen) == wanted, "there are not as many inputs of this kind"
-    print(f"\n{kind}: {len(seen)} inputs tried, {len(mishandled)} mishandled")
-    assert not mishandled, "\n".join(mishandled[:20])
-
-
-@pytest.fixture(autouse=True)
-def out_loud(capsys, tmp_path, monkeypatch):
-    """The counts are printed though the tests pass; what a command writes, it writes elsewhere."""
-    monkeypatch.chdir(tmp_path)
-    with capsys.disabled():
-        yield
+    return mishandled
 
 
 def finite(value):
@@ -106,7 +115,7 @@ def answers_or_refuses(*arguments, statuses=(0, 2)):
     return run
 
 
-def test_anything_behind_set():
+def test_anything_behind_set(try_each):
     def check(one):
         name, command, changes = one
         pairs = [x for field, text in changes.items() for x in ("--set", f"{field}={text}")]
@@ -121,7 +130,7 @@ def test_anything_behind_set():
     try_each("values behind --set", asked, check)
 
 
-def test_anything_in_a_file(tmp_path):
+def test_anything_in_a_file(try_each, tmp_path):
     path = tmp_path / "field.toml"
 
     def check(one):
@@ -139,7 +148,7 @@ def test_anything_in_a_file(tmp_path):
 ENCODINGS = st.sampled_from(["utf-8", "utf-8-sig", "utf-16", "latin-1"])
 
 
-def test_a_damaged_spec(tmp_path):
+def test_a_damaged_spec(try_each, tmp_path):
     path = tmp_path / "damaged.toml"
 
     def check(one):
@@ -164,7 +173,7 @@ PIECES = st.sampled_from(
 )  # fmt: skip
 
 
-def test_any_expression():
+def test_any_expression(try_each):
     known = {"swimming_speed": 1.0, "mean_torque": 2.0, "efficiency": 0.01, "body_rate": 0.3}
 
     def check(one):
@@ -181,7 +190,7 @@ def test_any_expression():
     try_each("expressions", st.tuples(wish, limit), check)
 
 
-def test_any_table(tmp_path):
+def test_any_table(try_each, tmp_path):
     path, store = tmp_path / "table.csv", tmp_path / "fuzz.zarr"
     base = ("--preset", "tabak/helix")
 
@@ -216,7 +225,7 @@ OPTIONS = {
 }
 
 
-def test_any_option():
+def test_any_option(try_each):
     """Values that cannot be meant, or mean little work."""
 
     def check(one):
@@ -230,7 +239,7 @@ def test_any_option():
     try_each("options", st.tuples(asked, value).map(lambda x: (*x[0], x[1])), check)
 
 
-def test_any_track(tmp_path):
+def test_any_track(try_each, tmp_path):
     path = tmp_path / "track.csv"
 
     def check(one):

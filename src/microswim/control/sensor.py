@@ -83,7 +83,10 @@ class Sensor:
         checks.count("seed", self.seed, least=0)
         self._random = np.random.default_rng(self.seed)
 
-    @checks.given(time=checks.series, state=partial(checks.instance, kind="State"))
+    @checks.given(
+        time=partial(checks.number, allowed="a finite time"),
+        state=partial(checks.instance, kind="State"),
+    )
     def read(self, time: float, state: State) -> Reading | None:
         """Return the latest frame that has arrived at a time, None before the first.
 

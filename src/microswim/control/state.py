@@ -85,7 +85,7 @@ class State:
     @property
     def phase(self) -> np.ndarray:
         """Phase of the tail relative to the body (rad), (...)."""
-        return self.values[..., 7]
+        return self.values[..., 7][()]
 
 
 def check_finite(values: np.ndarray) -> None:

@@ -159,6 +159,7 @@ class Stepper:
         rest[0, 0] = 0.0 if self.locked else self.gait.rate
         return rest
 
+    @checks.given()
     def step(self, state: State, *, dt: float, **inputs: Any) -> State:
         """Return the pose and phase after a time dt.
 
@@ -188,14 +189,9 @@ class Stepper:
         MicroswimError
             If the state would not be finite.
         """
-        if not isinstance(state, State):
-            raise SpecError("state", state, "a State", "State.at makes one")
-        try:
-            fits = 0.0 < dt < np.inf
-        except TypeError:
-            fits = False
-        if not fits:
-            raise SpecError("dt", dt, "a positive time")
+        _check_state(state)
+        if type(dt) is not float or not 0.0 < dt < np.inf:
+            checks.positive("dt", dt, "time")
         Y = state.values.reshape(-1, motion.STATE).copy()
         U = self.held(Y.shape[0], inputs)
         self._check_turn(U, dt)
@@ -218,6 +214,7 @@ class Stepper:
                 "shorten it or lower the inputs",
             )
 
+    @checks.given()
     def held(self, n: int, inputs: dict[str, Any]) -> np.ndarray:
         """Return the inputs as an array, one row for all or (n, 25); checked."""
         U = self._rest.copy()
@@ -250,12 +247,14 @@ class Stepper:
             )
         return U
 
+    @checks.given()
     def outputs(self, state: State, **inputs: Any) -> tuple[np.ndarray, np.ndarray]:
         """Return the twist (..., 6), body frame, relative to the lab, and the motor's torque (...).
 
         The torque is what the motor gives per unit phase rate: for a helix the torque about its
         axis. Inputs as of `step`.
         """
+        _check_state(state)
         Y = state.values.reshape(-1, motion.STATE)
         U = self.held(Y.shape[0], inputs)
         out = np.empty((Y.shape[0], 7))
@@ -264,6 +263,7 @@ class Stepper:
         out = out.reshape(*state.values.shape[:-1], 7)
         return out[..., :6], out[..., 6]
 
+    @checks.given()
     def velocity(self, phase: float, rate: float, wrench: Any = None) -> np.ndarray:
         """Return the twist (6,) at a phase and motor rate, under a wrench in the body frame.
 
@@ -274,10 +274,12 @@ class Stepper:
         readout.body_twist(self.response.twist, float(phase), float(rate), load, self._work[0], out)
         return out
 
+    @checks.given()
     def twist(self, state: State, **inputs: Any) -> np.ndarray:
         """Return twist in the body frame about the body's centre, relative to the lab, (..., 6)."""
         return self.outputs(state, **inputs)[0]
 
+    @checks.given()
     def derivatives(
         self, state: State, *, dt: float, wrt: tuple[str, ...] = tuple(motion.INPUTS), **inputs: Any
     ) -> tuple[np.ndarray, np.ndarray]:
@@ -286,16 +288,20 @@ class Stepper:
         With respect to the state, and to the inputs named in `wrt`, by default all 25 numbers in
         the order of `motion.INPUTS`; by complex steps through the compiled step.
         """
+        _check_state(state)
         if state.values.shape != (motion.STATE,):
             raise SpecError("state", f"{len(state.values)} swimmers", "one swimmer")
         checks.positive("dt", dt, "time")
         u = self.held(1, inputs)[0]
+        checks.words("wrt", wrt)
+        wrt = (wrt,) if isinstance(wrt, str) else tuple(wrt)
         if not set(wrt) <= set(motion.INPUTS):
             raise SpecError("wrt", wrt, "some of the inputs " + ", ".join(motion.INPUTS))
         self._check_turn(u[None], dt)
         columns = np.concatenate([np.arange(25)[motion.INPUTS[name]] for name in wrt])
         return readout.derivatives(*self._model, state.values, u, dt, self.steps or 0, columns)
 
+    @checks.given()
     def state_space(
         self, state: State, *, dt: float, wrt: tuple[str, ...] = tuple(motion.INPUTS), **inputs: Any
     ) -> linear.StateSpace:
@@ -326,6 +332,11 @@ class Stepper:
         A, B = self.derivatives(state, dt=dt, wrt=wrt, **inputs)
         after = self.step(state, dt=dt, **inputs)
         return linear.error_state(A, B, state.quaternion, after.quaternion)
+
+
+def _check_state(state: Any) -> None:
+    if not isinstance(state, State):
+        raise SpecError("state", state, "a State", "State.at makes one")
 
 
 def _check_gradient(A: np.ndarray) -> None:

@@ -9,7 +9,7 @@ does not know which model made it. A *series* is one of `microswim.numerics.four
 from __future__ import annotations
 
 from dataclasses import KW_ONLY, dataclass, field, replace
-from functools import cached_property
+from functools import cached_property, partial
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -32,6 +32,8 @@ if TYPE_CHECKING:
 #: Degrees of freedom, in the order of all six-vectors.
 DEGREES_OF_FREEDOM = ("us", "uq", "ur", "os", "oq", "or")
 ALL_FREE = (True,) * 6
+#: Of a term of each series.
+SHAPES = {"resistance_series": (6, 6), "propulsion_series": (6,), "activity_series": ()}
 
 
 @checks.by_name
@@ -77,6 +79,13 @@ class Gait:
     units: str = "dimensionless"
     info: dict[str, Any] = field(default_factory=dict)
 
+    def __post_init__(self) -> None:
+        for name, shape in SHAPES.items():
+            series = getattr(self, name)
+            if getattr(series, "shape", ())[1:] != shape or not series.ndim:
+                checks.shaped(name, series, ("n", *shape))
+                object.__setattr__(self, name, np.asarray(series))
+
     def __repr__(self) -> str:
         """Return about five lines with units; the numbers are in `microswim.summary`."""
         return portrait.as_text(*portrait.of_gait(self))
@@ -84,6 +93,7 @@ class Gait:
     def _repr_html_(self) -> str:
         return portrait.as_html(*portrait.of_gait(self))
 
+    @checks.given()
     def plot(self) -> Figure:
         """Draw velocity, body rate and motor power over a period; call its ``savefig``.
 
@@ -97,6 +107,14 @@ class Gait:
         return doors.go(doors.PLOT_GAIT, self)
 
     @classmethod
+    @checks.given(
+        R=partial(checks.shaped, shape=("n", 6, 6)),
+        F=partial(checks.shaped, shape=("n", 6)),
+        G=partial(checks.shaped, shape=("n",)),
+        body_R=partial(checks.shaped, shape=("n", 6, 6)),
+        body_F=partial(checks.shaped, shape=("n", 6)),
+        harmonics=checks.at_least(0),
+    )
     def from_samples(
         cls,
         R: np.ndarray,
@@ -117,12 +135,20 @@ class Gait:
             "body_propulsion_series": body_F,
         }
         bodies: dict[str, Any] = {
-            k: series_of(v, harmonics) for k, v in keep.items() if v is not None
+            k: series_of(np.asarray(v), harmonics) for k, v in keep.items() if v is not None
         }
-        series = [series_of(x, harmonics) for x in (R, F, G)]
+        series = [series_of(np.asarray(x), harmonics) for x in (R, F, G)]
         return cls(series[0], series[1], series[2], **bodies, **fields)
 
     @classmethod
+    @checks.given(
+        R=partial(checks.shaped, shape=(6, 6)),
+        F=partial(checks.shaped, shape=(6,)),
+        G=partial(checks.shaped, shape=()),
+        sign=checks.sign,
+        body_R=partial(checks.shaped, shape=(6, 6)),
+        body_F=partial(checks.shaped, shape=(6,)),
+    )
     def from_rotation(
         cls,
         R: np.ndarray,
@@ -139,17 +165,23 @@ class Gait:
         ``R(phi) = Q R(0) Q'``, ``F_p(phi) = Q F_p(0)``, Q the rotation by ``sign * phi`` about s.
         """
         keep = {"body_resistance_series": body_R, "body_propulsion_series": body_F}
-        bodies: dict[str, Any] = {k: rotate(v, sign) for k, v in keep.items() if v is not None}
-        return cls(rotate(R, sign), rotate(F, sign), np.atleast_1d(G), **bodies, **fields)
+        bodies: dict[str, Any] = {
+            k: rotate(np.asarray(v), sign) for k, v in keep.items() if v is not None
+        }
+        turned, pushed = (rotate(np.asarray(x), sign) for x in (R, F))
+        return cls(turned, pushed, np.atleast_1d(G), **bodies, **fields)
 
+    @checks.given(phase=checks.finite)
     def resistance(self, phase: Any) -> np.ndarray:
         """Return R at the phases (rad), shape phase.shape + (6, 6); symmetric positive definite."""
         return evaluate(self.resistance_series, phase)
 
+    @checks.given(phase=checks.finite)
     def propulsion(self, phase: Any) -> np.ndarray:
         """Return F_p per unit phase rate, shape phase.shape + (6,)."""
         return evaluate(self.propulsion_series, phase)
 
+    @checks.given(phase=checks.finite)
     def activity(self, phase: Any) -> np.ndarray:
         """Return power given to the fluid per squared unit rate with the body held, phase.shape."""
         return evaluate(self.activity_series, phase)
@@ -161,6 +193,7 @@ class Gait:
             return np.inf
         return 2.0 * np.pi / np.sqrt(self.rate**2)
 
+    @checks.given(phase=checks.finite, rate=checks.finite, wrench=checks.six)
     def velocity(self, phase: Any, rate: Any = None, wrench: Any = None) -> np.ndarray:
         """Return the twist ``V = R^-1 (W - F_p rate)`` [Tabak Eq. 15], shape phase.shape + (6,).
 
@@ -173,12 +206,14 @@ class Gait:
         wrench
             External force and torque on the body, body frame, about its centre (6,).
         """
-        rate = self.rate if rate is None else rate
-        load = -self.propulsion(phase) * rate
+        return self._twist(phase, self.rate if rate is None else rate, wrench)
+
+    def _twist(self, phase: Any, rate: Any, wrench: Any = None) -> np.ndarray:
+        load = -evaluate(self.propulsion_series, phase) * rate
         if wrench is not None:
             load = load + wrench
         f = np.flatnonzero(self.free)
-        R = self.resistance(phase)
+        R = evaluate(self.resistance_series, phase)
         out = np.zeros(load.shape, dtype=np.result_type(R, load))
         try:
             part = R[..., f[:, None], f]
@@ -219,7 +254,7 @@ class Gait:
     def velocity_series(self) -> np.ndarray:
         """Series of the velocity at the gait's own rate, shape (1 + 2 H, 6)."""
         phases = 2.0 * np.pi * np.arange(self.samples) / self.samples
-        return kept(series_of(self.velocity(phases)))
+        return kept(series_of(self._twist(phases, self.rate)))
 
     @property
     def mean_velocity(self) -> np.ndarray:
@@ -234,30 +269,36 @@ class Gait:
         series = self.velocity_series[: 1 + 2 * ((felt.max(initial=0) + 1) // 2)]
         return kept(half_range(series))
 
+    @checks.given(phase=checks.finite)
     def power(self, phase: Any) -> np.ndarray:
         """Return power of the motor, ``rate (F_p . V + G rate)``: all that the fluid dissipates.
 
         For a helix this is the motor's torque times its rate, for a plane wave the lateral force
         times the lateral velocity along the tail, as in Eq. (24).
         """
-        work = np.sum(self.propulsion(phase) * self.velocity(phase), axis=-1)
-        return self.rate * (work + self.activity(phase) * self.rate)
+        return self._power(phase)
+
+    def _power(self, phase: Any) -> np.ndarray:
+        V = self._twist(phase, self.rate)
+        work = np.sum(evaluate(self.propulsion_series, phase) * V, axis=-1)
+        return self.rate * (work + evaluate(self.activity_series, phase) * self.rate)
 
     @cached_property
     def mean_power(self) -> Any:
         """Power of the motor averaged over the period."""
-        return np.mean(self.power(2.0 * np.pi * np.arange(self.samples) / self.samples))
+        return np.mean(self._power(2.0 * np.pi * np.arange(self.samples) / self.samples))
 
     @property
     def mean_torque(self) -> Any:
         """Torque of the motor averaged over the period (for a helix; else power over rate)."""
         return self.mean_power / self.rate if np.real(self.rate) != 0 else 0.0 * self.mean_power
 
+    @checks.given(phase=checks.finite)
     def body_wrench(self, phase: Any) -> np.ndarray:
         """Return the force and torque by the fluid on the body alone, shape phase.shape + (6,)."""
         if self.body_resistance_series is None:
             raise MicroswimError(f"the {self.model} gait does not hold the body's own resistance")
-        V = self.velocity(phase)
+        V = self._twist(phase, self.rate)
         drag = np.einsum("...ij,...j->...i", evaluate(self.body_resistance_series, phase), V)
         if self.body_propulsion_series is not None:
             drag = drag + evaluate(self.body_propulsion_series, phase) * self.rate
@@ -272,13 +313,15 @@ class Gait:
         if np.real(self.mean_power) == 0:
             return 0.0
         phase = 2.0 * np.pi * np.arange(self.samples) / self.samples
-        work = -self.body_wrench(phase)[..., 0] * self.velocity(phase)[..., 0]
+        work = -self.body_wrench(phase)[..., 0] * self._twist(phase, self.rate)[..., 0]
         return np.mean(work) / self.mean_power
 
+    @checks.given(rate=checks.finite)
     def at_rate(self, rate: Any) -> Gait:
         """Return the same gait driven at another phase rate."""
         return replace(self, rate=rate)
 
+    @checks.given(rate=checks.finite, sign=checks.sign)
     def in_lab_frame(self, rate: Any, sign: float) -> Gait:
         """Return the same gait with `rate` read as the tail's rate in the lab frame.
 

@@ -6,6 +6,8 @@ units a person may write stands in `microswim.spec.units`.
 
 from __future__ import annotations
 
+from microswim import checks
+
 #: Unit of each dimension, in SI and of a swimmer without units.
 UNITS = {
     "number": ("1", "1"),
@@ -42,6 +44,7 @@ UNITS = {
 WORDS = {word for si, word in UNITS.values() if word != si} | {"", "1"}
 
 
+@checks.given(units=checks.text, kind=checks.text)
 def unit(units: str, kind: str) -> str:
     """Return unit of a kind of quantity (``"speed"``, ``"length"``, ...) in SI or dimensionless.
 

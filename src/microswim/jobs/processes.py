@@ -37,8 +37,8 @@ def counted(workers: int | None) -> int:
     """
     if workers is None:
         return cores()
-    whole = hasattr(workers, "__index__") and not isinstance(workers, bool)
-    if not whole or not 0 <= int(workers) <= MOST:
+    whole = hasattr(workers, "__index__") and not hasattr(workers, "__len__")
+    if isinstance(workers, bool) or not whole or not 0 <= int(workers) <= MOST:
         raise SpecError(
             "workers", workers, f"a whole number from 0 (solve in this process) to {MOST}"
         )

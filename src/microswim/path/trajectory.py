@@ -176,7 +176,8 @@ def _start(position: Any, quaternion: Any, phase: Any) -> tuple[np.ndarray, ...]
     q = np.array([1.0, 0, 0, 0]) if quaternion is None else np.array(quaternion, dtype=float)
     checks.numbers("position", x, 3, "three finite numbers")
     checks.numbers("quaternion", q, 4, "four finite numbers wxyz")
-    checks.number("phase", phase, "a finite number")
+    one = phase[()] if isinstance(phase, np.ndarray) else phase  # the last of an earlier path
+    checks.number("phase", one, "a finite number")
     norm = np.linalg.norm(q)
     if not 0.99 < norm < 1.01:
         raise SpecError("quaternion", quaternion, "a unit quaternion wxyz")

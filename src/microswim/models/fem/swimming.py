@@ -16,6 +16,7 @@ import numpy as np
 import xarray as xr
 from scipy.spatial.transform import Rotation
 
+from microswim import checks
 from microswim.errors import SpecError
 from microswim.models.fem.displacement import Carrier, Wave
 from microswim.models.fem.gait import is_round, problem, vessel
@@ -179,6 +180,8 @@ def swim(
         ``wrench_tail`` (of the fluid, body frame), ``position``, ``quaternion`` (wxyz), ``phase``.
     """
     began = time.perf_counter()
+    checks.number("periods", periods, f"one step or more, {1 / steps_per_period:g}",
+                  least=0.5 / steps_per_period)  # fmt: skip
     channel = vessel(swimmer, channel)
     free = swimmer.motion.mask if free is None else free
     run = Swim(swimmer, channel, level_named(level), steps_per_period, free)

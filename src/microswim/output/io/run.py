@@ -22,6 +22,7 @@ from microswim.gait.gait import DEGREES_OF_FREEDOM, Gait
 from microswim.gait.observed import observed
 from microswim.gait.units import UNITS
 from microswim.gait.units import unit as unit
+from microswim.numerics.array import sealed
 from microswim.numerics.files import write
 from microswim.path.trajectory import trajectory
 from microswim.swimmer import physical_sense
@@ -153,14 +154,15 @@ def dataset(
     if gait.one_pose:  # no path is followed from it
         if periods is not None or loads:
             gait.check_path()
-        return _about(_over_the_period(gait).merge(_scalars(known)), gait, 0.0, spec)
+        return sealed(_about(_over_the_period(gait).merge(_scalars(known)), gait, 0.0, spec))
     if periods is None:
         periods = enough_periods(swimmer, gait, known["swimming_speed"])
     if not 0 < periods <= 1e5:
         raise SpecError("periods", periods, "above 0 and at most 100000")
     times = np.linspace(0.0, periods * _period(gait), max(2, round(periods * SAMPLES) + 1))
     run = trajectory(gait, times, **loads).rename(phase="motor_phase")
-    return _about(run.merge(_over_the_period(gait)).merge(_scalars(known)), gait, periods, spec)
+    whole = run.merge(_over_the_period(gait)).merge(_scalars(known))
+    return sealed(_about(whole, gait, periods, spec))
 
 
 def _about(run: xr.Dataset, gait: Gait, periods: float, spec: str) -> xr.Dataset:
@@ -305,7 +307,7 @@ def load(path: str | PathLike[str]) -> xr.Dataset:
     path = Path(path)
     try:
         with xr.open_dataset(path, engine="zarr" if path.suffix == ".zarr" else "h5netcdf") as run:
-            return run.load()
+            return sealed(run.load())
     except (OSError, ValueError, KeyError) as error:
         raise SpecError(f"{path}: no readable run: {' '.join(str(error).split())}") from None
 

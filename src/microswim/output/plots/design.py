@@ -4,11 +4,13 @@ from __future__ import annotations
 
 import textwrap
 from collections.abc import Mapping, Sequence
+from functools import partial
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 import xarray as xr
 
+from microswim import checks
 from microswim.errors import SpecError, nearest
 from microswim.gait.quantities import current
 from microswim.gait.units import unit
@@ -60,6 +62,13 @@ def swimmers(axes: Axes, robots: Sequence[Swimmer], names: Sequence[str] = ()) -
     scale_bar(axes, length, unit(robots[0].units, "length"))
 
 
+@checks.given(
+    result=checks.dataset,
+    merit=checks.text,
+    optimum=partial(checks.instance, kind="Optimum"),
+    region=checks.mapping,
+    label=checks.text,
+)
 def design_map(
     result: xr.Dataset,
     merit: str = "swimming_speed",
@@ -164,6 +173,7 @@ def _expected(axes: Axes, result: xr.Dataset, x: Any, y: Any) -> None:
     axes.clabel(lines, fontsize=6, fmt=lambda v: f"{100 * v:.0f} % error")
 
 
+@checks.given(result=checks.dataset, swimmer=checks.swimmer, drawn=checks.at_least(0))
 def front(result: xr.Dataset, swimmer: Swimmer, drawn: int = 4) -> Figure:
     """Return a Pareto front of two or three objectives, with designs along it to scale.
 

@@ -2,10 +2,12 @@
 
 from __future__ import annotations
 
+from functools import partial
 from typing import TYPE_CHECKING
 
 import numpy as np
 
+from microswim import checks
 from microswim.models.bem.output import quads_of
 from microswim.models.bem.surface import positions
 from microswim.output.io.surface import Surface
@@ -18,6 +20,7 @@ if TYPE_CHECKING:
     from microswim.models.bem.mobility import Mobility
 
 
+@checks.given(found=partial(checks.instance, kind="Mobility"))
 def mobility(found: Mobility) -> Figure:
     """Draw the surface that was solved on, with the centre of mobility as a cross.
 

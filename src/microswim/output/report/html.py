@@ -9,10 +9,12 @@ import base64
 import io
 from collections.abc import Sequence
 from dataclasses import dataclass
+from functools import partial
 from html import escape
 from importlib.resources import files
 from typing import TYPE_CHECKING, Any
 
+from microswim import checks
 from microswim.gait.gait import DEGREES_OF_FREEDOM
 from microswim.gait.quantities import QUANTITIES
 from microswim.gait.readable import quantity, significant, with_error
@@ -25,6 +27,7 @@ if TYPE_CHECKING:
     import xarray as xr
 
 
+@checks.by_name
 @dataclass(frozen=True)
 class Table:
     """A table for the terminal and for the page.
@@ -53,6 +56,7 @@ class Table:
     note: str = ""
 
 
+@checks.given(numbers=checks.mapping, name=checks.text)
 def numbers_table(numbers: dict[str, Any], name: str) -> Table:
     """Return the numbers of a run in readable units.
 
@@ -122,6 +126,7 @@ def _time(si: bool) -> str:
     return "second" if si else "time"
 
 
+@checks.given(swimmer=checks.swimmer)
 def derived(swimmer: Swimmer) -> dict[str, Any]:
     """Return what a swimmer works out to, as numbers: wave, local resistance, Reynolds number.
 
@@ -153,6 +158,7 @@ def derived(swimmer: Swimmer) -> dict[str, Any]:
     }
 
 
+@checks.given(swimmer=checks.swimmer)
 def spec_table(swimmer: Swimmer) -> Table:
     """Return what a swimmer works out to, in readable units; the numbers are those of `derived`.
 
@@ -201,6 +207,7 @@ def _motions(swimmer: Swimmer, d: dict[str, Any]) -> tuple[str, str, str]:
     return "free motions", " ".join(d["free"]) or "none", "" if swimmer.tail.is_absent else frame
 
 
+@checks.given(figure=partial(checks.instance, kind="Figure"))
 def png(figure: Any) -> bytes:
     """Return a figure as PNG.
 
@@ -216,6 +223,7 @@ def png(figure: Any) -> bytes:
     return buffer.getvalue()
 
 
+@checks.given(run=checks.dataset, name=checks.text)
 def page(
     run: xr.Dataset,
     name: str,

@@ -55,6 +55,7 @@ BLOCK = {
     "bem": 64,
     "fem": 16,
 }  # designs in a chunk of the store
+IN_MEMORY = 2**30  #: bytes of a store below which its result is read at once
 HOPELESS = 20  # designs left unsolved with none solved, and a sweep ends
 Progress = Callable[[int, int], None]
 Engine = Callable[[Iterable[Task]], Iterator[tuple[Task, Rows]]]
@@ -169,9 +170,15 @@ def sweep(
     with locked(path):
         store = _open(path, space, attributes, resume)
         _fill(job, space, engine, store, progress)
+    return _read(path)
+
+
+def _read(path: Path) -> xr.Dataset:
+    """Return what a store holds: in memory, where nobody writes into it, or each time from disk."""
     import xarray as xr
 
-    return xr.open_zarr(path, chunks=None)
+    found = xr.open_dataset(path, engine="zarr", chunks=None, cache=False)
+    return sealed(found.load()) if found.nbytes < IN_MEMORY else found
 
 
 def _open(path: Path, space: Space, attributes: dict[str, Any], resume: bool) -> SweepStore:

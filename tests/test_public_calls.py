@@ -371,7 +371,7 @@ FITS = {
     ("StrainFlow", "rate"): {"minus one"},
     ("RotationFlow", "rate"): {"minus one"},
     ("PoiseuilleFlow", "speed"): {"minus one"},
-    ("path", "phase"): {"minus one"},
+    ("path", "phase"): {"minus one", "array"},
     ("trajectory", "rate"): {"minus one", "array"},
     ("trajectory", "phase"): {"minus one", "array"},
     ("observed", "phase"): {"minus one", "array"},
@@ -394,6 +394,12 @@ FITS = {
     ("Gait.from_rotation", "sign"): {"minus one"},
     ("Sensor.read", "time"): {"minus one"},
 }
+
+
+@pytest.fixture(autouse=True)
+def elsewhere(tmp_path, monkeypatch):
+    """What a call writes after all, it writes into a folder of its own."""
+    monkeypatch.chdir(tmp_path)
 
 
 def thing(name):

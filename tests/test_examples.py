@@ -34,6 +34,13 @@ def one_period(r):
     assert r["amplitude of the sway"] > abs(r["mean forward velocity"])
 
 
+def two_swimmers(r):
+    """Force dipoles: far away the change falls off as 1/d^2, and point forces see it all."""
+    assert r["slope far away"] == pytest.approx(-2.0, abs=0.15)
+    assert r["quick"][np.abs(r["line"] - 8.0).argmin()] == pytest.approx(r["solved"][-1], rel=0.15)
+    assert 0.1 < r["change at a distance of 2"] < 0.4
+
+
 def scallop(r):
     """Time reversal: half a turn forth and back ends where it began, at any pace."""
     assert r["displacement after three cycles"] < 1e-9
@@ -127,6 +134,7 @@ KNOWN = {
             first_swim,
             one_period,
             scallop,
+            two_swimmers,
             tail_that_bends,
             laws_of_resistance,
             best_helix,

@@ -295,6 +295,7 @@ FUNCTIONS = {
     "Group.moved": {"self": ALONE, "rolls": [0.1], "phases": [0.1]}
     | {name: [(0.0, 0.0, 1.0)] for name in ("positions", "directions")},
     "Group.prepared": {"self": ALONE, "level": "coarse"},
+    "Group.estimate": {"self": ALONE, "level": "coarse"},
     "Group.solve": {"self": ALONE, "level": "coarse"},
     "Group.swim": {"self": ALONE, "level": "coarse", "progress": told},
     "Swimmer.preset": {"name": "tabak/helix", "overrides": {}},

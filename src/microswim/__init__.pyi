@@ -25,6 +25,8 @@ from .models.bem.mobility import Mobility as Mobility
 from .models.bem.mobility import mobility as mobility
 from .models.elastic.stability import Threshold as Threshold
 from .models.elastic.stability import stability as stability
+from .models.group.estimate import GroupEstimate as GroupEstimate
+from .models.group.far_field import FarField as FarField
 from .models.group.mean import GroupMotion as GroupMotion
 from .models.group.solution import GroupSolution as GroupSolution
 from .models.rft.batch import evaluate as evaluate

@@ -18,6 +18,7 @@ from microswim.cli._options import (
 )
 
 if TYPE_CHECKING:
+    from microswim.models.group.far_field import FarField
     from microswim.models.group.mean import GroupMotion
     from microswim.output.report.html import Table
 
@@ -90,6 +91,8 @@ def command(
 
     for table in _tables(found, scene.stem):
         print_table(table)
+    for n, far in enumerate(found.far_field):
+        click.echo(f"  swimmer {n} alone: {_far(far)}")
     for remark in found.solution.remarks:
         click.echo(f"  note: {remark}")
     click.echo(f"  {found.solution.unknowns:,} unknowns, solved in {found.seconds:.3g} s")
@@ -132,6 +135,23 @@ def _cell(value: float, error: float, known: float | None, unit: str) -> str:
     if not known or abs(value) <= ROUNDING * error / known:
         return "0"
     return with_error(value, abs(error / value), unit)
+
+
+def _far(far: FarField) -> str:
+    """Return the flow far from a swimmer in words and numbers."""
+    from microswim.gait.readable import with_error
+
+    told = far.as_dict()
+    parts = [
+        f"{words} {with_error(told[name], _share(told[name], told['error'][name]), unit)}"
+        for name, words in (("force_dipole", "force dipole"), ("rotlet_dipole", "rotlet dipole"))
+        for unit in (told["units"][name],)
+    ]
+    return f"{far.kind}, {', '.join(parts)}"
+
+
+def _share(value: float, error: float) -> float | None:
+    return abs(error / value) if value else None
 
 
 def _write(found: GroupMotion, numbers: dict[str, Any], out: Path, force: bool) -> None:

@@ -52,6 +52,7 @@ MODELS: dict[str, str] = {
 SETTLED = "microswim.models.elastic.gait:settled_swimmer"
 ISOLATED = "microswim.models.bem.isolated:resistance"
 GROUP_BLOCKS = "microswim.models.group.blocks:prepare"
+GROUP_ESTIMATE = "microswim.models.group.estimate:estimate"
 GROUP_SWIM = "microswim.models.group.mean:swim"
 GROUP_SOLVE = "microswim.models.group.solution:solve"
 READ = "microswim.spec.file:read"

@@ -42,17 +42,11 @@ class Block:
         Of that layer.
     centre : (3,)
         Reference point, which is put at the pose's position.
-    rate : float
-        Phase rate of the motor, relative to the body (rad per time).
-    remarks : tuple of str
-        What is extreme about the geometry.
     """
 
     layer: Layer
     factors: Factors
     centre: Array
-    rate: float = 0.0
-    remarks: tuple[str, ...] = ()
 
 
 @dataclass(frozen=True, eq=False)

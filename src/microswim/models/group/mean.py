@@ -14,7 +14,7 @@ from __future__ import annotations
 
 import time
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import lru_cache
 from itertools import product
 from typing import Any
@@ -25,6 +25,7 @@ from microswim.errors import SpecError
 from microswim.gait.gait import DEGREES_OF_FREEDOM
 from microswim.models.bem.levels import Level, coarser, get_level
 from microswim.models.group.blocks import prepare
+from microswim.models.group.far_field import FarField
 from microswim.models.group.solution import GroupSolution, solve
 from microswim.numerics.array import Array
 from microswim.swimmer.group import Group
@@ -53,6 +54,8 @@ class GroupMotion:
         that swimmer; ``resistance``; ``how``.
     error_of_velocity : (n, 6)
         The same errors in the units of the velocities.
+    far_field : tuple of FarField
+        Of each swimmer alone, averaged over its phases.
     phases : int
         Number of phases averaged over.
     seconds : float
@@ -71,6 +74,7 @@ class GroupMotion:
     mean_wrench: Array
     expected_error: dict[str, Any]
     error_of_velocity: Array
+    far_field: tuple[FarField, ...]
     phases: int
     seconds: float
 
@@ -104,6 +108,7 @@ class GroupMotion:
             "resistance": here.resistance,
             "resistance_scene": here.resistance_scene,
             "propulsion": here.propulsion,
+            "far_field": [far.as_dict() for far in self.far_field],
             "position": [m.position for m in self.group.members],
             "rotation": [m.rotation for m in self.group.members],
             "expected_error": self.expected_error,
@@ -186,35 +191,51 @@ def swim(
     first = solve(group, blocks=blocks)
     own = np.array([m.phase for m in group.members])
     phases = sampled_phases(own, first.rates, chosen)
-    velocity, wrench = [first.velocity], [first.wrench]
+    velocity, wrench, moments = [first.velocity], [first.wrench], [_moments(first)]
     for n, row in enumerate(phases[1:], start=1):
         if progress is not None:
             progress(n, len(phases) + 1)
         found = solve(group.moved(phases=row.tolist()), blocks=blocks)
         velocity.append(found.velocity)
         wrench.append(found.wrench)
+        moments.append(_moments(found))
     V = np.array(velocity)
-    error, off = _expected(first, V, level)
+    rough = _rougher(first, level)
+    error, off = _expected(first, V, rough)
+    far = np.mean(moments, axis=0)
+    doubt = np.abs(_moments(first) - _moments(rough))
     return GroupMotion(
         solution=first,
         mean_velocity=V.mean(axis=0),
         mean_wrench=np.mean(wrench, axis=0),
         expected_error=error,
         error_of_velocity=off,
+        far_field=tuple(
+            FarField.of(m, e, held=not own.swimmer.motion.mask[0], units=group.units)
+            for own, m, e in zip(group.members, far, doubt, strict=True)
+        ),
         phases=len(phases),
         seconds=time.perf_counter() - start,
     )
 
 
-def _expected(first: GroupSolution, V: Array, level: str) -> tuple[dict[str, Any], Array]:
+def _moments(found: GroupSolution) -> Array:
+    return np.array([own.moments for own in found.alone])
+
+
+def _rougher(first: GroupSolution, level: str) -> GroupSolution:
+    """Return the solution of the next coarser level, of order 1 below coarse."""
+    below = coarser(level)
+    rough = get_level(below) if below else replace(get_level("coarse", 1), name="coarse, order 1")
+    return solve(first.group, blocks=prepare(first.group, rough))
+
+
+def _expected(first: GroupSolution, V: Array, other: GroupSolution) -> tuple[dict[str, Any], Array]:
     """Return the error of each mean, relative and not.
 
     It is that of the level, the difference from the next coarser one at the first phase, and that
     of the phases, the difference from the mean over every other phase.
     """
-    below = coarser(level)
-    rough = get_level(below) if below else get_level("coarse", 1)
-    other = solve(first.group, blocks=prepare(first.group, rough))
     off = np.abs(first.velocity - other.velocity) + np.abs(V.mean(0) - V[::2].mean(0))
     speed = np.sqrt(np.mean(np.sum(V.reshape(*V.shape[:2], 2, 3) ** 2, axis=-1), axis=0))
     scale = np.repeat(speed, 3, axis=1)
@@ -226,7 +247,7 @@ def _expected(first: GroupSolution, V: Array, level: str) -> tuple[dict[str, Any
     errors = [[_known(x, f) for x, f in zip(row, mask)] for row, mask in zip(share.T, free.T)]
     miss = np.abs(first.resistance - other.resistance) / np.outer(root, root)
     how = (
-        f"difference from {'level ' + below if below else 'order 1'} at the first phase, and of "
+        f"difference from level {other.level} at the first phase, and of "
         "the mean over half of the phases; of each swimmer's speed, linear or angular; of "
         "resistance: of sqrt(R_ii R_jj)"
     )

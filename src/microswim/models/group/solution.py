@@ -2,7 +2,6 @@
 
     R_ij = [force; torque] on swimmer i's frame of the rigid motions of swimmer j,
     F_ik = int_k f_i . u_hat_k dS,  f_i the density of rigid motion i      (Lorentz reciprocity)
-    R V + F rate = W  on the free degrees of freedom, V = 0 on the others
 
 Force and torque are by the surface on the fluid, about each body's centre, in each swimmer's axes.
 """
@@ -10,7 +9,7 @@ Force and torque are by the surface on the fluid, about each body's centre, in e
 from __future__ import annotations
 
 import time
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 from pathlib import Path
 from typing import Any
@@ -22,19 +21,23 @@ from microswim.models.bem.levels import get_level
 from microswim.models.bem.output import write_surfaces
 from microswim.models.bem.system import rigid_modes, wrench_rows
 from microswim.models.bem.trust import DOUBTFUL, USELESS
+from microswim.models.group.alone import Alone
 from microswim.models.group.blocks import Blocks, placed, prepare
 from microswim.models.group.coupled import Placed, solve_coupled
+from microswim.models.group.motion import Motion, free_motion
 from microswim.numerics.array import Array
 from microswim.swimmer.group import Group
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
-class GroupSolution:
+class GroupSolution(Motion):
     """The flow about a group at its pose and phases.
 
     Parameters
     ----------
     group : Group
+    alone : tuple of Alone
+        Each swimmer by itself.
     placed : tuple of Placed
         The surfaces in the scene.
     density : (sum 3 e p^2, 7n)
@@ -57,6 +60,7 @@ class GroupSolution:
     """
 
     group: Group
+    alone: tuple[Alone, ...]
     placed: tuple[Placed, ...]
     density: Array
     gap: float
@@ -70,28 +74,14 @@ class GroupSolution:
         return len(self.placed)
 
     @property
-    def units(self) -> str:
-        """``"SI"`` or ``"dimensionless"``."""
-        return self.group.units
-
-    @property
     def rates(self) -> Array:
         """Phase rates (n,) of the motors (rad per time)."""
-        return np.array([p.block.rate for p in self.placed])
+        return np.array([own.rate for own in self.alone])
 
     @property
     def unknowns(self) -> int:
         """Of all surfaces together."""
         return len(self.density)
-
-    @cached_property
-    def turn(self) -> Array:
-        """Six-vectors (6n, 6n) of the swimmers' axes in the scene's: block diagonal rotations."""
-        Q = np.zeros((6 * self.number, 6 * self.number))
-        for n, member in enumerate(self.group.members):
-            for half in (6 * n, 6 * n + 3):
-                Q[half : half + 3, half : half + 3] = member.rotation
-        return Q
 
     @cached_property
     def _parts(self) -> list[Array]:
@@ -149,37 +139,10 @@ class GroupSolution:
         misfit = np.abs(raw - self.propulsion)[:, beats] / scale[:, beats]
         return float(misfit.max(initial=0.0))
 
-    @cached_property
-    def _twist(self) -> Array:
-        """Velocities (6n,) of the loaded swimmers at their motors' rates."""
-        free = np.flatnonzero(self.group.free)
-        V = np.zeros(6 * self.number)
-        load = self.group.wrench - self.propulsion @ self.rates
-        if free.size:
-            root = np.sqrt(self.resistance.diagonal()[free])  # lengths and angles of one size
-            R = self.resistance[np.ix_(free, free)] / np.outer(root, root)
-            V[free] = np.linalg.solve(R, load[free] / root) / root
-        return V
-
-    @property
-    def velocity(self) -> Array:
-        """Velocity (n, 6) of each swimmer in its own axes, at the motors' rates under the loads."""
-        return self._twist.reshape(-1, 6)
-
-    @property
-    def velocity_scene(self) -> Array:
-        """Velocity (n, 6) of each swimmer in the scene's axes."""
-        return (self.turn @ self._twist).reshape(-1, 6)
-
-    @property
-    def wrench(self) -> Array:
-        """Force and torque (n, 6) by the fluid on each swimmer, its own axes."""
-        return -(self.resistance @ self._twist + self.propulsion @ self.rates).reshape(-1, 6)
-
     @property
     def remarks(self) -> tuple[str, ...]:
         """What is extreme about the geometry, and what the solution says of its own error."""
-        said = [r for p in self.placed for r in p.block.remarks]
+        said = [r for own in self.alone for r in own.remarks]
         worst = max(self.asymmetry, self.reciprocity)
         if worst > DOUBTFUL:
             said.append(
@@ -190,8 +153,15 @@ class GroupSolution:
 
     @cached_property
     def swimming_density(self) -> Array:
-        """Density (sum 3 e p^2,) of the swimmers as they swim, scene's axes."""
-        return self.density @ np.concatenate([self.turn @ self._twist, self.rates])
+        """Density (sum 3 e p^2,) of the swimmers as they swim, scene's axes.
+
+        At the velocities that leave no resultant of this density but the loads: far away a rest of
+        the discretisation would outshine the swimmers' own flow.
+        """
+        raw = self.turn.T @ self._wrenches[:, 6 * self.number :]
+        load = self.group.wrench - raw @ self.rates
+        V = free_motion(self._raw_resistance, load, self.group.free)
+        return self.density @ np.concatenate([self.turn @ V, self.rates])
 
     def flow(self, points: Any) -> Array:
         """Velocity (..., 3) of the fluid, at rest at infinity, at points of the scene."""
@@ -199,8 +169,12 @@ class GroupSolution:
         flat = np.ascontiguousarray(points.reshape(-1, 3))
         cuts = np.cumsum([p.unknowns for p in self.placed])[:-1]
         parts = np.split(self.swimming_density, cuts)
-        total = sum(p.layer.velocity(flat, f) for p, f in zip(self.placed, parts, strict=True))
-        return np.asarray(total).reshape(points.shape)
+        total = np.zeros_like(flat)
+        for p, f in zip(self.placed, parts, strict=True):
+            # the nodes' own rule misses a share of the force that far away is all there is
+            exact = replace(p.layer, rule=replace(p.layer.rule, far=np.inf))
+            total += exact.velocity(flat, f)
+        return total.reshape(points.shape)
 
     def to_vtk(self, path: str | Path, side: int = 6) -> Path:
         """Write the surfaces, each swimmer numbered, for ParaView, ``path`` with ``.vtp``."""
@@ -220,11 +194,13 @@ def solve(group: Group, level: str = "standard", blocks: Blocks | None = None) -
     start = time.perf_counter()
     get_level(level)
     blocks = prepare(group, level) if blocks is None else blocks
-    there, gap = placed(group, blocks)
+    alone = tuple(blocks.of(m) for m in group.members)
+    there, gap = placed(group, alone)
     density, steps = solve_coupled(there, _velocities(there))
     seconds = time.perf_counter() - start
     found = GroupSolution(
         group=group,
+        alone=alone,
         placed=tuple(there),
         density=density,
         gap=gap,

@@ -21,6 +21,7 @@ def cut(
     shadow: np.ndarray,
     units: str,
     ax: Axes | None = None,
+    decades: float | None = None,
 ) -> Figure:
     """Draw speed and streamlines in a plane.
 
@@ -36,8 +37,11 @@ def cut(
         ``"SI"`` or ``"dimensionless"``.
     ax
         Where to draw; a new figure by default.
+    decades
+        Of speed that the colours span below the largest, by its logarithm; None: speed itself.
     """
     from matplotlib.collections import PolyCollection
+    from matplotlib.colors import LogNorm
 
     (across, x), (up, y) = sides.items()
     speed = np.linalg.norm(velocity, axis=-1)
@@ -47,7 +51,10 @@ def cut(
     x, y, shadow = size * x, size * y, size * shadow
     with look():
         axes = blank(WIDE, NARROW).subplots() if ax is None else ax
-        filled = axes.pcolormesh(x, y, rate * speed, shading="gouraud", cmap="viridis")
+        shown, norm = rate * speed, None
+        if decades is not None:
+            norm = LogNorm(float(shown.max()) * 10.0**-decades, float(shown.max()))
+        filled = axes.pcolormesh(x, y, shown, shading="gouraud", cmap="viridis", norm=norm)
         u, v = velocity[..., 0], velocity[..., 1]
         axes.streamplot(x, y, u, v, color="w", linewidth=0.6, density=1.1, arrowsize=0.7)
         axes.figure.colorbar(filled, ax=axes, label=colours)

@@ -20,7 +20,8 @@ if TYPE_CHECKING:
     from microswim.models.group.solution import GroupSolution
 
 AXES = {"x": 0, "y": 1, "z": 2}
-SIDE = 9
+#: Points a side of a patch in the shadows; decades of speed, which falls off as 1/r^2.
+SIDE, DECADES = 9, 2.5
 
 
 @checks.given(found=lambda name, value: checks.instance(name, value, "GroupSolution"))
@@ -77,4 +78,5 @@ def group(
     if ax is None:
         height = float(np.clip(0.75 * WIDE * np.ptp(y) / np.ptp(x), 2.0, 1.2 * WIDE))
         ax = blank(WIDE, height).subplots()
-    return cut({plane[0]: x, plane[1]: y}, u, np.concatenate(shadows), found.units, ax=ax)
+    sides = {plane[0]: x, plane[1]: y}
+    return cut(sides, u, np.concatenate(shadows), found.units, ax=ax, decades=DECADES)

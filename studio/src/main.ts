@@ -37,6 +37,7 @@ let touched = false;
 
 function restart(): void {
   touched = false;
+  legends[1].hidden = !driver.magnetic;
   driver.restart();
   for (const actor of actors) actor.restart();
   frame(true);
@@ -112,8 +113,9 @@ function toggle(id: string, text: string, title: string, act: (on: boolean) => v
   return b;
 }
 
-const legend = el("div", { class: "arrows", hidden: true },
-  ...["velocity", "drag", "thrust"].map((n) => el("span", { class: n }, el("i"), n)));
+const legends = [["velocity", "drag", "thrust"], ["field", "moment"]].map((names) =>
+  el("span", { hidden: true }, ...names.map((n) => el("span", { class: n }, el("i"), n))));
+const legend = el("div", { class: "arrows" }, ...legends);
 const toggles = {
   follow: toggle("follow", "Follow", "The camera follows the swimmer", (on) => {
     stage.follow = on;
@@ -121,7 +123,7 @@ const toggles = {
   }, true),
   arrows: toggle("arrows", "Forces", "Drag on the body, thrust of the tail, velocity", (on) => {
     view.arrows = on;
-    legend.hidden = !on;
+    legends[0].hidden = !on;
   }),
   flow: el("button", { id: "flow", "aria-pressed": "false", title: "Flow on a slice, by boundary elements", onclick: () => void showFlow() }, "Flow"),
 };

@@ -403,7 +403,7 @@ def test_a_rotating_field_and_its_step_out(page):
     rate, field, _, x = page.evaluate(run, 0.6)
     assert rate == pytest.approx(field, rel=0.02)
     assert x < -0.1  # ahead, as the heading says
-    assert "In step" in page.inner_text("#step")
+    assert re.match("Synchronous|Wobbling", page.inner_text("#step"))
     rate, field, top, _ = page.evaluate(run, 1.5)
     assert rate == pytest.approx(field - np.sqrt(field**2 - top**2), rel=0.1)  # over few beats
     assert "Stepped out" in page.inner_text("#step")
@@ -416,6 +416,47 @@ def test_a_rotating_field_and_its_step_out(page):
     assert found == pytest.approx([-5, 10, 1.55])
     page.click("#drive-motor")
     page.click("#tab-map")
+
+
+TILTED = {
+    "motion.free": "all",
+    "magnet": {"moment": [0.5, float(np.sqrt(0.75)), 0.0]},
+    "field": {"kind": "rotating", "strength": 60.0, "frequency": 0.0025},
+}
+
+
+@pytest.mark.parametrize("frequency", [0.0008, 0.0025, 0.013])
+def test_the_magnet_and_the_field_of_a_spec_drive_it_and_its_regime_is_told(
+    page, browser, server, frequency, tmp_path
+):
+    """The page steps in time; `ms.regimes` finds the states of steady turning."""
+    robot = ms.Swimmer.preset("tabak/helix-constant", TILTED)
+    robot = robot.with_({"field.frequency": frequency})
+    spec = tmp_path / "robot.toml"
+    spec.write_text(robot.to_toml())
+    fresh = opened(browser, server)
+    fresh.set_input_files("#file", spec)
+    fresh.wait_for_function("() => studio.store.design.answer.magnet.moment !== null")
+    fresh.click("#tab-drive")
+    fresh.click("#drive-field")
+    fresh.evaluate("() => { studio.view.paused = true; }")
+    rate, strength, leans = fresh.evaluate(
+        """(T) => { const { driver } = studio, a = studio.actors()[0];
+        driver.restart(); a.restart();
+        for (let i = 0; i < 16 * 60; i++) {
+          a.advance(T / 16, driver.drive, driver.fastest); driver.watch(a.pose);
+        }
+        return [driver.rate, driver.B, driver.leans]; }""",
+        1.0 / frequency,
+    )
+    assert (rate, strength) == pytest.approx((2.0 * np.pi * frequency, 60.0))
+    told = ms.regimes(robot, [frequency], gait=robot.gait())
+    angles = [told.precession_angle[0], *(state[0] for state in told.others[0])]
+    assert min(abs(np.degrees(a) - np.mean(leans)) for a in angles) < 1.0
+    assert fresh.inner_text("#step").lower().startswith(told.regime[0])
+    assert all(fresh.is_visible(f".arrows .{name}") for name in ("field", "moment"))
+    fresh.screenshot(path=tmp_path / "field.png")
+    fresh.close()
 
 
 def test_what_one_takes_away(page, browser, tmp_path):

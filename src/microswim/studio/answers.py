@@ -27,6 +27,8 @@ from microswim.studio import bounds as around
 from microswim.studio import budget
 from microswim.studio.spec_tables import canonical, swimmer_of, units_of
 from microswim.swimmer.geometry.tails import as_wave
+from microswim.swimmer.magnetism.applied_field import RotatingField
+from microswim.swimmer.magnetism.magnet import vector_of
 from microswim.swimmer.swimmer import Swimmer
 
 MAP_OUTPUTS = ("swimming_speed", "efficiency", "mean_power", "mean_torque", "body_rate_hz")
@@ -91,6 +93,7 @@ def describe(swimmer: Swimmer, gait: Gait) -> dict[str, Any]:
             "sheared": tail.sections == "sheared",
         },
         "around": around.scene(swimmer),
+        "magnet": _magnet(swimmer),
         "gait": {
             "model": gait.model,
             "rate": float(gait.rate),
@@ -103,6 +106,16 @@ def describe(swimmer: Swimmer, gait: Gait) -> dict[str, Any]:
         "remarks": list(gait.info.get("remarks", ())),
         **trust(swimmer, gait),
         "region": swimmer.region is not None,
+    }
+
+
+def _magnet(swimmer: Swimmer) -> dict[str, Any]:
+    """The moment in the body's axes, and strength and turns per time of a rotating field."""
+    field = swimmer.field if isinstance(swimmer.field, RotatingField) else None
+    return {
+        "moment": None if swimmer.magnet is None else list(vector_of(swimmer.magnet)),
+        "field": None if field is None else float(field.strength),
+        "frequency": None if field is None else abs(float(field.frequency)),
     }
 
 

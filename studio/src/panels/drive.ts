@@ -1,4 +1,4 @@
-// What drives the swimmer: its motor, or a rotating magnetic field on a moment across the body.
+// What drives the swimmer: its motor, or a rotating magnetic field on the moment of its magnet.
 
 import { digits, el, withPrefix } from "../state/dom";
 import { cross, dot, rotate, spinMobility, type Drive, type Pose, type Vec } from "../state/motion";
@@ -6,13 +6,19 @@ import type { Store } from "../state/store";
 import { called } from "../state/words";
 
 const HISTORY = 240;
+/** T, of a spec that names no field */
+const USUAL = 5e-3;
+/** degrees off the field's axis: up to the first it turns straight, from the second on it tumbles */
+const LEAN = [5, 45];
+type Slider = "share" | "strength" | "size" | "azimuth" | "elevation";
 
 export class Driver {
   readonly node = el("div", { class: "drive" });
   magnetic = false;
-  /** field: turns per time as a share of step-out, strength as torque, heading in degrees */
+  /** field: rate as a share of the step-out at the start; logarithms (to 10) of strength and moment over theirs; heading in degrees */
   share = 0.6;
-  strength = 1;
+  strength = 0;
+  size = 0;
   azimuth = 0;
   elevation = 0;
   private chart = el("canvas", { width: 536, height: 170, id: "stepout" });
@@ -20,6 +26,7 @@ export class Driver {
   private figure = el("div", { class: "figure", id: "driven-speed" });
   private went: Vec[] = [];
   private turned: [number, number][] = [];
+  private leans: number[] = [];
   private before: Vec | null = null;
   private angle = 0;
   private shows: (() => void)[] = [];
@@ -32,30 +39,48 @@ export class Driver {
     this.build();
   }
 
-  /** Strength so that step-out comes at the motor's own frequency, for a start. */
+  /** Magnet and field of the spec; without a magnet one across the body that steps out at the motor's own frequency. */
   private calibrate(): void {
-    const { gait } = this.store.design.answer;
+    const { gait, magnet, dimensional } = this.store.design.answer;
     const rate = Math.abs(gait.rate) || 1;
-    this.strength = rate / Math.max(spinMobility(gait), 1e-300);
-    this.unit = this.strength;
+    this.first = magnet.field ?? (dimensional ? USUAL : 1);
+    this.own = magnet.moment ?? [0, rate / Math.max(spinMobility(gait), 1e-300) / this.first, 0];
+    this.strength = this.size = 0;
+    if (magnet.frequency !== null) this.share = Math.min(2, (2 * Math.PI * magnet.frequency) / this.usualStepOut);
     for (const show of this.shows) show();
   }
 
-  private unit = 1;
+  /** strength and moment at the start */
+  private first = 1;
+  private own: Vec = [0, 1, 0];
 
-  /** Rate of turning at which the swimmer can no longer follow the field. */
+  /** Size of B. */
+  get B(): number {
+    return this.first * 10 ** this.strength;
+  }
+
+  get moment(): Vec {
+    return this.own.map((m) => m * 10 ** this.size) as Vec;
+  }
+
+  private get usualStepOut(): number {
+    const across = Math.hypot(this.own[1], this.own[2]) || Math.hypot(...this.own);
+    return this.first * across * spinMobility(this.store.design.answer.gait);
+  }
+
+  /** Rate at which a swimmer on a rail along the field's axis can no longer follow. */
   get stepOut(): number {
-    return this.strength * spinMobility(this.store.design.answer.gait);
+    return this.usualStepOut * 10 ** (this.strength + this.size);
   }
 
   get rate(): number {
-    return (this.share * this.unit * spinMobility(this.store.design.answer.gait));
+    return this.share * this.usualStepOut;
   }
 
   get drive(): Drive {
     const { gait } = this.store.design.answer;
     if (!this.magnetic) return { rate: gait.rate, moment: null, field: () => [0, 0, 0] };
-    return { rate: 0, moment: [0, this.strength, 0], field: (t) => this.field(t) };
+    return { rate: 0, moment: this.moment.map((m) => m * this.B) as Vec, field: (t) => this.field(t) };
   }
 
   driveOf(gait: { rate: number }): Drive {
@@ -92,13 +117,14 @@ export class Driver {
     const buttons = modes.map(([mode, text]) =>
       el("button", { id: `drive-${mode}`, "aria-pressed": String((mode === "field") === this.magnetic), onclick: () => this.choose(mode === "field") }, text));
     const sliders = el("div", { hidden: !this.magnetic },
-      el("div", { class: "hero" }, el("div", { class: "caption" }, "Speed along its path"), this.figure),
+      el("div", { class: "hero" }, el("div", { class: "caption" }, "Speed along the field's axis"), this.figure),
       this.state, this.chart,
       this.slider("Field frequency", "share", 0, 2, () => this.frequency(this.rate)),
-      this.slider("Field strength", "power", 0.1, 3, () => `${digits(this.strength / this.unit, 2)} × ${this.torque()}`),
+      this.slider("Field strength", "strength", -1, 1, () => this.said(this.B, "T")),
+      this.slider("Moment of the magnet", "size", -1, 1, () => this.said(Math.hypot(...this.moment), "A m²")),
       this.slider("Heading, sideways", "azimuth", -180, 180, () => `${Math.round(this.azimuth)}°`),
       this.slider("Heading, up", "elevation", -80, 80, () => `${Math.round(this.elevation)}°`),
-      el("p", { class: "fine" }, "Arrow keys steer, + and − change the frequency. The tail is rigid, the moment lies across the body."));
+      el("p", { class: "fine" }, "Arrow keys steer, + and − change the frequency. The tail is rigid; without a [magnet] in the spec the moment lies across the body."));
     this.node.replaceChildren(el("div", { class: "segments" }, ...buttons), sliders,
       el("p", { class: "fine", hidden: this.magnetic }, "The motor turns the tail against the body. Choose the field to drive a rigid, magnetised swimmer from outside and see it step out."));
   }
@@ -107,19 +133,11 @@ export class Driver {
     return this.store.design?.answer.dimensional ? withPrefix(rate / (2 * Math.PI), called("frequency").unit).join(" ") : digits(rate / (2 * Math.PI));
   }
 
-  private torque(): string {
-    return this.store.design?.answer.dimensional ? withPrefix(this.unit, called("mean_torque").unit, 2).join(" ") : digits(this.unit, 2);
+  private said(value: number, unit: string): string {
+    return this.store.design.answer.dimensional ? withPrefix(value, unit, 2).join(" ") : digits(value, 2);
   }
 
-  get power(): number {
-    return this.strength / this.unit;
-  }
-
-  set power(value: number) {
-    this.strength = value * this.unit;
-  }
-
-  private slider(text: string, name: "share" | "power" | "azimuth" | "elevation", low: number, high: number, says: () => string): HTMLElement {
+  private slider(text: string, name: Slider, low: number, high: number, says: () => string): HTMLElement {
     const track = el("input", { type: "range", min: low, max: high, step: (high - low) / 400, "aria-label": text, id: `drive-${name}` });
     const value = el("span", { class: "value plain" });
     const show = (): void => {
@@ -135,10 +153,11 @@ export class Driver {
     return el("div", { class: "row" }, el("label", {}, text), value, track);
   }
 
-  private set(name: "share" | "power" | "azimuth" | "elevation", value: number): void {
+  private set(name: Slider, value: number): void {
     this.hold();
     this[name] = value;
     this.turned = [];
+    this.leans = [];
     this.went = [];
     for (const show of this.shows) show();
   }
@@ -165,6 +184,7 @@ export class Driver {
     this.phase = this.clock = this.time = this.angle = this.measured = 0;
     this.before = null;
     this.turned = [];
+    this.leans = [];
     this.went = [];
   }
 
@@ -181,7 +201,7 @@ export class Driver {
     return true;
   }
 
-  /** Measure how fast the body turns about its axis, and say whether it follows. */
+  /** Measure how fast the moment turns about the field's axis, and say whether it follows. */
   watch(pose: Pose): void {
     if (!this.magnetic) return;
     this.time = pose.time;
@@ -192,18 +212,24 @@ export class Driver {
       this.figure.replaceChildren("–");
       return;
     }
-    const m = rotate(pose.q, [0, 1, 0]);
+    const d = this.heading;
+    const moment = rotate(pose.q, this.own);
+    const m = moment.map((v, i) => v - dot(moment, d) * d[i]) as Vec; // across the field's axis
     const axis = rotate(pose.q, [1, 0, 0]);
-    if (this.before) this.angle += Math.atan2(dot(cross(this.before, m), axis), dot(this.before, m));
+    if (this.before) this.angle += Math.atan2(dot(cross(this.before, m), d), dot(this.before, m));
     this.before = m;
     this.turned.push([pose.time, this.angle]);
     this.went.push([...pose.x]);
-    if (this.turned.length > HISTORY) this.turned.shift();
+    this.leans.push((180 / Math.PI) * Math.acos(Math.min(1, Math.abs(dot(axis, d)))));
+    if (this.turned.length > HISTORY) {
+      this.turned.shift();
+      this.leans.shift();
+    }
     if (this.went.length > this.turned.length) this.went.splice(0, this.went.length - this.turned.length);
     const [t0, a0] = this.turned[0];
     if (pose.time > t0) {
       this.measured = Math.abs((this.angle - a0) / (pose.time - t0));
-      const speed = Math.hypot(...pose.x.map((v, i) => v - this.went[0][i])) / (pose.time - t0);
+      const speed = dot(d, pose.x.map((v, i) => v - this.went[0][i])) / (pose.time - t0);
       const [n, unit] = this.store.design.answer.dimensional ? withPrefix(speed, called("swimming_speed").unit) : [digits(speed), ""];
       this.figure.replaceChildren(n, el("small", {}, unit));
     }
@@ -212,16 +238,23 @@ export class Driver {
     this.state.className = `trust ${this.rate === 0 || early ? "open" : follows ? "good" : "poor"}`;
     this.state.lastChild!.textContent = this.rate === 0 ? "The field stands still"
       : early ? "The field has not turned once yet"
-      : follows ? `In step: turns at ${this.frequency(this.rate)}`
+      : follows ? `${this.regime()}: turns at ${this.frequency(this.rate)}`
       : `Stepped out: turns at ${this.frequency(this.measured)} of ${this.frequency(this.rate)}`;
     this.plot();
+  }
+
+  /** How it turns in step, by the mean angle between its axis and the field's. */
+  private regime(): string {
+    const lean = this.leans.reduce((a, b) => a + b, 0) / this.leans.length;
+    const name = lean < LEAN[0] ? "Synchronous" : lean < LEAN[1] ? "Wobbling" : "Tumbling";
+    return lean < LEAN[0] ? name : `${name}, ${Math.round(lean)}° off the axis`;
   }
 
   /** Rate of turning over rate of the field; beyond step-out it falls as w - sqrt(w^2 - w_c^2). */
   private plot(): void {
     const { width: w, height: h } = this.chart;
     const g = this.chart.getContext("2d")!;
-    const top = Math.max(2 * this.unit * spinMobility(this.store.design.answer.gait), 1.2 * this.stepOut);
+    const top = Math.max(2 * this.usualStepOut, 1.2 * this.stepOut);
     const X = (v: number): number => 14 + (v / top) * (w - 28);
     const Y = (v: number): number => h - 30 - (v / (1.12 * this.stepOut)) * (h - 46);
     g.clearRect(0, 0, w, h);
@@ -251,6 +284,7 @@ export class Driver {
     g.fillStyle = "#8997a8";
     g.font = "20px 'Inter Variable', sans-serif";
     g.fillText("field frequency", 14, h - 8);
+    g.fillText("turns of the body", 22, 34);
     g.textAlign = "right";
     g.fillText(`step-out ${this.frequency(this.stepOut)}`, w - 14, h - 8);
     g.textAlign = "left";

@@ -77,7 +77,7 @@ export class Actor {
     this.root.add(this.body, this.sqr);
     this.home.add(this.around.group);
     scene.add(this.root, this.path, this.home);
-    for (const [name, tint] of [["thrust", "#5fd0a0"], ["drag", "#ff8a70"], ["velocity", "#ffffff"]]) {
+    for (const [name, tint] of [["thrust", "#5fd0a0"], ["drag", "#ff8a70"], ["velocity", "#ffffff"], ["field", "#6fa8ff"], ["moment", "#e58cff"]]) {
       this.arrows[name] = arrow(tint);
       scene.add(this.arrows[name]);
     }
@@ -184,6 +184,16 @@ export class Actor {
     }
     for (const a of Object.values(this.arrows)) a.visible = arrows;
     if (arrows) this.point(drive, height);
+    this.magnetise(drive, height);
+  }
+
+  /** Arrows of the field and of the moment, from the body's centre, where a field drives. */
+  private magnetise(drive: Drive, size: number): void {
+    const { x, q, time } = this.pose;
+    const at = [x[0] + this.offset.x, x[1] + this.offset.y, x[2] + this.offset.z];
+    const reach = drive.moment ? Math.max(0.3 * size, 1.7 * Math.max(...this.answer.shape.semi_axes)) : 0;
+    aim(this.arrows.field, at, drive.field(time), reach);
+    aim(this.arrows.moment, at, rotate(q, drive.moment ?? [0, 0, 0]), 0.8 * reach);
   }
 
   /** Arrows: drag on the body, thrust on the tail (to one scale), velocity of the body. */

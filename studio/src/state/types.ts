@@ -47,6 +47,8 @@ export interface Answer {
   dimensional: boolean;
   shape: Shape;
   around: Around | null;
+  /** moment in the body, strength and turns per time of a rotating field, where the spec has them */
+  magnet: { moment: [number, number, number] | null; field: number | null; frequency: number | null };
   gait: GaitData;
   readings: Readings;
   /** of u_s, relative; null: not known; and how it is known */

@@ -7,6 +7,7 @@
     python benchmarks/bench_bem.py designs 60     # coarse, standard against fine over the range
     python benchmarks/bench_bem.py levels         # base case by level and order
     python benchmarks/bench_bem.py rodenborn      # measured helix, five pitches
+    python benchmarks/bench_bem.py wall           # sphere near a wall, by level
 
 Seconds are processor seconds on one thread, the least of several runs, so that other work on the
 machine counts little. Results go to the screen and to benchmarks/results/bem.json, one entry per
@@ -203,6 +204,37 @@ def levels():
     return rows
 
 
+def brenner(height):
+    """Drag of a sphere across a wall over 6 pi mu a U, centre at height radii [Brenner 1961]."""
+    a, n = np.arccosh(height), np.arange(1, 400)
+    top = 2 * np.sinh((2 * n + 1) * a) + (2 * n + 1) * np.sinh(2 * a)
+    bottom = 4 * np.sinh((n + 0.5) * a) ** 2 - (2 * n + 1) ** 2 * np.sinh(a) ** 2
+    terms = n * (n + 1) / ((2 * n - 1) * (2 * n + 3)) * (top / bottom - 1)
+    return 4 / 3 * np.sinh(a) * np.sum(terms[np.isfinite(terms)])
+
+
+def wall():
+    """A sphere near a wall by level, as a swimmer of a spec is solved; drag and torque by 6, 8 pi."""
+    rows = []
+    for height in (8.0, 3.7622, 1.5431, 1.1276, 1.05, 1.02):
+        near = ms.Wall(distance=height)
+        held = ms.Swimmer(body=ms.Sphere(radius=1.0), tail=ms.NoTail(), fluid=ms.Fluid(viscosity=1.0),
+                          wall=near)  # fmt: skip
+        across = np.array(near.normal)
+        along = np.array([1.0, 0.0, 0.0])
+        row = {"height": height, "Brenner": brenner(height)}
+        for level in ("coarse", "standard", "fine"):
+            R = held.gait("bem", level=level).resistance(0.0)
+            row[level] = [
+                float(across @ R[:3, :3] @ across / (6 * np.pi)),
+                float(along @ R[:3, :3] @ along / (6 * np.pi)),
+                float(along @ R[3:, 3:] @ along / (8 * np.pi)),
+            ]
+        print(row, flush=True)
+        rows.append(row)
+    return rows
+
+
 def rodenborn():
     """Thrust, torque, drag of Rodenborn's helix against the measured values.
 
@@ -320,7 +352,7 @@ def peers():
     return {"rows": rows, "time to per cent": ratios}
 
 
-PARTS = {f.__name__: f for f in (cost, scaling, peers, designs, levels, rodenborn)}
+PARTS = {f.__name__: f for f in (cost, scaling, peers, designs, levels, rodenborn, wall)}
 
 
 def main(arguments):

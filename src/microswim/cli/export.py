@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import re
+from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Literal
 
@@ -23,10 +24,13 @@ from microswim.cli._options import (
 )
 from microswim.errors import SpecError
 from microswim.gait.one_pose import refusal
+from microswim.gait.readable import origin
 from microswim.numerics.files import scratch
 
 if TYPE_CHECKING:
     from microswim.control.stepper import Stepper
+    from microswim.gait.gait import Gait
+    from microswim.swimmer.swimmer import Swimmer
 
 
 @click.command(
@@ -145,16 +149,30 @@ def command(
     options |= {"resolution": resolution, "steps": steps, "most_steps": most_steps}
     solver = leveled(model, level)
     with bar(f"{model}, {given.name}"):
-        gait = given.swimmer.gait(model, **solver)
+        gait = _with_error(given.swimmer, given.swimmer.gait(model, **solver))
     stepper = Stepper(gait, given.swimmer, **options)
     code = c_model(stepper, name, given.text, precision)
     found: dict[str, Any] = {"format": kind, "name": name, "units": gait.units, "model": gait.model}
     found |= compiler.measured(code)
     found |= _written(stepper, code, given.text, out, files, fmi)
     if as_json:
-        print_json(found)
+        error = gait.info.get("expected_error")
+        print_json(found | {"expected_error": error, "remarks": gait.info.get("remarks", [])})
     else:
         _say(found)
+        for line in origin(gait):
+            click.echo(f"  note: {line}")
+
+
+def _with_error(swimmer: Swimmer, gait: Gait) -> Gait:
+    """Return the gait with what is known of its error, for the heads of the files."""
+    from microswim.calibration.atlas.expected import expected_error
+
+    if "expected_error" in gait.info:
+        return gait
+    off = expected_error(swimmer, gait)
+    known = {} if off["us"] is None else {"expected_error": off}
+    return replace(gait, info=gait.info | known)
 
 
 def _written(

@@ -425,3 +425,14 @@ def test_the_c_is_also_cplusplus_by_its_header(tmp_path):
     subprocess.run(
         [*compiler.required(), *compiler.FLAGS, "-c", "-o", tmp_path / "m.o", program], check=True
     )
+
+
+@pytest.mark.parametrize("model", ["rft", "auto"])
+def test_the_head_and_the_command_say_how_far_off_the_model_is(tmp_path, model):
+    spec = tmp_path / "robot.toml"
+    spec.write_text(presets.read("tabak/helix"), encoding="utf-8")
+    asked = ["export", str(spec), "--format", "c", "--model", model, "--out", str(tmp_path)]
+    run = CliRunner().invoke(main, asked)
+    assert run.exit_code == 0, run.output
+    for text in (run.stdout, (tmp_path / "robot.c").read_text(encoding="utf-8")):
+        assert "expected error of u_s" in text

@@ -92,7 +92,7 @@ def noisy_step(
     table: Any, loads: Any, energy: Any, length: Any, t: Any, h: Any, x: Any, q: Any, phase: Any,
     normals: Any, work: Any,
 ) -> Any:  # fmt: skip
-    """One step of length h; x and q are overwritten. Returns the gap before it.
+    """Step by a length h; x and q are overwritten. Returns the gap before it.
 
     If the step would reach through a boundary, x and q stay.
     """

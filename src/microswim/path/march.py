@@ -69,7 +69,7 @@ def in_chart(u: Any, w: Any, out: Any) -> None:
 
 @compiled()
 def unit(q: Any) -> None:
-    """One Newton step towards norm 1 keeps rounding from adding up."""
+    """Take a Newton step towards norm 1; it keeps rounding from adding up."""
     square = q[0] * q[0] + q[1] * q[1] + q[2] * q[2] + q[3] * q[3]
     for i in range(4):
         q[i] *= 1.5 - 0.5 * square

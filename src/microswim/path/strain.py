@@ -57,7 +57,7 @@ def body_coupling(swimmer: Swimmer) -> np.ndarray:
 
 
 def curved_coupling(swimmer: Swimmer, phases: np.ndarray) -> np.ndarray:
-    """``C`` (n, 6, 18) at the phases: wrench on the swimmer held in the flows ``e_i X_j X_k``."""
+    """Return ``C`` (n, 6, 18) at the phases: wrench on it, held, in the flows ``e_i X_j X_k``."""
 
     def bent(X: np.ndarray) -> np.ndarray:
         squares = np.stack([X[:, j] * X[:, k] for j, k in ENTRIES])

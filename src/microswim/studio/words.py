@@ -14,9 +14,9 @@ from microswim.studio.answers import MAP_OUTPUTS
 from microswim.studio.judge_jobs import LEVELS
 from microswim.studio.spec_tables import LARGEST_SPEC
 
-#: Kinds of tail that the page does not draw: given by code, which it never runs, by a film,
+#: Kinds of tail that the page does not draw: none, given by code, which it never runs, by a film,
 #: or in motion only once a solve has found the beat.
-NOT_DRAWN = ("custom", "elastic", "waveform")
+NOT_DRAWN = ("custom", "elastic", "waveform", "none")
 
 
 def words() -> dict[str, Any]:

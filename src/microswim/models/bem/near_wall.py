@@ -60,7 +60,7 @@ def halved(surface: Surface, across_u: NDArray[np.bool_], across_v: NDArray[np.b
     halves = [lagrange(x, 0.5 * (x + side))[0] for side in (-1.0, 1.0)]
 
     def cut(values: Array) -> Array:
-        """Values (e, q, q, n) at the nodes of the new patches."""
+        """Return values (e, q, q, n) at the nodes of the new patches."""
         parts = [values[whole]]
         for half in halves:
             parts.append(np.einsum("mi,eijc->emjc", half, values[across_u], optimize=True))

@@ -99,7 +99,7 @@ class GroupMotion:
         return (self.solution.turn @ self.mean_velocity.reshape(-1)).reshape(-1, 6)
 
     def as_dict(self) -> dict[str, Any]:
-        """Everything, as the command prints it."""
+        """Return what the command prints."""
         here = self.solution
         return {
             "mean_velocity": self.mean_velocity,

@@ -164,7 +164,7 @@ class GroupSolution(Motion):
         return self.density @ np.concatenate([self.turn @ V, self.rates])
 
     def flow(self, points: Any) -> Array:
-        """Velocity (..., 3) of the fluid, at rest at infinity, at points of the scene."""
+        """Return velocity (..., 3) of the fluid, at rest at infinity, at points of the scene."""
         points = np.asarray(points, float)
         flat = np.ascontiguousarray(points.reshape(-1, 3))
         cuts = np.cumsum([p.unknowns for p in self.placed])[:-1]

@@ -101,6 +101,13 @@ def step_out(r):
     assert r["velocity"] == pytest.approx(law, rel=0.03)
 
 
+def cells_in_noise(r):
+    """The theorem of Einstein and the active particle, within what forty cells allow."""
+    _, square, active = module(ROOT / "cells_in_noise.py").displacement(r)
+    assert square[10:] == pytest.approx(active[10:], rel=0.15)
+    assert r["persistence time"] > 10.0
+
+
 def made_robots_differ(r):
     """The mean of many is near the drawing; more than half are good as it lies above the limit."""
     speed = r["made"].swimming_speed.values
@@ -140,7 +147,7 @@ KNOWN = {
             best_helix,
             seven_cells,
         ),
-        *(one_point_calibration, beside_a_wall, step_out, made_robots_differ),
+        *(one_point_calibration, beside_a_wall, step_out, made_robots_differ, cells_in_noise),
         *(follow_path, learn_to_steer, receding_horizon),
     )
 }

@@ -108,19 +108,19 @@ def command(
 
     asked |= _start(given, time, start, tilt)
     _check(out, resume, force)
-    gait, _ = _print.timed_gait(given.swimmer, model, level)
+    about = _gait(given, model, level, out)
     begun = clock.perf_counter()
     if out is not None:
         write(out / "spec.toml", given.text)
         asked["keep"] = out / "checkpoint.npz"
     try:
         with bar(f"path {given.name}") as progress:
-            found = path(given.swimmer, gait=gait, progress=progress, **asked)
+            found = path(given.swimmer, progress=progress, **about, **asked)
     except KeyboardInterrupt:
         if out is not None and (out / "checkpoint.npz").exists():
             click.echo("the same command with --resume goes on", err=True)
         raise
-    report = _report(given, gait, found, clock.perf_counter() - begun)
+    report = _report(given, about, found, clock.perf_counter() - begun)
     if out is not None:
         _write(out, given, found)
     if as_json:
@@ -134,6 +134,21 @@ def command(
         for name, meaning in FILES.items():
             if (out / name).exists():
                 click.echo(f"  {name:<14}  {meaning}", err=True)
+
+
+def _gait(given: Given, model: str, level: str | None, out: Path | None) -> dict[str, Any]:
+    """Return the gait, or beside a wall that at every pose."""
+    from microswim.cli import _print
+    from microswim.cli._progress import bar
+    from microswim.gait import doors
+
+    if given.swimmer.wall is None:
+        return {"gait": _print.timed_gait(given.swimmer, model, level)[0]}
+    if model not in ("auto", "bem"):
+        raise SpecError("--model", model, "bem beside a wall", "other models do not know it")
+    options = {"level": level or "coarse", "folder": None if out is None else out / "solves"}
+    with bar(f"poses beside the wall, {options['level']}") as progress:
+        return {"poses": doors.go(doors.BESIDE_WALL, given.swimmer, progress=progress, **options)}
 
 
 def _start(given: Given, time: str, start: str | None, tilt: str | None) -> dict[str, Any]:
@@ -175,11 +190,15 @@ def _check(out: Path | None, resume: bool, force: bool) -> None:
     shutil.rmtree(out / "vtk", ignore_errors=True)
 
 
-def _report(given: Given, gait: Any, found: xr.Dataset, seconds: float) -> dict[str, Any]:
+def _report(
+    given: Given, solved: dict[str, Any], found: xr.Dataset, seconds: float
+) -> dict[str, Any]:
     import numpy as np
 
     from microswim.calibration.atlas.expected import expected_error
 
+    poses = solved.get("poses")
+    gait = solved["gait"] if poses is None else poses.gait
     many = "path" in found.dims
     x, q = found.position.values, found.quaternion.values
     ends = x[:, -1] if many else x[-1:]
@@ -211,6 +230,7 @@ def _report(given: Given, gait: Any, found: xr.Dataset, seconds: float) -> dict[
         "expected_error": {
             "position": position,
             "velocity": velocity,
+            "poses": None if poses is None else poses.expected_error,
             "how": "position: of the time steps alone, against looser ones; velocity: of the model",
         },
         "steps": about["steps"],
@@ -220,7 +240,15 @@ def _report(given: Given, gait: Any, found: xr.Dataset, seconds: float) -> dict[
 
 
 def _remarks(swimmer: Any) -> list[str]:
+    from microswim.gait.gait import DEGREES_OF_FREEDOM
+
     said = []
+    held = [n for n, free in zip(DEGREES_OF_FREEDOM, swimmer.motion.mask) if not free]
+    if held:
+        said.append(
+            f"motion.free holds {', '.join(held)}: in these the swimmer goes with the fluid, and "
+            "neither load nor noise moves it"
+        )
     if swimmer.flow is not None and (swimmer.flow.gradient.any() or swimmer.flow.bends):
         said.append(
             "what a strain of the flow does to the tail is at the level of local drag, the body "

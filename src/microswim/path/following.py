@@ -62,6 +62,7 @@ def path(
     *,
     model: doors.Model = "auto",
     gait: Gait | None = None,
+    poses: Poses | None = None,
     position: Any = None,
     quaternion: Any = None,
     tilt: float | None = None,
@@ -87,9 +88,13 @@ def path(
         How long.
     model, gait
         Model of the gait, or the gait itself.
+    poses
+        A gait at every pose, in place of `gait`; by default that is solved for where the
+        swimmer has a `wall`, by boundary elements.
     position, quaternion, phase
-        Pose at the start, lab frame, and phase of the motor; the origin and the lab's axes by
-        default, in which the swimmer heads for -x.
+        Pose at the start, lab frame, and phase of the motor. By default the origin and the lab's
+        axes, in which the swimmer heads for -x; beside a wall, which is the plane z = 0, as the
+        wall says.
     tilt
         Angle (rad) by which it noses down at the start, in place of `quaternion`.
     force, torque
@@ -137,8 +142,8 @@ def path(
     >>> found.attrs["outcome"], bool(found.position[-1, 0] < 0)
     ('free', True)
     """
-    made = swimmer.gait(model) if gait is None else gait
-    poses = _poses(made)
+    poses = _poses(swimmer, model, gait, progress) if poses is None else poses
+    made = poses.gait
     if swimmer.field is not None and swimmer.magnet is not None:
         warn_if_held(made, swimmer.magnet.vector)
     noisy = swimmer.noise is not None
@@ -179,8 +184,13 @@ def _in_space(swimmer: Swimmer) -> AppliedField | None:
     return field
 
 
-def _poses(gait: Gait) -> Poses:
-    free: Any = FreePoses(gait)
+def _poses(swimmer: Swimmer, model: str, gait: Gait | None, progress: Any) -> Poses:
+    """Return the gait at every pose: that beside a wall is solved for."""
+    if swimmer.wall is not None and gait is None:
+        if model not in ("auto", "bem"):
+            raise SpecError("model", model, '"bem" beside a wall, which other models do not know')
+        return doors.go(doors.BESIDE_WALL, swimmer, progress=progress)
+    free: Any = FreePoses(swimmer.gait(model) if gait is None else gait)  # type: ignore[arg-type]
     return free
 
 

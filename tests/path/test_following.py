@@ -257,9 +257,9 @@ def test_the_circle_and_its_sense():
     angle = np.linspace(0.0, 1.5, 40)
     round_it = np.stack([2.0 * np.cos(angle), 2.0 * np.sin(angle), 0.1 * angle], axis=1)
     up = np.array([0.0, 0.0, 1.0])
-    assert circling(round_it, up) == (pytest.approx(2.0), "counterclockwise")
-    assert circling(round_it[::-1], up) == (pytest.approx(2.0), "clockwise")
-    assert circling(round_it, -up) == (pytest.approx(2.0), "clockwise")
+    assert circling(round_it, up) == pytest.approx((2.0, 1.5))
+    assert circling(round_it[::-1], up) == pytest.approx((2.0, -1.5))
+    assert circling(round_it, -up) == pytest.approx((2.0, -1.5))
     assert circling(np.outer(angle, [1.0, 1.0, 0.0]), up) == (None, None)
 
 
@@ -278,6 +278,19 @@ def test_what_makes_no_sense_is_refused_in_a_sentence(options, said):
     with pytest.raises(ms.SpecError, match=said) as caught:
         ms.path(robot(), **({"time": 1.0} | options))
     assert "\n" not in str(caught.value)
+
+
+def test_how_a_path_ends_is_told_by_its_gaps():
+    from microswim.path.outcome import ended
+
+    stays, leaves = np.array([1.0, 0.5, 0.6]), np.array([0.5, 1.0, 2.5])
+    told = {"length": 1.0, "reach": 0.01}
+    assert ended(np.full(3, np.inf), np.inf, turn=None, **told) == "free"
+    assert ended(np.array([3.0, 2.0, 1.5]), 1.5, turn=None, **told) == "free"
+    assert ended(stays, 0.5, turn=-3.0, **told) == "orbits"
+    assert ended(stays, 0.5, turn=0.4, **told) == "trapped"
+    assert ended(leaves, 0.5, turn=None, **told) == "escaped"
+    assert ended(stays, 0.005, turn=-3.0, **told) == "touched"
 
 
 @pytest.mark.parametrize("first", ["import microswim as ms; ms.path", "import microswim.path"])

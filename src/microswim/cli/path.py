@@ -68,7 +68,7 @@ FRAMES = 120  #: of the swimmer for ParaView
 @click.option(
     "--tolerance",
     type=click.FloatRange(1e-12, 1e-2),
-    default=1e-7,
+    default=1e-6,
     show_default=True,
     help="Error of a time step, in lengths of the swimmer and radians.",
 )

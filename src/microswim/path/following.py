@@ -23,6 +23,7 @@ from microswim.path import outcome
 from microswim.path.course import Course, Followed, follow
 from microswim.path.in_space import length_of
 from microswim.path.loads import loads_of
+from microswim.path.march import gaps_along
 from microswim.path.trajectory import dataset
 from microswim.swimmer.magnetism.applied_field import AppliedField
 from microswim.swimmer.swimmer import Swimmer
@@ -70,7 +71,7 @@ def path(
     force: Any = (0.0, 0.0, 0.0),
     torque: Any = (0.0, 0.0, 0.0),
     samples: int | None = None,
-    tolerance: float = 1e-7,
+    tolerance: float = 1e-6,
     contact: float | None = None,
     paths: int = 1,
     seed: int = 0,
@@ -153,6 +154,7 @@ def path(
         raise SpecError("paths", paths, f"at most {MOST_PATHS}")
     loads = loads_of(swimmer, made, _three("force", force), _three("torque", torque), contact)
     start = _start(swimmer, poses, position, quaternion, tilt)
+    _check_clear(poses, *start, phase)
     times = _times(made, time, samples)
     energy = swimmer.noise.energy(swimmer.units) if noisy else 0.0  # type: ignore[union-attr]
     length = length_of(made)
@@ -192,6 +194,16 @@ def _poses(swimmer: Swimmer, model: str, gait: Gait | None, progress: Any) -> Po
         return doors.go(doors.BESIDE_WALL, swimmer, progress=progress)
     free: Any = FreePoses(swimmer.gait(model) if gait is None else gait)  # type: ignore[arg-type]
     return free
+
+
+def _check_clear(poses: Poses, x: Array, q: Array, phase: float) -> None:
+    """Refuse a start at which the swimmer reaches into the boundary."""
+    gap = poses.gap(x, q, float(phase))
+    if not gap > 0.0:
+        raise SpecError(
+            f"position = {x.tolist()}: the swimmer would reach {-gap:.3g} into the boundary; start "
+            "further from it, or tilt it otherwise"
+        )
 
 
 def _three(name: str, value: Any) -> Array:
@@ -262,12 +274,9 @@ def _told(
     bounded = poses.table.kind != FREE
     told: dict[str, Any] = {}
     if bounded:
-        gaps = np.array(
-            [
-                [poses.gap(x, q, p) for x, q, p in zip(*one, angle)]
-                for one in zip(found.position, found.quaternion)
-            ]
-        )
+        gaps = np.empty(found.position.shape[:2])
+        for x, q, out in zip(found.position, found.quaternion, gaps):
+            gaps_along(poses.table, x, q, angle, out)
         told["gap"] = gaps if many else gaps[0]
     if not course.energy:
         told["motor_work"], told["dissipated"] = found.spent[0].T
@@ -280,7 +289,8 @@ def _ends(
     """Return how each path ended, and its numbers."""
     x = found.position[0]
     up = np.array([0.0, 0.0, 1.0])
-    radius, sense = outcome.circling(x, up)
+    radius, turn = outcome.circling(x, up)
+    sense = None if turn is None else ("counterclockwise" if turn > 0 else "clockwise")
     span = course.times[-1] - course.times[0]
     gaps = np.atleast_2d(told["gap"])[0] if bounded else np.full(1, np.inf)
     if bounded:
@@ -288,7 +298,7 @@ def _ends(
     length = 2.0 * float(swimmer.body.semi_axes3[0]) + float(swimmer.tail.apparent_length)
     last = np.atleast_2d(told["gap"])[0] if bounded else gaps
     return {
-        "outcome": outcome.ended(last, gaps.min(), length, course.loads.contact[1], sense),
+        "outcome": outcome.ended(last, gaps.min(), length, course.loads.contact[1], turn),
         "circle_radius": np.nan if radius is None else radius,
         "circle_sense": sense or "",
         "gap_mean": float(np.mean(last)) if bounded else np.nan,

@@ -15,6 +15,8 @@ from typing import Any
 
 import numpy as np
 
+from microswim.gait.pose_table import WORK as POSE_WORK
+from microswim.gait.pose_table import resist
 from microswim.numerics.compiled import compiled
 from microswim.numerics.rigid_motion import turn
 from microswim.path.velocity import WORK, velocity
@@ -211,3 +213,12 @@ def change(x: Any, q: Any, K: Any, h: Any, turned: Any) -> None:
     unit(turned)
     for i in range(4):
         q[i] = turned[i]
+
+
+@compiled(always=True)
+def gaps_along(table: Any, X: Any, Q: Any, phases: Any, out: Any) -> None:
+    """Write the gap to the boundary at places (n, 3), attitudes (n, 4) and phases (n,)."""
+    R, F, touch, work = np.empty((6, 6)), np.empty(6), np.empty(7), np.empty(POSE_WORK)
+    for i in range(phases.size):
+        resist(table, X[i], Q[i], phases[i], R, F, touch, work)
+        out[i] = touch[0]

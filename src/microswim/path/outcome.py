@@ -45,11 +45,11 @@ def circle(points: Array) -> tuple[float, float]:
     return (np.inf, 0.0) if not np.isfinite(radius) or radius > 1e6 else (size * radius, turn)
 
 
-def circling(x: Array, up: Array) -> tuple[float | None, str | None]:
-    """Return radius and sense of the circle of a path (n, 3), seen from where `up` points to.
+def circling(x: Array, up: Array) -> tuple[float | None, float | None]:
+    """Return radius and turn (rad) of the circle of a path (n, 3), seen from where `up` points to.
 
-    ``"clockwise"`` or ``"counterclockwise"``; None twice if it turns by less than `FEWEST`, or
-    leaves its plane by more than it is wide.
+    A positive turn is counterclockwise. None twice if it turns by less than `FEWEST`, or leaves
+    its plane by more than it is wide.
     """
     first = np.eye(3)[int(np.argmin(np.abs(up)))]
     first = first - (first @ up) * up
@@ -60,26 +60,25 @@ def circling(x: Array, up: Array) -> tuple[float | None, str | None]:
     wide = np.ptp(flat, axis=0).max()
     if abs(turn) < FEWEST or np.ptp(x @ up) > max(2.0 * wide, 1e-300):
         return None, None
-    return radius, "counterclockwise" if turn > 0 else "clockwise"
+    return radius, turn
 
 
-def ended(gaps: Array, least: float, length: float, reach: float, turn: Any) -> str:
+def ended(gaps: Array, least: float, length: float, reach: float, turn: float | None) -> str:
     """Return how a path ended, from its gaps in time and the least of all.
 
-    - ``"free"``: there is no boundary.
+    - ``"free"``: there is no boundary, or it never came within a length of the swimmer.
     - ``"touched"``: it came within the range of the contact.
-    - ``"escaped"``: at the end it is more than two lengths of the swimmer away, and further than
-      at the start.
-    - ``"orbits"``: it stays near and goes round in a circle.
-    - ``"trapped"``: it stays near and does not.
+    - ``"escaped"``: it was within a length, and at the end is more than two away.
+    - ``"orbits"``: it stays, and has gone round by a quarter of a circle or more.
+    - ``"trapped"``: it stays, and has not.
     """
-    if not np.isfinite(gaps).any():
+    if not least < length:
         return "free"
     if least < reach:
         return "touched"
-    if gaps[-1] > 2.0 * length and gaps[-1] > gaps[0]:
+    if gaps[-1] > 2.0 * length:
         return "escaped"
-    return "trapped" if turn is None else "orbits"
+    return "orbits" if turn is not None and abs(turn) >= np.pi / 2.0 else "trapped"
 
 
 def with_numbers(data: xr.Dataset, told: dict[str, Any], numbers: dict[str, Any]) -> xr.Dataset:

@@ -108,7 +108,7 @@ def command(
 
     asked |= _start(given, time, start, tilt)
     _check(out, resume, force)
-    about = _gait(given, model, level, out)
+    about = _gait(given, model, level)
     begun = clock.perf_counter()
     if out is not None:
         write(out / "spec.toml", given.text)
@@ -136,19 +136,11 @@ def command(
                 click.echo(f"  {name:<14}  {meaning}", err=True)
 
 
-def _gait(given: Given, model: str, level: str | None, out: Path | None) -> dict[str, Any]:
-    """Return the gait, or beside a wall that at every pose."""
+def _gait(given: Given, model: str, level: str | None) -> dict[str, Any]:
+    """Return the gait."""
     from microswim.cli import _print
-    from microswim.cli._progress import bar
-    from microswim.gait import doors
 
-    if given.swimmer.wall is None:
-        return {"gait": _print.timed_gait(given.swimmer, model, level)[0]}
-    if model not in ("auto", "bem"):
-        raise SpecError("--model", model, "bem beside a wall", "other models do not know it")
-    options = {"level": level or "coarse", "folder": None if out is None else out / "solves"}
-    with bar(f"poses beside the wall, {options['level']}") as progress:
-        return {"poses": doors.go(doors.BESIDE_WALL, given.swimmer, progress=progress, **options)}
+    return {"gait": _print.timed_gait(given.swimmer, model, level)[0]}
 
 
 def _start(given: Given, time: str, start: str | None, tilt: str | None) -> dict[str, Any]:

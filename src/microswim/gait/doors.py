@@ -49,7 +49,6 @@ MODELS: dict[str, str] = {
     "bem": "microswim.models.bem.gait:gait",
     "fem": "microswim.models.fem:channel_gait",
 }
-BESIDE_WALL = "microswim.calibration.poses.wall:beside_wall"
 SETTLED = "microswim.models.elastic.gait:settled_swimmer"
 ISOLATED = "microswim.models.bem.isolated:resistance"
 GROUP_BLOCKS = "microswim.models.group.blocks:prepare"

@@ -90,8 +90,7 @@ def path(
     model, gait
         Model of the gait, or the gait itself.
     poses
-        A gait at every pose, in place of `gait`; by default that is solved for where the
-        swimmer has a `wall`, by boundary elements.
+        A gait at every pose, as beside a wall, in place of `gait`.
     position, quaternion, phase
         Pose at the start, lab frame, and phase of the motor. By default the origin and the lab's
         axes, in which the swimmer heads for -x; beside a wall, which is the plane z = 0, as the
@@ -187,11 +186,7 @@ def _in_space(swimmer: Swimmer) -> AppliedField | None:
 
 
 def _poses(swimmer: Swimmer, model: str, gait: Gait | None, progress: Any) -> Poses:
-    """Return the gait at every pose: that beside a wall is solved for."""
-    if swimmer.wall is not None and gait is None:
-        if model not in ("auto", "bem"):
-            raise SpecError("model", model, '"bem" beside a wall, which other models do not know')
-        return doors.go(doors.BESIDE_WALL, swimmer, progress=progress)
+    """Return the gait at every pose, the same in free fluid."""
     free: Any = FreePoses(swimmer.gait(model) if gait is None else gait)  # type: ignore[arg-type]
     return free
 

@@ -256,6 +256,7 @@ FUNCTIONS = {
         "time": 0.1,
         "model": "rft",
         "gait": GAIT,
+        "poses": None,
         "position": (0.0,) * 3,
         "quaternion": (1.0, 0.0, 0.0, 0.0),
         "tilt": None,

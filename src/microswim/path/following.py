@@ -37,11 +37,18 @@ TURNS = 0.1  #: rad that noise turns the swimmer by in a step, at most (root mea
 _LOOSE = 30.0  #: times the tolerance: the second march, for the error of the first
 
 
+def _at_every_pose(name: str, value: Any) -> None:
+    """Refuse what is no gait as a function of the pose."""
+    if not all(hasattr(value, part) for part in ("gait", "table", "start", "gap")):
+        raise SpecError(name, value, "a gait at every pose", "for one in free fluid give gait")
+
+
 @checks.given(
     swimmer=checks.swimmer,
     time=checks.above_zero("time"),
     model=checks.text,
     gait=checks.gait,
+    poses=_at_every_pose,
     position=checks.series,
     quaternion=checks.series,
     tilt=checks.series,

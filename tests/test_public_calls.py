@@ -306,6 +306,13 @@ FUNCTIONS = {
     "Constant.from_held_tail": {"tail": HELIX.tail, "thrust": -1.0, "torque": -1.0},
     "Stepper.of": {"swimmer": HELIX, "model": "rft"},
     "Stepper.step": {"self": STEPPER, "state": STATE, "dt": 0.1},
+    "Stepper.scattered": {
+        "self": STEPPER,
+        "state": STATE,
+        "dt": 0.1,
+        "random": np.random.default_rng(0),
+        "energy": 1.0,
+    },
     "Stepper.outputs": {"self": STEPPER, "state": STATE},
     "Stepper.twist": {"self": STEPPER, "state": STATE},
     "Stepper.derivatives": {"self": STEPPER, "state": STATE, "dt": 0.1, "wrt": ("force",)},

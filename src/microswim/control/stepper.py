@@ -14,7 +14,8 @@ from typing import Any
 import numpy as np
 
 from microswim import checks
-from microswim.control import linear, motion, readout
+from microswim.control import linear, motion, readout, thermal
+from microswim.control.inputs import rows
 from microswim.control.response import Response, response, step_limits
 from microswim.control.state import State, check_finite
 from microswim.errors import SpecError
@@ -26,10 +27,6 @@ from microswim.numerics.array import kept, still_read_only
 from microswim.swimmer.magnetism.magnet import vector_of
 from microswim.swimmer.swimmer import Swimmer
 
-_SHAPES: dict[str, tuple[int, ...]] = {
-    name: (3, 3) if name == "gradient" else (3,) for name in motion.INPUTS
-}
-_SHAPES["motor_rate"] = ()
 _NO_LOAD = np.zeros(6)
 #: Largest turn (rad) of an internal step whose number is fixed; beyond 2.8 order 4 is not stable.
 WIDEST = np.pi / 2.0
@@ -200,6 +197,39 @@ class Stepper:
         check_finite(Y)
         return State(Y.reshape(state.values.shape))
 
+    @checks.given()
+    def scattered(
+        self, state: State, *, dt: float, random: np.random.Generator, energy: float | None = None
+    ) -> State:
+        """Return the state after the thermal displacement of a time dt, on top of `step`.
+
+        Parameters
+        ----------
+        state
+            State of one swimmer, or of many.
+        dt
+            Time.
+        random
+            Where the random numbers come from, ``numpy.random.default_rng(seed)``.
+        energy
+            k_B T; by default that of the swimmer's noise.
+
+        Raises
+        ------
+        SpecError
+            If an argument is out of range, or no temperature is known.
+        """
+        checks.instance("state", state, "State")
+        checks.positive("dt", dt, "time")
+        checks.instance("random", random, "Generator")
+        energy = thermal.energy_of(self.swimmer) if energy is None else energy
+        if energy is None:
+            raise SpecError("energy: missing; give k_B T, or a swimmer with noise")
+        checks.positive("energy", energy, "energy")
+        values = state.values.reshape(-1, motion.STATE)
+        after = thermal.scattered(self.response.twist, values, energy, dt, random)
+        return State(after.reshape(state.values.shape))
+
     def _check_turn(self, U: np.ndarray, dt: float) -> None:
         """Refuse inputs under which a step would take too long or go too wide."""
         turn = motion.fastest_of_all(self.limits, U) * dt
@@ -217,35 +247,7 @@ class Stepper:
     @checks.given()
     def held(self, n: int, inputs: dict[str, Any]) -> np.ndarray:
         """Return the inputs as an array, one row for all or (n, 25); checked."""
-        U = self._rest.copy()
-        for name, value in inputs.items():
-            if value is None:
-                continue
-            if name not in _SHAPES:
-                raise SpecError(name, value, "one of the inputs " + ", ".join(_SHAPES))
-            try:
-                given = np.asarray(value, dtype=float)
-            except (TypeError, ValueError):
-                raise SpecError(name, value, "made of numbers") from None
-            shape = _SHAPES[name]
-            if given.shape == (n, *shape) and n != len(U):
-                U = np.repeat(U, n, axis=0)
-            elif given.shape not in (shape, (n, *shape)):
-                wanted = f"of shape {shape} or {(n, *shape)}"
-                raise SpecError(name, value, wanted, "one for all swimmers or one each")
-            U[:, motion.INPUTS[name]] = given.reshape(
-                given.shape[: given.ndim - len(shape)] + (-1,)
-            )
-        if not np.isfinite(U).all():
-            bad = next(k for k, part in motion.INPUTS.items() if not np.isfinite(U[:, part]).all())
-            raise SpecError(bad, inputs[bad], "finite")
-        if inputs.get("gradient") is not None:
-            _check_gradient(U[:, 16:])
-        if self.locked and U[:, 0].any():
-            raise SpecError(
-                "motor_rate", inputs["motor_rate"], "0 for a swimmer whose motor is locked"
-            )
-        return U
+        return rows(self._rest, n, inputs, self.locked)
 
     @checks.given()
     def outputs(self, state: State, **inputs: Any) -> tuple[np.ndarray, np.ndarray]:
@@ -337,11 +339,3 @@ class Stepper:
 def _check_state(state: Any) -> None:
     if not isinstance(state, State):
         raise SpecError("state", state, "a State", "State.at makes one")
-
-
-def _check_gradient(A: np.ndarray) -> None:
-    trace = A[:, 0] + A[:, 4] + A[:, 8]
-    if (abs(trace) > 1e-9 * np.abs(A).max(axis=1)).any():
-        raise SpecError(
-            "gradient", f"trace {trace[0]:.3g}", "free of trace: the fluid is incompressible"
-        )

@@ -1,6 +1,7 @@
 """One name, one number: every public door is asked for every quantity of one gait."""
 
 import json
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -143,3 +144,25 @@ def test_the_documentation_lists_every_quantity():
         assert row in page
     for old, new in OLD.items():
         assert f"| `{old}` | `{new}` |" in page
+
+
+def test_on_a_circle_the_speed_along_the_path_is_that_of_the_circle():
+    """A beat in a plane that turns as it goes: the path in time is followed for many periods."""
+    gait = ms.Swimmer.preset("tabak/plane_wave").gait()
+    turning = replace(gait, free=(True, True, False, False, False, True))
+    push = np.zeros_like(turning.propulsion_series)
+    push[0, 5] = 0.02 * np.abs(turning.resistance_series[0, 5, 5])  # as a mean curvature does
+    turning = replace(turning, propulsion_series=turning.propulsion_series + push)
+    told = ms.summary(turning)
+    times = np.linspace(0.0, 40.0, 41) * turning.period
+    x = ms.trajectory(turning, times).position.values
+    chord = np.linalg.norm(np.diff(x, axis=0), axis=1).mean()
+    half = 0.5 * told["rotation_per_period"]
+    arc = chord * half / np.sin(half)
+    assert told["path_speed"] == pytest.approx(arc / turning.period, rel=1e-6)
+    assert told["swimming_speed"] < 1e-9 < told["path_speed"]
+
+
+def test_on_a_straight_path_both_speeds_are_one():
+    told = ms.summary(ms.Swimmer.preset("tabak/plane_wave").gait())
+    assert told["path_speed"] == pytest.approx(told["swimming_speed"], rel=1e-9)

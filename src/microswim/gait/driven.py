@@ -6,8 +6,9 @@ from typing import Any
 
 import numpy as np
 
+from microswim.gait.basis import Basis
 from microswim.gait.gait import Gait
-from microswim.gait.quantities import Basis, Quantity, magnitude, ratio
+from microswim.gait.quantities import Quantity, magnitude, ratio
 from microswim.gait.step_out import Drive
 from microswim.numerics.plain import plain
 

@@ -9,18 +9,15 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass
-from functools import cached_property
 from typing import Any
 
 import numpy as np
 
 from microswim import checks
-from microswim.errors import SpecError, renamed
+from microswim.errors import renamed
+from microswim.gait.basis import Basis
 from microswim.gait.gait import Gait
-from microswim.gait.screw import screw
-from microswim.gait.step_out import Drive, fastest, onset
 from microswim.numerics.plain import plain
-from microswim.numerics.rigid_motion import ScrewMotion
 
 
 @dataclass(frozen=True)
@@ -129,6 +126,14 @@ _LIST = (
         lambda b: np.maximum(b.velocity_amplitude[..., 4], b.velocity_amplitude[..., 5]),
     ),
     Quantity(
+        "path_speed",
+        "speed",
+        "along the helix or circle of the period's screw; the swimming speed on a straight path",
+        lambda b: b.path_speed,
+        of_many=False,
+        called="speed along the path",
+    ),
+    Quantity(
         "path_radius",
         "length",
         "distance of the body's centre from the screw axis at phase 0",
@@ -234,74 +239,6 @@ OLD = {
     "wobble": "lateral_amplitude",
     "yaw": "yaw_amplitude",
 }
-
-
-class Basis:
-    """What the quantities of one gait are made of; each part is computed when it is asked for.
-
-    Parameters
-    ----------
-    gait
-        Of any model; its series may be complex.
-    body_length
-        Length of the body along s, for what is counted in body lengths.
-    drive
-        Magnet and rotating field, for step-out and the like.
-    """
-
-    def __init__(self, gait: Gait, body_length: Any = None, drive: Drive | None = None) -> None:
-        self.gait, self._length, self._drive = gait, body_length, drive
-
-    def __getattr__(self, name: str) -> Any:
-        """Return a number that the gait itself states."""
-        return getattr(self.gait, name)
-
-    @cached_property
-    def _screw(self) -> ScrewMotion:
-        return screw(self.gait)
-
-    @property
-    def swimming_speed(self) -> Any:
-        return self._screw.speed
-
-    @property
-    def path_radius(self) -> Any:
-        return self._screw.radius
-
-    @property
-    def path_pitch(self) -> Any:
-        return self._screw.pitch
-
-    @property
-    def rotation_per_period(self) -> Any:
-        return self._screw.angle
-
-    @property
-    def efficiency(self) -> Any:
-        """Eq. (24); NaN if the model did not tell the body's share."""
-        return np.nan if self.gait.body_resistance_series is None else self.gait.efficiency
-
-    @cached_property
-    def fastest(self) -> tuple[Any, Any]:
-        return fastest(self.gait, self._driven)
-
-    @cached_property
-    def onset(self) -> Any:
-        return onset(self.gait, self._driven)
-
-    @property
-    def _driven(self) -> Drive:
-        if self._drive is None:
-            raise SpecError(
-                "quantity: this one needs a swimmer with [magnet] and a rotating [field]"
-            )
-        return self._drive
-
-    @property
-    def body_length(self) -> Any:
-        if self._length is None:
-            raise SpecError("quantity: what is counted in body lengths needs the swimmer")
-        return self._length
 
 
 @checks.given(gait=checks.gait)

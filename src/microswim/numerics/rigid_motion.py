@@ -120,6 +120,12 @@ class ScrewMotion:
         return np.sqrt(self.advance**2) / np.sqrt(self.period**2)
 
     @property
+    def path_speed(self) -> Any:
+        """Speed along the helix or circle on which the screw carries the body's centre."""
+        round_it = self.angle * self.radius
+        return np.sqrt(self.advance**2 + round_it**2) / np.sqrt(self.period**2)
+
+    @property
     def pitch(self) -> Any:
         """Advance per full turn about the axis; infinite without rotation."""
         return 2.0 * np.pi * np.sqrt(self.advance**2) / self.angle if self.turns else np.inf

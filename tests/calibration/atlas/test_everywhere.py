@@ -10,6 +10,7 @@ import microswim as ms
 from microswim.calibration.atlas.everywhere import everywhere
 from microswim.cli import main
 from microswim.models.rft.batch import expected_errors
+from microswim.numerics.compiled import settled
 
 TAIL = ms.HelicalTail(length=2.0, amplitude=0.1, waves=3, radius=0.05, handedness="right")
 ROBOT = ms.Swimmer(body=ms.Sphere(radius=0.5), tail=TAIL, fluid=ms.Fluid(viscosity=100.0))
@@ -84,3 +85,50 @@ def test_commands_take_it_without_being_asked(tmp_path, monkeypatch):
     found = json.loads(run("export", "robot.toml", "--format", "c", "--json"))
     assert found["model"] == "atlas"
     assert "expected error of u_s" in (tmp_path / "robot.h").read_text("utf-8")
+
+
+def test_compiled_and_as_python_it_is_the_same():
+    """To the rounding of sums whose terms are a million times the whole."""
+    many = everywhere(ROBOT)
+    values = {
+        "tail.amplitude": np.linspace(0.05, 0.2, 40),
+        "body.radius": np.linspace(0.3, 0.6, 40),
+    }
+    with settled(False):
+        python = ms.evaluate(many, values)
+    with settled(True):
+        compiled = ms.evaluate(many, values)
+    for name, value in python.items():
+        scale = np.abs(value).max()
+        assert np.allclose(compiled[name], value, rtol=1e-7, atol=1e-8 * scale), name
+
+
+def test_a_design_is_searched_where_the_atlas_holds_and_says_so():
+    over = {"tail.amplitude": (0.05, 0.5), "body.radius": (0.3, 3.0)}
+    best = ms.design(ROBOT, over, maximize="efficiency", samples=64)
+    here = best.swimmer.gait("auto")
+    assert best.model == here.model == "atlas"
+    assert best.swimmer.region is None
+    assert best.value == pytest.approx(ms.summary(here)["efficiency"], rel=1e-7)
+    assert best.expected_error == pytest.approx(here.info["expected_error"]["us"])
+    assert "of the ranges" in " ".join(best.remarks)
+    plain = ms.design(ROBOT, over, maximize="efficiency", samples=64, model="rft")
+    assert plain.model == "rft"
+    assert plain.value == pytest.approx(ms.summary(plain.swimmer.gait())["efficiency"], rel=1e-7)
+    assert "error at the optimum is large" in " ".join(plain.remarks)
+
+
+def test_where_the_atlas_holds_nowhere_the_surrogate_searches():
+    best = ms.design(ROBOT, {"body.radius": (3.0, 4.0)}, maximize="swimming_speed", samples=16)
+    assert best.model == "rft"
+    with pytest.raises(ms.SpecError, match="holds nowhere"):
+        ms.design(
+            ROBOT, {"body.radius": (3.0, 4.0)}, maximize="efficiency", samples=16, model="atlas"
+        )
+
+
+def test_robots_that_differ_by_chance_are_those_of_the_atlas():
+    made = ms.robustness(ROBOT, {"tail.amplitude": "2%"}, samples=8)
+    one = ROBOT.with_({"tail.amplitude": float(made["tail.amplitude"][0])})
+    speed = ms.summary(one.gait("atlas"))["swimming_speed"]
+    assert float(made.swimming_speed[0]) == pytest.approx(speed, rel=1e-7)

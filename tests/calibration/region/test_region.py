@@ -214,6 +214,15 @@ def test_batch_and_single_evaluation_agree(kind, request):
         assert many["mean_power"][i] == pytest.approx(gait.mean_power, rel=1e-4)
 
 
+@pytest.mark.parametrize("hand", ["left", "right"])
+def test_efficiency_of_a_batch_is_that_of_the_gait_for_either_hand(hand, helix):
+    """The body's share of the axial force turns its sign with the hand where it couples to spin."""
+    one = helix.with_({"tail.handedness": hand})
+    found = ms.evaluate(one, {"tail.amplitude": [0.1]})["efficiency"][0]
+    gait = one.with_({"tail.amplitude": 0.1}).gait()
+    assert found == pytest.approx(ms.summary(gait)["efficiency"], rel=1e-5)
+
+
 @pytest.mark.parametrize("kind", ["helix", "wave"])
 def test_a_sweep_prints_the_expected_error_of_every_design(kind, request):
     fitted = request.getfixturevalue(kind)

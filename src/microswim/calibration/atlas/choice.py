@@ -9,7 +9,7 @@ import numpy as np
 
 from microswim import checks
 from microswim.calibration.atlas import coordinates
-from microswim.calibration.atlas.atlas import shipped
+from microswim.calibration.atlas.atlas import of
 from microswim.calibration.atlas.expected import LEVELS, expected_error
 from microswim.calibration.atlas.gait import gait
 from microswim.gait import doors
@@ -54,7 +54,7 @@ def auto(swimmer: Swimmer, accuracy: float | None = None, **options: Any) -> Gai
     if swimmer.tail.settles:
         made = _with_error(swimmer, swimmer.gait("elastic"), "")
     else:
-        why = _not_atlas(swimmer)
+        why = not_atlas(swimmer)
         made = _with_error(swimmer, gait(swimmer) if not why else swimmer.gait("rft"), why)
     if accuracy is None or _holds(made, accuracy):
         return made
@@ -71,7 +71,7 @@ def _holds(made: Gait, accuracy: float) -> bool:
     return all(error is not None and error <= accuracy for error in errors)
 
 
-def _not_atlas(swimmer: Swimmer) -> str:
+def not_atlas(swimmer: Swimmer) -> str:
     """Return in words why the atlas does not serve a swimmer; empty where it does."""
     if swimmer.tail.is_absent:
         return "rft: without a tail its resistance is that of its body alone"
@@ -81,7 +81,7 @@ def _not_atlas(swimmer: Swimmer) -> str:
         return "rft, with the coefficients of its calibration"
     if not swimmer.is_open:
         return "rft, as the spec chooses its law or its coefficients"
-    if shipped() is None:
+    if of(swimmer) is None:
         return "rft, as no atlas comes with this build"
     missing = coordinates.outside(swimmer)
     advice = "boundary elements do better: accuracy 2%, or model bem"

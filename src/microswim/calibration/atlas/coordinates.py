@@ -51,14 +51,17 @@ def ratios(x: Any) -> tuple[Any, Any, Any]:
 
 
 def features(x: Any) -> np.ndarray:
-    """Return the coordinates in which the corrections vary smoothly, shape (8, ...).
+    """Return the coordinates in which the corrections vary smoothly, shape (10, ...).
 
-    Two ratios beside the six numbers let the distance between designs count directions that are
-    not along one of them.
+    Ratios beside the six numbers let the distance between designs count directions that are not
+    along one of them: of the body to the tail's length and amplitude, of its half width to the
+    filament, and the steepness of the root, which decide how the tail leaves the body.
     """
     bk, thick, waves, head, aspect, ramp = x
+    width, root = head * aspect ** (-1.0 / 3.0) / thick, bk / (ramp * waves)
     logs = (bk, thick, waves, head, aspect)
-    return np.array([*map(np.log, logs), ramp, np.log(head / waves), np.log(head / bk)])
+    ratios = (head / waves, head / bk, width, root)
+    return np.array([*map(np.log, logs), ramp, *map(np.log, ratios)])
 
 
 def powers(x: Any) -> np.ndarray:
@@ -79,12 +82,28 @@ def outside(swimmer: Swimmer) -> list[str]:
     ]
 
 
+def edges(swimmer: Swimmer) -> list[str]:
+    """Return in words the bounds of the atlas that a swimmer within lies at."""
+    x = np.real(numbers(swimmer))
+    return [
+        f"{name} {bound:g}"
+        for (name, *ends), value in zip((*NUMBERS, *RATIOS), (*x, *ratios(x)))
+        for bound in ends
+        if abs(value - bound) <= 1e-3 * bound
+    ]
+
+
+def misses(x: np.ndarray) -> np.ndarray:
+    """Return how many of the bounds of the range designs x (6, ...) miss."""
+    found: Any = 0
+    for (_, low, high), value in zip((*NUMBERS, *RATIOS), (*x, *ratios(x))):
+        found = found + ((value < low * (1 - 1e-9)) | ~(value <= high * (1 + 1e-9)))
+    return np.asarray(found)
+
+
 def inside(x: np.ndarray) -> np.ndarray:
     """Return whether designs x (6, ...) lie in the range."""
-    within = True
-    for (_, low, high), value in zip((*NUMBERS, *RATIOS), (*x, *ratios(x))):
-        within &= (value >= low * (1 - 1e-9)) & (value <= high * (1 + 1e-9))
-    return np.asarray(within)
+    return misses(x) == 0
 
 
 def unlike(swimmer: Swimmer) -> list[str]:

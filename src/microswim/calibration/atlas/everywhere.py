@@ -2,16 +2,19 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
+from typing import Any
 
 import numpy as np
 
 from microswim.calibration.atlas import coordinates
-from microswim.calibration.atlas.atlas import Atlas, shipped
+from microswim.calibration.atlas.atlas import Atlas, of
 from microswim.calibration.atlas.gait import gait as atlas_gait
+from microswim.calibration.atlas.side_by_side import twists
 from microswim.calibration.region import body_flow as shaded
-from microswim.calibration.region.evaluate import twists
 from microswim.gait.gait import Gait
+from microswim.swimmer.fields import in_terms_of, lifted, replaced
 from microswim.swimmer.swimmer import Swimmer
 
 
@@ -22,14 +25,14 @@ class Everywhere:
     Its range is that of `coordinates`; a design outside is NaN.
     """
 
-    atlas: Atlas
+    atlas: Atlas = field(repr=False)
     low: dict[str, float] = field(default_factory=dict)
     high: dict[str, float] = field(default_factory=dict)
     fixed: dict[str, float] = field(default_factory=dict)
 
     def gait(self, swimmer: Swimmer) -> Gait:
         """Return the gait of a design by the atlas."""
-        return atlas_gait(replace(swimmer, region=None))
+        return atlas_gait(replaced(swimmer, "region", None))
 
     @staticmethod
     def parameters(swimmer: Swimmer) -> np.ndarray:
@@ -38,11 +41,10 @@ class Everywhere:
 
     def solve(self, many: Swimmer, free: np.ndarray, phases: int) -> tuple[np.ndarray, ...]:
         """Return twists (n, 1, 6), tail powers and drag times speed (n, 1), per unit rate."""
-        R, F, G, extra = (np.moveaxis(x, -1, 0) for x in self.atlas.matrices(many))
-        R, F = (np.ascontiguousarray(x[:, None]) for x in (R, F))
+        R, F, G, extra = self.atlas.matrices(many)
         V = twists(R, F, free)
         V[~coordinates.inside(coordinates.numbers(many))] = np.nan
-        power = G[:, None] + np.einsum("nmi,nmi->nm", F, V)
+        power = G + np.einsum("nmi,nmi->nm", F, V)
         drag = extra[:, None, 0] * V[..., 0] + extra[:, None, 1] * V[..., 3] + extra[:, None, 2]
         return V, power, drag * V[..., 0]
 
@@ -52,7 +54,7 @@ class Everywhere:
         x = np.broadcast_to(x.reshape(6, -1), (6, count))
         z = np.broadcast_to(np.atleast_2d(z), (count, z.shape[-1]))
         out, rows = np.full(count, np.nan), np.flatnonzero(coordinates.inside(x))
-        out[rows] = self.atlas.misses(z[rows])[:, 0]
+        out[rows] = self.atlas.misses.of_many(z[rows])
         return out
 
 
@@ -61,8 +63,18 @@ def everywhere(swimmer: Swimmer) -> Swimmer | None:
 
     Also for a motor whose rate is that in the lab, which batches do not know.
     """
-    atlas = shipped()
+    atlas = of(swimmer)
     serves = swimmer.region is None and swimmer.is_open and not coordinates.unlike(swimmer)
     if atlas is None or not serves or swimmer.motion.frequency_frame != "body":
         return None
     return replace(swimmer, region=Everywhere(atlas))
+
+
+def holding(swimmer: Swimmer, numbers: Mapping[str, Any]) -> Swimmer:
+    """Return a swimmer whose designs the atlas answers where it holds for all; else itself."""
+    own = any(name.startswith(("interaction.", "coefficients.")) for name in numbers)
+    served = None if own else everywhere(swimmer)
+    if served is None:
+        return swimmer
+    many = lifted(in_terms_of(swimmer, numbers), numbers)
+    return served if coordinates.inside(coordinates.numbers(many)).all() else swimmer

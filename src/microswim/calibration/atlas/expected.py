@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 
 from microswim.calibration.atlas import coordinates
-from microswim.calibration.atlas.atlas import shipped
+from microswim.calibration.atlas.atlas import of
 from microswim.calibration.atlas.gait import gait as atlas_gait
 from microswim.calibration.atlas.near import QUANTITIES, Misses
 from microswim.gait.gait import DEGREES_OF_FREEDOM, Gait
@@ -83,14 +83,14 @@ def _unknown(swimmer: Swimmer, gait: Gait) -> tuple[list[Any], str]:
 
 
 def _of_atlas(swimmer: Swimmer, gait: Gait) -> tuple[list[Any], str]:
-    atlas = shipped()
+    atlas = of(swimmer)
     assert atlas is not None
     how = f"19 of 20 of the {atlas.about['solves']} boundary-element solves, left out, lie within"
     return _relative(atlas.misses, swimmer, gait), how
 
 
 def _of_surrogate(swimmer: Swimmer, gait: Gait) -> tuple[list[Any], str]:
-    atlas, calibrated = shipped(), gait.info.get("expected_errors")
+    atlas, calibrated = of(swimmer), gait.info.get("expected_errors")
     if calibrated:
         known = {"mean.us": "us", "mean.os": "os", "amplitude.uq": "uq", "amplitude.or": "or"}
         errors = {known[name]: 2.0 * value for name, value in calibrated.items() if name in known}
@@ -167,7 +167,7 @@ def _of_elements(swimmer: Swimmer, gait: Gait) -> tuple[list[Any], str]:
 
 def _relative(misses: Misses, swimmer: Swimmer, gait: Gait) -> list[Any]:
     """Return errors of the six velocities, lateral ones over their amplitudes."""
-    atlas = shipped()
+    atlas = of(swimmer)
     assert atlas is not None
     _, z, _ = atlas.place(swimmer)
     found = misses(np.real(z)[None])[0]

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from microswim.calibration.atlas import coordinates
-from microswim.calibration.atlas.atlas import shipped
+from microswim.calibration.atlas.atlas import of
 from microswim.errors import SpecError
 from microswim.gait.gait import Gait
 from microswim.swimmer.swimmer import Swimmer
@@ -31,20 +31,18 @@ def gait(swimmer: Swimmer) -> Gait:
     SpecError
         If the atlas does not cover the swimmer.
     """
-    missing, atlas = coordinates.outside(swimmer), shipped()
+    missing, atlas = coordinates.outside(swimmer), of(swimmer)
     if atlas is None or missing:
         why = "; ".join(missing) or "none comes with this build"
         raise SpecError("model", "atlas", f"another one: the atlas does not cover this, {why}",
                         'take "auto", "rft" or "bem"')  # fmt: skip
-    R, F, G, extra = atlas.matrices(swimmer)
-    sign = swimmer.tail.sign
+    R, F, G, extra = (x[0] for x in atlas.matrices(swimmer))
     drag = np.diag(np.array(swimmer.body.diagonal(swimmer.fluid.viscosity))).astype(R.dtype)
-    held = np.zeros(6, dtype=R.dtype)
-    drag[0, 0], drag[0, 3], held[0] = extra
     fields = {"rate": swimmer.tail.rate, "free": swimmer.motion.mask, "units": swimmer.units}
-    made = Gait.from_rotation(
-        R, F, G, sign=sign, body_R=drag, body_F=held, model="atlas", info={}, **fields
-    )
+    fields |= {"model": "atlas", "info": {}}
+    held, sign = np.zeros(6, dtype=R.dtype), swimmer.tail.sign
+    drag[0, 0], drag[0, 3], held[0] = extra
+    made = Gait.from_rotation(R[0], F[0], G[0], sign=sign, body_R=drag, body_F=held, **fields)
     if swimmer.motion.frequency_frame == "lab":
         return made.in_lab_frame(swimmer.tail.rate, sign)
     return made

@@ -16,8 +16,8 @@ import numpy as np
 from microswim import checks
 from microswim.calibration import record
 from microswim.calibration.region import kriging
+from microswim.calibration.region.beats import SAMPLES
 from microswim.calibration.region.correction import Correction, features, fixed_numbers, words
-from microswim.calibration.region.evaluate import SAMPLES
 from microswim.calibration.region.fit import (
     Solved,
     columns_of,

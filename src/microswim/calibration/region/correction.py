@@ -14,13 +14,13 @@ from typing import Any
 import numpy as np
 
 from microswim.calibration.region import body_flow as shaded
-from microswim.calibration.region.evaluate import HALF, helices, twists, waves
+from microswim.calibration.region.beats import HALF
+from microswim.calibration.region.evaluate import matrices, twists
 from microswim.calibration.region.kriging import Surfaces
 from microswim.errors import SpecError
 from microswim.gait.gait import Gait
 from microswim.gait.one_pose import remark
 from microswim.numerics.array import read_only
-from microswim.numerics.fourier import MIRROR_R
 from microswim.swimmer import physical_sense
 from microswim.swimmer.geometry.tails import as_wave
 from microswim.swimmer.swimmer import Swimmer
@@ -205,7 +205,7 @@ class Correction:
             )
         helix = swimmer.tail.is_rigid
         inputs = self.inputs(swimmer)
-        R, F, G, extra = self._matrices(swimmer, *inputs)
+        R, F, G, extra = matrices(swimmer, *inputs, self.surfaces)
         missing = self.outside(swimmer)
         if missing:
             warnings.warn(
@@ -233,30 +233,10 @@ class Correction:
         body_R[0, 0], body_R[0, 3], body_F[0] = extra[0]
         sign = swimmer.tail.sign
         both = {"body_R": body_R, "body_F": body_F}
-        if sign < 0:
-            both = {"body_R": body_R * np.outer(MIRROR_R, MIRROR_R), "body_F": body_F * MIRROR_R}
         made = Gait.from_rotation(R[0, 0], F[0, 0], G[0, 0], sign=sign, **both, **common)
         if swimmer.motion.frequency_frame == "lab":
             return made.in_lab_frame(swimmer.tail.rate, sign)
         return made
-
-    def _matrices(self, many: Swimmer, Z: np.ndarray, N: np.ndarray) -> tuple[np.ndarray, ...]:
-        """R (n, m, 6, 6), F (n, m, 6), G (n, m) over the phases, and the body's share (n, 3)."""
-        n = len(Z)
-        p = np.ascontiguousarray(np.broadcast_to(shaded.parameters(many), (n, 11)))
-        drags = many.body.diagonal(many.fluid.viscosity)
-        D = np.stack([np.broadcast_to(d, (n,)) for d in drags], axis=-1)
-        mu = np.broadcast_to(many.fluid.viscosity, (n,))
-        kind = np.result_type(Z, p, D, mu, np.float64)
-        arrays = (np.ascontiguousarray(x, dtype=kind) for x in (p, D, mu, Z, N))
-        *packed, mean = self.surfaces.packed
-        turn = shaded.hand(many) > 0
-        run = (helices if turn else waves).over(n)
-        sizes = shaded.sizes(N)
-        R, F, G, extra = run(*arrays, sizes, *shaded.rules(int(sizes.max())), *packed, mean)
-        if turn and many.tail.sign < 0:
-            R, F = R * np.outer(MIRROR_R, MIRROR_R), F * MIRROR_R
-        return R, F, G, extra
 
     def solve(self, many: Swimmer, free: np.ndarray, phases: int) -> tuple[np.ndarray, ...]:
         """Return twists (n, m, 6), tail powers and drag times speed (n, m), per unit rate, of
@@ -264,7 +244,7 @@ class Correction:
 
         A helix at phase 0, a plane wave at `phases` over half a period.
         """
-        R, F, G, extra = self._matrices(many, *self.inputs(many))
+        R, F, G, extra = matrices(many, *self.inputs(many), self.surfaces)
         if many.tail.is_planar:
             R, F, G = (_finer(x, 2 * phases)[:, :phases] for x in (R, F, G))
         V = twists(np.ascontiguousarray(R), np.ascontiguousarray(F), free)

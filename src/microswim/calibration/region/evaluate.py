@@ -8,21 +8,21 @@ import numpy as np
 
 from microswim.calibration.region import body_flow as shaded
 from microswim.calibration.region import positive_definite as blocks
-from microswim.calibration.region.kriging import predict
+from microswim.calibration.region.beats import HALF, OTHER_HAND, PHASES, SAMPLES, beat, scales
+from microswim.calibration.region.kriging import Surfaces, predict
 from microswim.numerics.compiled import njit, prange
 from microswim.numerics.cores import loop
-from microswim.numerics.fourier import MIRROR_Q
+from microswim.numerics.fourier import MIRROR_Q, MIRROR_R
 from microswim.numerics.solve6 import solve
+from microswim.swimmer.swimmer import Swimmer
 
-SAMPLES = 12  #: phases over a period of a plane wave
-HALF = SAMPLES // 2
-PHASES = tuple(np.pi * np.arange(HALF) / HALF)
 BLOCK = 16  #: designs that share scratch arrays
 
 
 @loop()
 def helices(
-    p: Any, D: Any, mu: Any, Z: Any, N: Any, sizes: Any, ramp_rule: Any, xi: Any, weight: Any,
+    p: Any, D: Any, mu: Any, Z: Any, N: Any, size: Any, sizes: Any, ramp_rule: Any, xi: Any,
+    weight: Any,
     nodes: Any, tips: Any, lengths: Any, phasors: Any, cut: Any, alpha: Any, mean: Any,
 ) -> Any:  # fmt: skip
     """Return the corrected R, F, G of rigid helices at phase 0, and the axial force on the body."""
@@ -35,6 +35,8 @@ def helices(
         y, work = np.empty(len(mean), dtype=p.dtype), np.empty((2, alpha.shape[1]), dtype=p.dtype)
         for d in range(block * BLOCK, min(n, (block + 1) * BLOCK)):
             predict(y, Z[d], N[d], nodes, tips, lengths, phasors, cut, alpha, mean, work)
+            for i in range(len(mean)):
+                y[i] *= size[d, i]
             tail = shaded.table(p[d], sizes[d], ramp_rule, xi, weight)
             G0 = shaded.fill_base(R[d, 0], F[d, 0], p[d], D[d], tail, 0.0, 1.0)
             a = p[d, 8]
@@ -47,38 +49,10 @@ def helices(
     return R, F, G, extra
 
 
-@njit(cache=True)
-def scales(R0: Any, F0: Any, G0: Any) -> Any:
-    """Return scales of F_s, F_q, T_r and G of a plane wave, from samples over half a period."""
-    out = np.empty(4, dtype=R0.dtype)
-    thrust, power, across, turn = 0 * G0[0], 0 * G0[0], 0 * G0[0], 0 * G0[0]
-    for j in range(len(G0)):
-        thrust += F0[j, 0] / len(G0)
-        power += G0[j] / len(G0)
-        across += R0[j, 1, 1] / len(G0)
-        turn += R0[j, 5, 5] / len(G0)
-    out[0], out[3] = thrust, power
-    out[1], out[2] = np.sqrt(power * across), np.sqrt(power * turn)
-    return out
-
-
-@njit(cache=True)
-def beat(y: Any, phase: float) -> Any:
-    """Return corrections (16,) at a phase from the harmonics, packed as `region` fits them."""
-    out = np.empty(16, dtype=y.dtype)
-    c1, s1 = np.cos(phase), np.sin(phase)
-    c2, s2, c3, s3 = np.cos(2 * phase), np.sin(2 * phase), np.cos(3 * phase), np.sin(3 * phase)
-    for i in range(len(blocks.EVEN)):
-        out[blocks.EVEN[i]] = y[i] + c2 * y[10 + 2 * i] - s2 * y[11 + 2 * i]
-    for i in range(len(blocks.ODD)):
-        first = c1 * y[30 + 2 * i] - s1 * y[31 + 2 * i]
-        out[blocks.ODD[i]] = first + c3 * y[42 + 2 * i] - s3 * y[43 + 2 * i]
-    return out
-
-
 @loop()
 def waves(
-    p: Any, D: Any, mu: Any, Z: Any, N: Any, sizes: Any, ramp_rule: Any, xi: Any, weight: Any,
+    p: Any, D: Any, mu: Any, Z: Any, N: Any, size: Any, sizes: Any, ramp_rule: Any, xi: Any,
+    weight: Any,
     nodes: Any, tips: Any, lengths: Any, phasors: Any, cut: Any, alpha: Any, mean: Any,
 ) -> Any:  # fmt: skip
     """Return the corrected R, F, G of plane waves at uniform phases of the whole period."""
@@ -91,6 +65,8 @@ def waves(
         y, work = np.empty(len(mean), dtype=p.dtype), np.empty((2, alpha.shape[1]), dtype=p.dtype)
         for d in range(block * BLOCK, min(n, (block + 1) * BLOCK)):
             predict(y, Z[d], N[d], nodes, tips, lengths, phasors, cut, alpha, mean, work)
+            for i in range(len(mean)):
+                y[i] *= size[d, i]
             tail = shaded.table(p[d], sizes[d], ramp_rule, xi, weight)
             r, f, g = R[d, :HALF], F[d, :HALF], G[d, :HALF]
             for j in range(HALF):
@@ -118,3 +94,35 @@ def twists(R: Any, F: Any, free: Any) -> Any:
         for j in range(R.shape[1]):
             solve(A[d, j], V[d, j], free)
     return V
+
+
+def matrices(many: Swimmer, Z: Any, N: Any, surfaces: Surfaces, size: Any = None) -> tuple:
+    """Return R (n, m, 6, 6), F (n, m, 6), G (n, m) over the phases, and the body's share (n, 3).
+
+    Parameters
+    ----------
+    many
+        The designs, arrays of shape (n,) where they differ.
+    Z, N
+        Scaled features (n, f) and numbers of waves (n,).
+    surfaces
+        What predicts the corrections.
+    size
+        By what each correction is multiplied, (n, columns); one by default.
+    """
+    n = len(Z)
+    p = np.ascontiguousarray(np.broadcast_to(shaded.parameters(many), (n, 11)))
+    drags = many.body.diagonal(many.fluid.viscosity)
+    D = np.stack([np.broadcast_to(d, (n,)) for d in drags], axis=-1)
+    mu = np.broadcast_to(many.fluid.viscosity, (n,))
+    *packed, mean = surfaces.packed
+    size = np.ones((n, len(mean))) if size is None else size
+    kind = np.result_type(Z, p, D, mu, size, np.float64)
+    arrays = (np.ascontiguousarray(x, dtype=kind) for x in (p, D, mu, Z, N, size))
+    turn = shaded.hand(many) > 0
+    run = (helices if turn else waves).over(n)
+    sizes = shaded.sizes(N)
+    R, F, G, extra = run(*arrays, sizes, *shaded.rules(int(sizes.max())), *packed, mean)
+    if turn and many.tail.sign < 0:
+        R, F, extra = R * np.outer(MIRROR_R, MIRROR_R), F * MIRROR_R, extra * OTHER_HAND
+    return R, F, G, extra

@@ -11,16 +11,9 @@ from threadpoolctl import threadpool_limits
 from microswim.calibration.region import body_flow as shaded
 from microswim.calibration.region import kriging
 from microswim.calibration.region import positive_definite as blocks
+from microswim.calibration.region.beats import HALF, PHASES, SAMPLES, scales
 from microswim.calibration.region.correction import features
-from microswim.calibration.region.evaluate import (
-    HALF,
-    PHASES,
-    SAMPLES,
-    helices,
-    scales,
-    twists,
-    waves,
-)
+from microswim.calibration.region.evaluate import helices, twists, waves
 from microswim.calibration.region.kriging import Kriging, Surfaces
 from microswim.gait.gait import Gait
 from microswim.numerics.fourier import MIRROR_R, half_range, series_of
@@ -203,7 +196,7 @@ def _rebuilt(swimmer: Swimmer, y: np.ndarray) -> tuple[Any, Any]:
     none = np.zeros((1, 0)), np.zeros((2, 0)), np.zeros((1, 1)), np.zeros((1, 4)), np.array([0, 0])
     run = (helices if swimmer.tail.is_rigid else waves).alone
     rules = shaded.rules(int(most[0]))
-    far = np.zeros((1, 1)), np.zeros(1)
+    far = np.zeros((1, 1)), np.zeros(1), np.ones((1, len(y)))
     R, F, _, _ = run(*design, *far, most, *rules, *none, np.zeros((len(y), 0)), y)
     if swimmer.tail.sign < 0:
         R, F = R * np.outer(MIRROR_R, MIRROR_R), F * MIRROR_R

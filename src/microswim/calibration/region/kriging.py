@@ -18,9 +18,9 @@ from typing import Any
 
 import numpy as np
 
-from microswim.calibration.region.matern import matern
+from microswim.calibration.region.matern import matern, matern_of_arrays
 from microswim.numerics.array import read_only
-from microswim.numerics.compiled import FAST, njit
+from microswim.numerics.compiled import FAST, compiled
 
 PHASORS = 3
 NOISE = (1e-11, 1e-2)  # variance of the noise over that of the signal
@@ -28,13 +28,15 @@ NOISE = (1e-11, 1e-2)  # variance of the noise over that of the signal
 
 def covariance(A: Any, NA: Any, B: Any, NB: Any, lengths: Any, phasors: Any, real: bool) -> Any:
     """Return prior covariance of two sets of designs, features (n, f) and numbers of waves (n,)."""
-    d = (A[:, None, :] - B[None, :, :]) / lengths
+    r2 = np.zeros((len(A), len(B)))
+    for a, b in zip((A / lengths).T, (B / lengths).T):
+        r2 += (a[:, None] - b) ** 2
     turn = 2.0 * np.pi * (NA[:, None] - NB[None, :])
     wave: Any = 1.0
     for m, a in enumerate(phasors, 1):
         if a > 0:
             wave = wave + a * (np.cos(m * turn) if real else np.exp(-1j * m * turn))
-    return matern(np.sum(d * d, axis=-1)) * wave
+    return matern_of_arrays(r2) * wave
 
 
 @read_only
@@ -103,7 +105,7 @@ class Kriging:
         return self.alpha / own[:, None], 1.0 / own
 
 
-@njit(cache=True)
+@compiled(always=True)
 def doubts(cross: Any, F: Any, one: Any, top: float, noise: float) -> Any:
     """Return variance of the process at designs, its mean estimated, at least that of the noise.
 
@@ -200,7 +202,7 @@ def conditioned(Z: Any, N: Any, Y: Any, lengths: Any, phasors: Any, noise: float
     return Kriging(Z, N, lengths, phasors, noise, alpha, mean, variance)
 
 
-@njit(cache=True, fastmath=FAST, error_model="numpy")
+@compiled(always=True, fastmath=FAST, error_model="numpy")
 def predict(
     out: Any,
     z: Any,
@@ -255,7 +257,7 @@ def predict(
                 out[j + 1] += imag
 
 
-@njit(cache=True)
+@compiled(always=True)
 def crossings(z: Any, waves: Any, Z: Any, tips: Any, lengths: Any, phasors: Any) -> Any:
     """Return the prior covariance (groups, n) of one design with those solved, as in `predict`."""
     out = np.empty((lengths.shape[0], Z.shape[1]), dtype=np.complex128)
@@ -311,6 +313,11 @@ class Surfaces:
     @cached_property
     def _typical(self) -> list[float]:
         return [float(np.mean(g.left_out()[1])) for g in self.groups]
+
+    @cached_property
+    def in_lengths(self) -> list[np.ndarray]:
+        """Features (f, n) of the designs in lengths of each group's kernel."""
+        return [np.ascontiguousarray((g.Z / g.lengths).T) for g in self.groups]
 
     @cached_property
     def packed(self) -> tuple[np.ndarray, ...]:

@@ -121,7 +121,7 @@ def decode_helix(y: Any, R: Any, F: Any, G: Any, a: Any, mu: Any, D: Any) -> Any
 def _ldl(R: Any, plane: Any) -> Any:
     """Diagonal (3,) and the three entries of L below it (10, 20, 21)."""
     i, j, k = plane
-    d, l = np.empty(3, dtype=R.dtype), np.empty(3, dtype=R.dtype)
+    d, l = np.empty((3, *R.shape[2:]), R.dtype), np.empty((3, *R.shape[2:]), R.dtype)
     d[0] = R[i, i]
     l[0], l[1] = R[j, i] / d[0], R[k, i] / d[0]
     d[1] = R[j, j] - l[0] ** 2 * d[0]

@@ -150,16 +150,21 @@ def in_a_row(arc: bool, p: Any, phases: Any, ramp_rule: Any, rule: Any) -> Any:
     return R, F, G
 
 
+def fill_rows(nodes: Any, p: Any, ramp_rule: Any, rule: Any) -> None:
+    """Fill nodes as `fill_nodes`, all at once, of designs p (11, ...); rules are (nodes, ...)."""
+    n = len(ramp_rule[0])
+    fill_ramp.written(nodes[:, None, :n], p, [x[None] for x in ramp_rule])
+    fill_rest.written(nodes[:, None, n:], p, [x[None] for x in rule])
+    nodes[4], nodes[5] = cosine_sine.written(p[WAVENUMBER] * (nodes[0] - p[OFFSET]))
+
+
 def side_by_side(arc: bool, p: Any, phases: Any, ramp_rule: Any, rule: Any) -> Any:
     """Return `wave_phases` as Python, all phases at once, and all designs of p (11, n): (m, 6, 6,
     n)...
     """
-    each, m, n = p.shape[1:], phases.size, ramp_rule[0].size
-    nodes = np.empty((6, n + rule[0].size, *each), dtype=p.dtype)
-    in_rows = [[x.reshape(1, -1, *[1] * len(each)) for x in r] for r in (ramp_rule, rule)]
-    fill_ramp.written(nodes[:, None, :n], p, in_rows[0])
-    fill_rest.written(nodes[:, None, n:], p, in_rows[1])
-    nodes[4], nodes[5] = cosine_sine.written(p[WAVENUMBER] * (nodes[0] - p[OFFSET]))
+    each, m = p.shape[1:], phases.size
+    nodes = np.empty((6, ramp_rule[0].size + rule[0].size, *each), dtype=p.dtype)
+    fill_rows(nodes, p, *([x.reshape(-1, *[1] * len(each)) for x in r] for r in (ramp_rule, rule)))
     R, F, G = (np.zeros((*s, m, *each), dtype=p.dtype) for s in ((6, 6), (6,), ()))
     at = phases.reshape(-1, *[1] * len(each))
     width = max(1, SIDE_BY_SIDE // max(1, G.size))

@@ -18,7 +18,8 @@ from microswim.swimmer.swimmer import Swimmer
 
 def describe(swimmer: Swimmer) -> dict[str, Any]:
     """Return the swimmer as the tables of a spec file, plain numbers and strings only."""
-    tags = TAGS | {"coefficients": "law"}
+    chosen = not isinstance(swimmer.coefficients, Unchosen)  # else the file shall choose no law
+    tags = TAGS | ({"coefficients": "law"} if chosen else {})
     tables: dict[str, Any] = {}
     for part in swimmer.parts:
         owner = getattr(swimmer, part)
@@ -45,7 +46,7 @@ def to_tables(swimmer: Swimmer) -> dict[str, Any]:
     units = tables.pop("units")
     law = swimmer.coefficients
     if isinstance(law, Unchosen) and law.is_usual:
-        del tables["coefficients"]  # nobody chose a law, and the file shall not
+        del tables["coefficients"]
     written: dict[str, Any] = {
         part: {name: _written(unit_of(f"{part}.{name}", units), v) for name, v in table.items()}
         for part, table in tables.items()

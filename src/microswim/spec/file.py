@@ -224,7 +224,7 @@ def _build(spec: SpecTable, units: Literal["SI", "dimensionless"], trusted: Trus
     elif spec.tail.kind == "waveform":
         tail = beat.tail_fields(tail, units)
     applied = _given(spec.field) if spec.field is not None else {}
-    chosen = bool(law)
+    chosen = "law" in law
     name = law.pop("law", "lighthill")
     if name == "constant" and not {"normal", "tangential"} <= law.keys():
         raise SpecError(
@@ -236,7 +236,7 @@ def _build(spec: SpecTable, units: Literal["SI", "dimensionless"], trusted: Trus
         body=SHAPES[body.pop("shape")](**body),
         tail=TAILS[tail.pop("kind")](**tail),
         fluid=Fluid(**_given(spec.fluid)),
-        coefficients=LAWS[name](**law) if chosen else Unchosen(),
+        coefficients=LAWS[name](**law) if chosen else Unchosen(**law),
         interaction=Interaction(**_given(spec.interaction)),
         motion=Motion(**_given(spec.motion)),
         units=units,

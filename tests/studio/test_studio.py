@@ -152,6 +152,26 @@ def test_the_gait_that_travels_is_the_gait(app, spec):
     assert sent["rate"] == pytest.approx(gait.rate)
 
 
+def test_who_chose_no_law_is_answered_by_the_atlas_again_and_again(app):
+    """What the page sends back is the same swimmer: nobody has chosen a law since."""
+    open_ = {name: table for name, table in HELIX.items() if name != "coefficients"}
+    made = answers.solve(answers.solve(open_)["tables"])
+    assert made["gait"]["model"] == "atlas"
+    told = from_dict(open_).gait("auto").info["expected_error"]
+    assert made["errors"]["swimming_speed"] == made["expected_error"] == pytest.approx(told["us"])
+    assert made["errors"]["body_rate"] == pytest.approx(told["os"])
+    map_ = answers.map_(open_, X, Y)
+    assert map_["model"] == "atlas"
+    assert all(e is not None and 0 < e < 0.2 for e in map_["expected_error"])
+    chosen = {**made["tables"], "coefficients": {"law": "cox"}}
+    assert answers.solve(chosen)["gait"]["model"] == "rft"
+
+
+@pytest.mark.parametrize("name", ["tabak/helix", "goto/A"])
+def test_presets_keep_the_model_of_the_paper(name):
+    assert answers.solve(tomllib.loads(presets.read(name)))["gait"]["model"] == "rft"
+
+
 @pytest.mark.parametrize("name", presets.names())
 def test_canonical_tables_and_toml_say_the_same_swimmer(name):
     swimmer = ms.Swimmer.preset(name)

@@ -15,12 +15,14 @@ from typing import Any
 
 import numpy as np
 
+from microswim.calibration.atlas import choice
+from microswim.calibration.atlas.everywhere import everywhere
 from microswim.calibration.atlas.expected import expected_error
 from microswim.errors import SpecError
 from microswim.gait.gait import Gait
 from microswim.gait.quantities import NUMBERS, QUANTITIES, numbers
 from microswim.gait.stepping import pack
-from microswim.models.rft.batch import evaluate, is_regular
+from microswim.models.rft.batch import evaluate, expected_errors, is_regular
 from microswim.numerics.plain import plain
 from microswim.spec.toml import to_toml
 from microswim.studio import bounds as around
@@ -35,6 +37,15 @@ MAP_OUTPUTS = ("swimming_speed", "efficiency", "mean_power", "mean_torque", "bod
 MOST_DESIGNS = 4000
 MOST_SINGLY = (12, 9)  #: values along the sides where symmetry does not help and each design counts
 PIECE = 500  #: designs between two looks at the budget
+#: Readings that are as far off as a velocity.
+MEASURES = {
+    "swimming_speed": "us",
+    "forward_velocity": "us",
+    "lateral_amplitude": "uq",
+    "yaw_amplitude": "or",
+    "body_rate": "os",
+    "body_rate_hz": "os",
+}
 TOLERANCE = 1e-3  #: of the quadrature of a map
 PHASES = 16  #: over half a period of a plane wave, as in maps
 FELT = 1e-9  #: harmonics below this share of the largest do not travel
@@ -42,7 +53,7 @@ KERNELS = threading.Lock()  #: the batched kernels are parallel already: one cal
 
 
 def solve(tables: Any, name: str = "design") -> dict[str, Any]:
-    """Return everything the page shows about one design by the surrogate.
+    """Return everything the page shows about one design, by the atlas or the surrogate.
 
     Raises
     ------
@@ -67,7 +78,12 @@ def solve(tables: Any, name: str = "design") -> dict[str, Any]:
 
 
 def surrogate(swimmer: Swimmer) -> Gait:
-    """Return the gait by resistive force theory, resolved as far as an eye and five digits need."""
+    """Return the gait by the atlas where `auto` takes it, else by resistive force theory.
+
+    Resolved as far as an eye and five digits need.
+    """
+    if not choice.not_atlas(swimmer):
+        return swimmer.gait("atlas")
     plain = swimmer.tail.is_rigid or swimmer.region is not None
     phases: dict[str, Any] = {} if plain else {"phases": PHASES}
     return swimmer.gait(**phases)
@@ -120,16 +136,22 @@ def _magnet(swimmer: Swimmer) -> dict[str, Any]:
 
 
 def trust(swimmer: Swimmer, gait: Gait) -> dict[str, Any]:
-    """Return how far u_s may be off, how that is known, and where a calibration comes from."""
+    """Return how far the velocities may be off, how that is known, and whence a calibration is."""
     error = gait.info.get("expected_error")  # of a region: one standard deviation
-    how = "one standard deviation of the calibration over a region"
+    how, errors = "one standard deviation of the calibration over a region", {"us": error}
     if swimmer.region is None:
-        found = expected_error(swimmer, gait)
-        error, how = found["us"], str(found["how"])
+        errors = expected_error(swimmer, gait)
+        error, how = errors["us"], str(errors["how"])
     made = swimmer.calibration
     told = {"here": not (made.away(swimmer) or made.changed(swimmer)),
             "lines": made.lines(swimmer)} if made else None  # fmt: skip
-    return {"expected_error": plain(error), "how": how, "calibration": told}
+    beside = {name: errors.get(of) for name, of in MEASURES.items()}
+    return {
+        "expected_error": plain(error),
+        "errors": plain(beside),
+        "how": how,
+        "calibration": told,
+    }
 
 
 def readings(swimmer: Swimmer, gait: Gait) -> dict[str, Any]:
@@ -196,13 +218,30 @@ def map_(tables: Any, x: Any, y: Any) -> dict[str, Any]:
         raise SpecError("map", f"{fx} and {fy}", "two different numbers")
     if not is_regular(swimmer, {fx: X, fy: Y}):
         X, Y = (np.linspace(v[0], v[-1], min(v.size, n)) for v, n in zip((X, Y), MOST_SINGLY))
-    results = _grid(swimmer, fx, X, fy, Y)
+    results, serves = _served(swimmer, fx, X, fy, Y)
     values = {k: [_short(v) for v in results[k]] for k in MAP_OUTPUTS}
-    made = {"x": X.tolist(), "y": Y.tolist(), "values": values, "inside": None}
+    made = {"x": X.tolist(), "y": Y.tolist(), "values": values, "inside": None, "model": serves}
+    made["expected_error"] = [_short(v) for v in results["expected_error"]]
     if swimmer.region is not None:
         made["inside"] = {"x": _calibrated(swimmer, fx), "y": _calibrated(swimmer, fy)}
     made["milliseconds"] = 1e3 * (time.perf_counter() - start)
     return made
+
+
+def _served(
+    swimmer: Swimmer, fx: str, X: Any, fy: str, Y: Any
+) -> tuple[dict[str, np.ndarray], str]:
+    """Outputs and expected errors over a grid, and the model: the atlas where it holds anywhere.
+
+    Where it does not hold beside that there is no answer: two models on one map would make a cliff.
+    """
+    own = any(name.startswith(("interaction.", "coefficients.")) for name in (fx, fy))
+    by_atlas = None if own else everywhere(swimmer)
+    if by_atlas is not None:
+        results = _grid(by_atlas, fx, X, fy, Y)
+        if np.isfinite(results["swimming_speed"]).any():
+            return results, "atlas"
+    return _grid(swimmer, fx, X, fy, Y), "rft"
 
 
 def _calibrated(swimmer: Swimmer, field: str) -> list[float] | None:
@@ -223,7 +262,11 @@ def _grid(swimmer: Swimmer, fx: str, X: Any, fy: str, Y: Any) -> dict[str, np.nd
         budget.check()
         with KERNELS:
             pieces.append(evaluate(swimmer, {fx: gx[rows], fy: gy[rows]}, tolerance=TOLERANCE))
+            if swimmer.region is not None:
+                own = expected_errors(swimmer, {fx: gx[rows], fy: gy[rows]})
+                pieces[-1]["expected_error"] = own
     made = {name: np.concatenate([piece[name] for piece in pieces]) for name in pieces[0]}
+    made.setdefault("expected_error", np.full(gx.size, np.nan))
     return {**made, "body_rate_hz": QUANTITIES["body_rate_hz"].of(SimpleNamespace(**made))}
 
 
@@ -245,7 +288,7 @@ def optimum(tables: Any, x: Any, y: Any, output: str, zooms: int = 5) -> dict[st
     ends = (X[0], X[-1]), (Y[0], Y[-1])
     best = None
     for _ in range(zooms):
-        value = np.abs(_grid(swimmer, fx, X, fy, Y)[output])
+        value = np.abs(_served(swimmer, fx, X, fy, Y)[0][output])
         if np.isnan(value).all():
             break
         j, i = map(int, np.unravel_index(np.nanargmax(value), (Y.size, X.size)))

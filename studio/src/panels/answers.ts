@@ -3,6 +3,7 @@
 import { digits, el, reading } from "../state/dom";
 import { called } from "../state/words";
 import type { Store } from "../state/store";
+import type { Answer } from "../state/types";
 
 const LISTED = ["forward_velocity", "body_rate_hz", "lateral_amplitude", "path_radius", "efficiency", "mean_torque", "mean_power"];
 
@@ -33,7 +34,7 @@ export class Answers {
       el("div", { class: "caption" }, called("swimming_speed").label),
       el("div", { class: "figure" },
         el("span", { "data-reading": "swimming_speed", "data-value": String(r.swimming_speed) }, n),
-        el("small", {}, unit)),
+        el("small", {}, unit, answer === this.store.design.answer ? this.off(answer, "swimming_speed") : null)),
       el("div", { class: "under" },
         el("b", { "data-reading": "body_lengths_per_time", "data-value": String(r.body_lengths_per_time) }, l),
         answer.dimensional ? " body lengths per second" : " body lengths per unit time",
@@ -52,12 +53,19 @@ export class Answers {
     return el("div", { class: "heads" }, el("span", { class: "caption" }, "Compare"), ...heads);
   }
 
+  /** Expected error of a reading, where it is as far off as a velocity. */
+  private off(answer: Answer, name: string): HTMLElement | null {
+    const error = answer.readings[name] ? answer.errors[name] : null;
+    return error ? el("small", { class: "off", title: answer.how }, ` ± ${digits(100 * error, 2)} %`) : null;
+  }
+
   private row(name: string): HTMLElement[] {
     const cells = this.store.designs.map((d) => {
       const answer = this.store.shown(d);
       const value = answer.readings[name];
       const [n, unit] = reading(name, value, answer.dimensional);
-      return el("dd", { "data-reading": name, "data-value": String(value) }, n, unit ? el("small", {}, ` ${unit}`) : null);
+      const beside = answer === d.answer ? this.off(answer, name) : null;
+      return el("dd", { "data-reading": name, "data-value": String(value) }, n, unit ? el("small", {}, ` ${unit}`) : null, beside);
     });
     return [el("dt", { title: called(name).meaning }, called(name).label), ...cells];
   }
@@ -92,6 +100,7 @@ export class Answers {
       return el("div", { class: `trust ${fresh ? "good" : "open"}`, id: "trust" }, el("i"), text);
     }
     const { around, expected_error: error, how, region, calibration: made } = design.answer;
+    const who = design.answer.gait.model === "atlas" ? "Atlas" : "Surrogate";
     if (around && !made?.here) {
       const what = around.kind === "wall" ? "wall" : "channel";
       const title = "Local resistance is that of free fluid; ask the judge, then calibrate here.";
@@ -103,9 +112,9 @@ export class Answers {
       || "No reference has been asked; ask the judge, then calibrate here.";
     if (error === null) {
       const grade = !made ? "open" : made.here ? "good" : "fair";
-      return el("div", { class: `trust ${grade}`, id: "trust", title }, el("i"), `Surrogate${where || ", not calibrated"}`);
+      return el("div", { class: `trust ${grade}`, id: "trust", title }, el("i"), `${who}${where || ", not calibrated"}`);
     }
     const grade = error < 0.05 ? "good" : error < 0.2 ? "fair" : "poor";
-    return el("div", { class: `trust ${grade}`, id: "trust", title }, el("i"), `Surrogate${where}: expected error ${digits(100 * error, 2)} %`);
+    return el("div", { class: `trust ${grade}`, id: "trust", title }, el("i"), `${who}${where}: expected error ${digits(100 * error, 2)} %`);
   }
 }

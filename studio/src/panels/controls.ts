@@ -152,13 +152,14 @@ export class Controls {
   }
 
   private choice(path: string): HTMLElement {
-    const options = field(path)!.choices;
+    const none: [string, string][] = path === "coefficients.law" ? [["", "none chosen"]] : [];
+    const options = [...none, ...field(path)!.choices];
     const { store } = this;
     const set = (value: string): void => this.choose(path, value);
     if (options.length > 2) {
       const select = el("select", { "data-field": path, "aria-label": label(path) }, ...options.map(([v, t]) => el("option", { value: v }, t)));
       select.addEventListener("change", () => set(select.value));
-      this.rows.push(() => (select.value = String(read(store.design.tables, path))));
+      this.rows.push(() => (select.value = String(read(store.design.tables, path) ?? "")));
       return el("div", { class: "row choice" }, el("label", { title: field(path)?.help }, label(path)), select);
     }
     const buttons = options.map(([value, text]) => {
@@ -204,7 +205,8 @@ export class Controls {
     const { store } = this;
     const tables: Tables = structuredClone(store.design.tables);
     const [part, name] = path.split(".");
-    tables[part][name] = value;
+    if (value === "") delete tables[part][name];
+    else tables[part][name] = value;
     if (path === "body.shape") tables.body = bodyOf(value, store.design.answer.shape.semi_axes, tables);
     if (path === "tail.kind") for (const k of ["handedness", "sections", "surface_motion"]) delete tables.tail[k];
     if (path === "tail.kind" && value !== "helix" && tables.motion?.frequency_frame === "lab") tables.motion.frequency_frame = "body";

@@ -53,6 +53,8 @@ export interface Answer {
   readings: Readings;
   /** of u_s, relative; null: not known; and how it is known */
   expected_error: number | null;
+  /** the same of readings that are as far off as a velocity */
+  errors: Record<string, number | null>;
   how: string;
   /** where the coefficients come from, and whether this is the design they were found at */
   calibration: { here: boolean; lines: string[] } | null;

@@ -113,7 +113,10 @@ def _margins(report: dict[str, Any], said: Said) -> list[str]:
 def _notes(report: dict[str, Any], said: Said, objective: str) -> list[str]:
     lines = []
     if report["inside_calibrated_neighbourhood"] is None:
-        lines.append("not calibrated: --reference bem tells how far the surrogate is off")
+        error = report["expected_error"]
+        off = "not known" if error is None else f"± {100.0 * error:.2g} %"
+        lines.append(f"model {report['model']}, error of u_s {off}: {report['remarks'][0]}")
+        lines += report["remarks"][1:]
     elif report["inside_calibrated_neighbourhood"]:
         lines.append(
             f"calibrated here, expected error {100 * (report['expected_error'] or 0):.2g} %"

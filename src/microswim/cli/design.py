@@ -66,6 +66,13 @@ FILES = (
     help='"mean_torque<=150, body_rate<=0.5"; with units: "mean_torque<=2 nN m".',
 )
 @click.option(
+    "--model",
+    type=click.Choice(["auto", "rft", "atlas"]),
+    default="auto",
+    show_default=True,
+    help="What searches; auto: the atlas where it holds and the spec chooses no law, else rft.",
+)
+@click.option(
     "--reference", "--verify", type=click.Choice(["bem", "fem"]), help="Judge, calibrate, repeat."
 )
 @click.option("--tolerance", default=0.05, show_default=True, help="Miss accepted by --reference.")
@@ -127,6 +134,7 @@ def _one(asked: dict[str, Any]) -> dict[str, Any]:
     names = ("maximize", "minimize")
     return {k: asked[k][0] if asked[k] else None for k in names} | {
         "subject_to": asked["subject_to"],
+        "model": asked["model"],
         "seed": asked["seed"],
     }
 
@@ -144,10 +152,10 @@ def _optimum(given: Given, over: Any, asked: dict[str, Any]) -> Found:
         **_one(asked),
         **options,
     )
-    return best.as_dict(), partial(_pictures, given, best)
+    return best.as_dict(), partial(_pictures, given, best, asked["model"])
 
 
-def _pictures(given: Given, best: Any, out: Path) -> None:
+def _pictures(given: Given, best: Any, model: Any, out: Path) -> None:
     from microswim.output.plots import design as plots_design
     from microswim.spec.describe import to_tables
     from microswim.spec.toml import to_toml
@@ -165,7 +173,7 @@ def _pictures(given: Given, best: Any, out: Path) -> None:
         axes = {k: np.linspace(best.ranges[k][0], best.ranges[k][1], 41) for k in ranges}
         mapped = ("efficiency", "mean_power", "mean_torque")
         shown = best.objective if best.objective in mapped else "swimming_speed"
-        result = sweep(best.swimmer, axes)
+        result = sweep(best.swimmer, axes, model)
         write(out / "map.nc", netcdf(result.drop_attrs()))
         _save(plots_design.design_map(result, shown, optimum=best), out / "map.png")
 
@@ -184,6 +192,7 @@ def _front(given: Given, over: Any, asked: dict[str, Any]) -> Found:
         asked["maximize"],
         asked["minimize"],
         subject_to=asked["subject_to"],
+        model=asked["model"],
         seed=asked["seed"],
     )
     columns = {str(k): v.values.tolist() for k, v in result.variables.items() if v.ndim}
@@ -207,8 +216,9 @@ def _robust(given: Given, over: Any, asked: dict[str, Any]) -> Found:
     uncertain = spreads(asked["uncertain"], given.swimmer.units)
     more = {"quantile": asked["quantile"], "least_yield": asked["least_yield"]}
     best = robust_design(given.swimmer, over, uncertain=uncertain, **more, **_one(asked))
-    made = robustness(best.swimmer, uncertain, subject_to=asked["subject_to"])
-    blame = sobol_indices(best.swimmer, uncertain, best.objective)
+    model: Any = best.model if asked["model"] == "auto" else asked["model"]
+    made = robustness(best.swimmer, uncertain, subject_to=asked["subject_to"], model=model)
+    blame = sobol_indices(best.swimmer, uncertain, best.objective, model=model)
     shares = {
         str(n): {"first": float(a), "total": float(b)}
         for n, a, b in zip(blame.name.values, blame.first.values, blame.total.values)
@@ -218,13 +228,13 @@ def _robust(given: Given, over: Any, asked: dict[str, Any]) -> Found:
         "yield_error": made.attrs["yield_error"],
         "sobol_indices": shares,
     }
-    return best.as_dict() | found, partial(_robust_files, given, best, made, blame)
+    return best.as_dict() | found, partial(_robust_files, given, best, made, blame, asked["model"])
 
 
-def _robust_files(given: Given, best: Any, made: Any, blame: Any, out: Path) -> None:
+def _robust_files(given: Given, best: Any, made: Any, blame: Any, model: Any, out: Path) -> None:
     from microswim.output.plots import design as plots_design
 
-    _pictures(given, best, out)
+    _pictures(given, best, model, out)
     merit = best.objective if best.objective in made else "swimming_speed"
     picture = plots_design.robustness(made, merit, best.quantities[merit])
     _save(picture, out / "yield.png")

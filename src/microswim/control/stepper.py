@@ -108,7 +108,7 @@ class Stepper:
 
     @classmethod
     @checks.given(swimmer=checks.swimmer, model=checks.text)
-    def of(cls, swimmer: Swimmer, model: doors.Model = "rft", **options: Any) -> Stepper:
+    def of(cls, swimmer: Swimmer, model: doors.Model = "auto", **options: Any) -> Stepper:
         """Return stepper of a swimmer that feels the strain of a flow; options as of the class."""
         return cls(swimmer.gait(model), swimmer, **options)
 

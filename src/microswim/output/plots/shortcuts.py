@@ -19,5 +19,5 @@ def of_gait(gait: Gait) -> Figure:
 
 
 def of_swimmer(swimmer: Swimmer) -> Figure:
-    """Return the figure of the swimmer to scale and its path by the surrogate."""
-    return trajectory(dataset(swimmer, swimmer.gait()), swimmer.settled)
+    """Return the figure of the swimmer to scale and its path by the model that serves it."""
+    return trajectory(dataset(swimmer, swimmer.gait("auto")), swimmer.settled)

@@ -25,6 +25,7 @@ MISS = "a relative miss above 0 and at most 1"
     maximize=checks.text,
     minimize=checks.text,
     subject_to=checks.words,
+    model=checks.one_of("auto", "rft", "atlas"),
     seed=checks.at_least(0),
     samples=checks.at_least(1),
     reference=checks.one_of("bem", "fem"),
@@ -39,6 +40,7 @@ def design(
     *,
     minimize: str | None = None,
     subject_to: Any = "",
+    model: Literal["auto", "rft", "atlas"] = "auto",
     seed: int = 0,
     samples: int | None = None,
     reference: Literal["bem", "fem"] | None = None,
@@ -60,6 +62,9 @@ def design(
         numbers of the spec, such as ``"swimming_speed / mean_torque"``.
     subject_to
         Constraints: ``"mean_torque <= 300, 0.1 <= body_rate <= 0.5"``.
+    model
+        What searches: the atlas where it serves, else the surrogate (``"auto"``), or one of them.
+        The atlas is searched where it holds; ``remarks`` of the outcome say if that is not all.
     seed
         Of the random starts.
     samples
@@ -99,7 +104,7 @@ def design(
     """
     begun = time.perf_counter()
     _check_options(reference, dict(options))
-    problem = Problem.of(swimmer, over, maximize, minimize, subject_to)
+    problem = Problem.of(swimmer, over, maximize, minimize, subject_to, model)
     if len(problem.objectives) != 1:
         raise SpecError("design: one objective; for a trade-off of several use pareto")
     if reference is not None:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, Literal
 
 import numpy as np
 
@@ -27,6 +27,7 @@ WORST = 1e30
     maximize=checks.words,
     minimize=checks.words,
     subject_to=checks.words,
+    model=checks.one_of("auto", "rft", "atlas"),
     population=checks.at_least(2),
     generations=checks.at_least(1),
     seed=checks.at_least(0),
@@ -39,6 +40,7 @@ def pareto(
     minimize: Any = (),
     *,
     subject_to: Any = "",
+    model: Literal["auto", "rft", "atlas"] = "auto",
     population: int = 100,
     generations: int = 80,
     seed: int = 0,
@@ -47,7 +49,7 @@ def pareto(
 
     Parameters
     ----------
-    swimmer, over, subject_to
+    swimmer, over, subject_to, model
         As in `design`.
     maximize, minimize
         Expressions, two or three together.
@@ -57,8 +59,9 @@ def pareto(
     Returns
     -------
     xarray.Dataset
-        Over ``design``, sorted by the first objective: the objectives, what varied, and every
-        merit. The attribute ``objectives`` lists them with their sense.
+        Over ``design``, sorted by the first objective: the objectives, what varied, every merit,
+        and the ``expected_error`` of u_s where atlas or a region answered. The attribute
+        ``objectives`` lists them with their sense.
 
     Raises
     ------
@@ -80,7 +83,7 @@ def pareto(
     >>> bool((front.swimming_speed.diff("design") >= 0).all())
     True
     """
-    problem = Problem.of(swimmer, over, maximize, minimize, subject_to)
+    problem = Problem.of(swimmer, over, maximize, minimize, subject_to, model)
     if not 2 <= len(problem.objectives) <= 3:
         raise SpecError(
             "pareto: two or three objectives, such as maximize swimming_speed, minimize mean_torque"
@@ -159,10 +162,14 @@ def _front(problem: Problem, population: int, generations: int, seed: int) -> np
 def _table(problem: Problem, picked: Any, variant: Problem, x: np.ndarray, F: np.ndarray) -> Any:
     import xarray as xr
 
+    from microswim.models.rft.batch import expected_errors
+
     numbers = variant.numbers(x)
     merits = of_many(variant.swimmer, numbers) if numbers else {}
     n = len(x)
     data = {name: ("design", merits[name]) for name in MERITS if name in merits}
+    if variant.swimmer.region is not None and numbers:
+        data["expected_error"] = ("design", expected_errors(variant.swimmer, numbers))
     for i, (objective, sense) in enumerate(problem.objectives):
         data[objective.text] = ("design", sense * F[:, i])
     coords: dict[str, Any] = {name: ("design", v) for name, v in numbers.items()}

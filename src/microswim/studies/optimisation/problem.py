@@ -14,9 +14,12 @@ from typing import Any
 
 import numpy as np
 
+from microswim import checks
+from microswim.calibration.atlas.everywhere import everywhere
 from microswim.errors import MicroswimError, SpecError
 from microswim.models.rft.batch import PHASES
 from microswim.numerics.complex_step import STEP, derivative_from
+from microswim.numerics.sobol import points
 from microswim.spec.values import all_from_python
 from microswim.studies.optimisation.expressions import Constraint, Expression, constraints, parse
 from microswim.studies.optimisation.limits import in_si
@@ -26,6 +29,8 @@ from microswim.swimmer.geometry.tails import TAILS, WaveTail
 from microswim.swimmer.swimmer import Swimmer
 from microswim.swimmer.variants import KINDS, check_names, vary
 
+MODELS = ("auto", "rft", "atlas")
+PROBES = 256  #: designs that tell whether the atlas holds in the ranges
 COARSE = 1e-5  # tolerance of the kernel while searching
 
 
@@ -45,6 +50,10 @@ class Problem:
         What is to be made large, each with its sense (+1 large, -1 small).
     limits
         The constraints, those of buildability included.
+    model
+        ``"auto"``: the atlas where it serves, else the surrogate; or one of the two.
+    covered
+        Share of the ranges in which the model holds.
     """
 
     swimmer: Swimmer
@@ -52,10 +61,18 @@ class Problem:
     choices: Mapping[str, tuple[Any, ...]]
     objectives: tuple[tuple[Expression, float], ...]
     limits: tuple[Constraint, ...]
+    model: str = "auto"
+    covered: float = 1.0
 
     @classmethod
     def of(
-        cls, swimmer: Swimmer, over: Any, maximize: Any, minimize: Any, subject_to: Any
+        cls,
+        swimmer: Swimmer,
+        over: Any,
+        maximize: Any,
+        minimize: Any,
+        subject_to: Any,
+        model: str = "auto",
     ) -> Problem:
         """Return the problem from what a user says.
 
@@ -64,6 +81,7 @@ class Problem:
         SpecError
             If a name is unknown, a range is empty, or there is nothing to make large or small.
         """
+        checks.choice("model", model, MODELS)
         check_names(swimmer, over)
         over = all_from_python(over, swimmer.units)
         ranges, choices = {}, {}
@@ -86,6 +104,7 @@ class Problem:
             choices,
             tuple((parse(t, names), sense) for t, sense in wanted),
             constraints(in_si(text, swimmer), names),
+            model,
         )
 
     @property
@@ -113,10 +132,32 @@ class Problem:
                 continue
             found = True
             swimmer = in_terms_of(swimmer, self.ranges)
-            limits = self.limits + _buildable(swimmer)
-            yield picked, replace(self, swimmer=swimmer, choices={}, limits=limits)
+            yield picked, replace(self, swimmer=swimmer, choices={}).by_model()
         if not found and complaint is not None:
             raise complaint
+
+    def by_model(self) -> Problem:
+        """Return the problem as its model answers it, constraints of buildability added.
+
+        The atlas serves where it holds for some of the ranges, and keeps to those.
+
+        Raises
+        ------
+        SpecError
+            If the atlas is asked for and does not serve.
+        """
+        plain = replace(self, limits=self.limits + _buildable(self.swimmer))
+        own = any(name.startswith(("interaction.", "coefficients.")) for name in self.ranges)
+        served = None if own or self.model == "rft" else everywhere(self.swimmer)
+        if served is not None:
+            made = replace(self, swimmer=served, limits=self.limits + _buildable(served))
+            goals, _ = made.many(points(PROBES, max(1, len(self.ranges)), 0))
+            covered = float(np.isfinite(goals).all(axis=1).mean())
+            if covered > 0.0:
+                return replace(made, covered=covered)
+        if self.model == "atlas":
+            raise SpecError("model", "atlas", "another one: it holds nowhere in these ranges")
+        return plain
 
     def _repeats(self, picked: dict[str, Any]) -> bool:
         """A plane wave has no hand: one of the two is enough."""
@@ -204,6 +245,6 @@ def _buildable(swimmer: Swimmer) -> tuple[Constraint, ...]:
         texts.append("crowding <= 0.999")
     if tail.length_measure == "arc" and tail.waves is not None:
         texts.append("winding <= 0.999")
-    if np.isfinite(swimmer.coefficients.thickest):
+    if np.isfinite(swimmer.coefficients.thickest) and swimmer.region is None:
         texts.append(f"slenderness <= {swimmer.coefficients.thickest:g}")
     return constraints(", ".join(texts), known(swimmer))

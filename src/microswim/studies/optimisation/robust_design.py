@@ -8,7 +8,7 @@ from __future__ import annotations
 import time
 from collections.abc import Mapping
 from dataclasses import replace
-from typing import Any
+from typing import Any, Literal
 
 import numpy as np
 from scipy.optimize import differential_evolution
@@ -30,6 +30,7 @@ from microswim.swimmer.swimmer import Swimmer
     uncertain=checks.mapping,
     minimize=checks.text,
     subject_to=checks.words,
+    model=checks.one_of("auto", "rft", "atlas"),
     quantile=checks.share,
     least_yield=checks.share,
     samples=checks.at_least(1),
@@ -44,6 +45,7 @@ def robust_design(
     uncertain: Mapping[str, Any],
     minimize: str | None = None,
     subject_to: Any = "",
+    model: Literal["auto", "rft", "atlas"] = "auto",
     quantile: float = 0.1,
     least_yield: float = 0.95,
     samples: int = 128,
@@ -56,7 +58,7 @@ def robust_design(
 
     Parameters
     ----------
-    swimmer, over, maximize, minimize, subject_to
+    swimmer, over, maximize, minimize, subject_to, model
         As in `design`; relative spreads are about each candidate's own numbers.
     uncertain
         As in `robustness`.
@@ -91,7 +93,9 @@ def robust_design(
     1.0
     """
     begun = time.perf_counter()
-    problem = Problem.of(swimmer, over, maximize, minimize, subject_to)
+    if any(name.startswith(("interaction.", "coefficients.")) for name in uncertain):
+        model = "rft"  # the atlas knows none
+    problem = Problem.of(swimmer, over, maximize, minimize, subject_to, model)
     if len(problem.objectives) != 1 or not problem.ranges:
         raise SpecError("robust design: one objective and at least one range")
     best: tuple | None = None

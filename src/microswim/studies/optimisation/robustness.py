@@ -8,12 +8,13 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, Literal
 
 import numpy as np
 from scipy.stats import norm, qmc
 
 from microswim import checks
+from microswim.calibration.atlas.everywhere import holding
 from microswim.errors import MicroswimError, SpecError
 from microswim.numerics.array import sealed
 from microswim.studies.optimisation.expressions import constraints, parse
@@ -103,6 +104,7 @@ def spec_numbers(swimmer: Swimmer) -> dict[str, float]:
     swimmer=checks.swimmer,
     uncertain=checks.mapping,
     subject_to=checks.words,
+    model=checks.one_of("auto", "rft", "atlas"),
     samples=checks.at_least(1),
     seed=checks.at_least(0),
 )
@@ -111,6 +113,7 @@ def robustness(
     uncertain: Mapping[str, Any],
     *,
     subject_to: Any = "",
+    model: Literal["auto", "rft", "atlas"] = "auto",
     samples: int = 4096,
     seed: int = 0,
 ) -> xr.Dataset:
@@ -125,6 +128,8 @@ def robustness(
         deviations) or to ``(low, high)`` (uniform).
     subject_to
         Constraints that a robot must meet to be good.
+    model
+        ``"auto"``: the atlas where it holds for all of them, else ``"rft"``.
     samples, seed
         Size and seed of the Sobol sample.
 
@@ -157,7 +162,7 @@ def robustness(
     limits = constraints(in_si(text, swimmer), known(swimmer))
     u = sobol_points(len(spreads), samples, seed)
     numbers = _spread(swimmer, spreads, u)
-    merits = of_many(swimmer, numbers)
+    merits = of_many(_by(model, swimmer, numbers), numbers)
     good = np.isfinite(merits["swimming_speed"])
     for limit in limits:
         good = good & (np.nan_to_num(limit.margin(merits), nan=-1.0) >= 0.0)
@@ -177,6 +182,10 @@ def robustness(
     )
 
 
+def _by(model: str, swimmer: Swimmer, numbers: Mapping[str, Any]) -> Swimmer:
+    return swimmer if model == "rft" else holding(swimmer, numbers)
+
+
 def sobol_points(d: int, samples: int, seed: int) -> np.ndarray:
     """Return at least `samples` points of a scrambled Sobol sequence in the open unit cube."""
     n = 1 << (max(2, int(samples)) - 1).bit_length()
@@ -187,6 +196,7 @@ def sobol_points(d: int, samples: int, seed: int) -> np.ndarray:
     swimmer=checks.swimmer,
     uncertain=checks.mapping,
     merit=checks.text,
+    model=checks.one_of("auto", "rft", "atlas"),
     samples=checks.at_least(1),
     seed=checks.at_least(0),
 )
@@ -195,6 +205,7 @@ def sobol_indices(
     uncertain: Mapping[str, Any],
     merit: str = "swimming_speed",
     *,
+    model: Literal["auto", "rft", "atlas"] = "auto",
     samples: int = 1024,
     seed: int = 0,
 ) -> xr.Dataset:
@@ -202,7 +213,7 @@ def sobol_indices(
 
     Parameters
     ----------
-    swimmer, uncertain
+    swimmer, uncertain, model
         As in `robustness`.
     merit
         A merit or an expression.
@@ -248,7 +259,9 @@ def sobol_indices(
         "bounds": [[1e-9, 1.0 - 1e-9]] * len(spreads),
     }
     u = sampling.sample(space, samples, calc_second_order=False, seed=seed)
-    values = np.asarray(expression(of_many(swimmer, _spread(swimmer, spreads, u))), dtype=float)
+    numbers = _spread(swimmer, spreads, u)
+    merits = of_many(_by(model, swimmer, numbers), numbers)
+    values = np.asarray(expression(merits), dtype=float)
     if not np.all(np.isfinite(values)):
         raise SpecError("uncertain: some samples are no swimmers; tighten the spreads")
     found = sobol.analyze(space, values, calc_second_order=False, seed=seed)

@@ -8,7 +8,7 @@ derivatives takes each to a local optimum, the best of these wins
 from __future__ import annotations
 
 import time
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from typing import Any
 
 import numpy as np
@@ -16,7 +16,10 @@ from scipy.optimize import minimize as descend
 from scipy.stats import qmc
 
 from microswim import checks
+from microswim.calibration.atlas import coordinates
+from microswim.calibration.atlas.expected import expected_error
 from microswim.errors import MicroswimError, SpecError
+from microswim.gait.gait import Gait
 from microswim.gait.quantities import OLD, Named
 from microswim.numerics.array import read_only
 from microswim.numerics.plain import plain
@@ -24,11 +27,13 @@ from microswim.spec.describe import describe
 from microswim.studies.optimisation.merits import of_gait
 from microswim.studies.optimisation.problem import Problem
 from microswim.studies.optimisation.sensitivity import Sensitivity, sensitivities
+from microswim.swimmer.fields import replaced
 from microswim.swimmer.swimmer import Swimmer
 from microswim.swimmer.variants import vary
 
 STARTS = 4
 APART = 0.1  # least distance of two starts in the unit cube
+LARGE = 0.05  #: expected error from which on the outcome says so
 FEASIBLE = 1e-7  # relative margin that counts as holding
 
 
@@ -55,7 +60,7 @@ class Optimum:
     sensitivity
         Dotted name to `Sensitivity`, the most important first.
     expected_error
-        Of the calibrated surrogate at the optimum; None if it has no calibration.
+        Of u_s at the optimum, relative; None if it is not known.
     inside
         Whether it lies in the calibrated neighbourhood; None if there is none.
     evaluations, seconds
@@ -64,6 +69,10 @@ class Optimum:
         What each number was allowed.
     history
         Rounds of verification by a reference solver, see `verify`.
+    model
+        What answered: ``"atlas"`` or ``"rft"``.
+    remarks
+        How the error is known, whether it is large here, and where the model did not hold.
 
     Examples
     --------
@@ -88,6 +97,8 @@ class Optimum:
     seconds: float = 0.0
     ranges: dict[str, tuple[float, float]] = field(default_factory=dict)
     history: tuple[dict[str, Any], ...] = ()
+    model: str = "rft"
+    remarks: tuple[str, ...] = ()
 
     def as_dict(self) -> dict[str, Any]:
         """Return everything as plain numbers and words."""
@@ -98,7 +109,9 @@ class Optimum:
             "quantities": self.quantities | {old: self.quantities[new] for old, new in OLD.items()},
             "margins": self.margins,
             "sensitivity": {k: s.as_dict() for k, s in self.sensitivity.items()},
+            "model": self.model,
             "expected_error": self.expected_error,
+            "remarks": list(self.remarks),
             "inside_calibrated_neighbourhood": self.inside,
             "verification": list(self.history),
             "evaluations": self.evaluations,
@@ -114,7 +127,8 @@ def search(
     """Return the best design over all choices; see `design`."""
     begun = time.perf_counter() if begun is None else begun
     found, count = [], 0
-    for picked, variant in problem.variants():
+    tried = list(problem.variants())
+    for picked, variant in tried:
         points, n = _screen(variant, seed, samples)
         count += n
         for x in points:
@@ -127,6 +141,8 @@ def search(
             return outcome(variant, x, picked, count, time.perf_counter() - begun)
         except SpecError:  # the checks of construction know more than the constraints
             continue
+    if problem.model == "auto" and any(variant.covered < 1.0 for _, variant in tried):
+        return search(replace(problem, model="rft"), seed, samples, begun)
     raise SpecError(
         "design: no design in these ranges meets the constraints; widen the ranges or relax "
         + (", ".join(c.text for c in problem.limits) or "what must hold")
@@ -202,9 +218,11 @@ def outcome(
     numbers = {k: float(v) for k, v in problem.numbers(x).items()}
     swimmer = vary(problem.swimmer, numbers) if numbers else problem.swimmer
     gait = swimmer.gait()
+    if gait.model == "atlas":
+        swimmer = replaced(swimmer, "region", None)
     values = {k: float(np.real(v)) for k, v in of_gait(swimmer, gait).items()}
     expression, sense = problem.objectives[0]
-    error = gait.info.get("expected_error")
+    error, how = trusted(swimmer, gait)
     return Optimum(
         swimmer=swimmer,
         values={**picked, **numbers},
@@ -214,9 +232,39 @@ def outcome(
         quantities=Named({k: v for k, v in values.items() if "." not in k}),
         margins={c.text: float(np.real(c.margin(values))) for c in problem.limits},
         sensitivity=sensitivities(problem, x),
-        expected_error=None if error is None or not np.isfinite(error) else float(error),
+        expected_error=error,
         inside=None if "outside" not in gait.info else not gait.info["outside"],
         evaluations=count,
         seconds=seconds,
         ranges=dict(problem.ranges),
+        model=gait.model,
+        remarks=tuple(_remarks(problem, swimmer, gait.model, error, how)),
     )
+
+
+def trusted(swimmer: Swimmer, gait: Gait) -> tuple[float | None, str]:
+    """Return the expected relative error of u_s, None where it is not known, and how it is known.
+
+    Over a region the calibration's own: one standard deviation.
+    """
+    if swimmer.region is None:
+        found = expected_error(swimmer, gait)
+        return found["us"], str(found["how"])
+    error = gait.info["expected_error"]
+    known = error if np.isfinite(error) else None
+    return known, "one standard deviation of the calibration over a region"
+
+
+def _remarks(problem: Problem, swimmer: Swimmer, model: str, error: Any, how: str) -> list[str]:
+    """Say how the error is known, where it is large, and what the atlas left out."""
+    out = [how]
+    if error is None or error > LARGE:
+        off = "is not known" if error is None else f"is large, {100.0 * error:.2g} %"
+        out.append(f"the error at the optimum {off}: reference bem judges it")
+    if model == "atlas" and problem.covered < 1.0:
+        share = f"{100.0 * problem.covered:.2g} %"
+        out.append(f"searched where the atlas holds, {share} of the ranges; model rft knows all")
+    edges = coordinates.edges(swimmer) if model == "atlas" else []
+    if edges:
+        out.append(f"at the edge of the atlas ({', '.join(edges)}): better ones may lie beyond")
+    return out

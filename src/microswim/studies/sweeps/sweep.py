@@ -73,7 +73,7 @@ Engine = Callable[[Iterable[Task]], Iterator[tuple[Task, Rows]]]
 def sweep(
     swimmer: Swimmer,
     over: Any,
-    model: Literal["rft", "elastic", "bem", "fem"] = "rft",
+    model: Literal["rft", "auto", "atlas", "elastic", "bem", "fem"] = "rft",
     *,
     out: str | os.PathLike[str] | None = None,
     resume: bool = False,

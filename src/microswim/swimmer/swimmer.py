@@ -69,7 +69,7 @@ class Swimmer:
     wall
         `Wall` beside the swimmer, for the boundary elements; none by default.
     channel
-        `Channel` around the swimmer, for the finite elements; theirs by default.
+        `Channel` around the swimmer, for boundary and finite elements; a default of the latter.
     magnet
         `Magnet` in the body; none by default.
     field

@@ -7,7 +7,7 @@ import microswim as ms
 from microswim.errors import MicroswimError
 from microswim.models import bem
 from microswim.models.bem import element, system
-from microswim.models.bem.near_wall import refined
+from microswim.models.bem.near_wall import over, refined
 from microswim.models.bem.surface import Surface
 from oracles.slender_body import slender_torus
 
@@ -198,7 +198,7 @@ def test_patches_follow_the_gap_wherever_the_wall_is(gap, normal):
 
 def test_halves_of_a_patch_are_the_same_surface():
     sphere = bem.ellipsoid((1.0, 0.7, 0.5), 1, 3)
-    finer = refined(sphere, np.array([-1.02, 0, 0, 1.0, 0, 0]))
+    finer = refined(sphere, over(np.array([-1.02, 0, 0, 1.0, 0, 0])))
     assert finer.patches > sphere.patches
     assert finer.extent == pytest.approx(sphere.extent, rel=1e-6)
 

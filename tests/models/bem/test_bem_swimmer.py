@@ -324,8 +324,6 @@ def test_gait_beside_a_wall_is_sampled_over_the_full_period():
     assert gait.mean_velocity[0] < 0
     with pytest.raises(SpecError, match=r"wall\.distance = 0\.4: must be more than 0\.5"):
         bem.solve(beside(swimmer(ms.HelicalTail(**BASE)), ms.Wall(0.4)), level=ROUGH)
-    with pytest.raises(SpecError, match=r'channel: model = "bem" knows free fluid'):
-        bem.solve(replace(swimmer(ms.HelicalTail(**BASE)), channel=ms.Channel()), level=ROUGH)
 
 
 def test_unknown_level_is_refused():

@@ -1,4 +1,4 @@
-"""Boundary-element Stokes solver: the judge in free space and beside a wall.
+"""Boundary-element Stokes solver: the judge in free space, beside a wall and in a tube.
 
 The wall is a swimmer's `wall`, by the image tensor of Blake, J. R. (1971) Proc. Camb. Phil. Soc.
 70, 303-310. `gait.gait` gives the gait of a swimmer, `solve` the flow at one phase and `resistance`

@@ -31,12 +31,18 @@ def turns_as_a_whole(swimmer: Swimmer) -> bool:
     if swimmer.tail.is_absent:
         return True
     whole = swimmer.tail.is_rigid and swimmer.body.is_axisymmetric
-    return whole and swimmer.wall is None
+    return whole and _is_round(swimmer)
+
+
+def _is_round(swimmer: Swimmer) -> bool:
+    """Return whether what bounds the fluid is the same from every side of the s axis."""
+    in_round = swimmer.channel is None or swimmer.channel.centred
+    return swimmer.wall is None and in_round
 
 
 def half_period_signs(swimmer: Swimmer) -> Array | None:
     """Return signs that carry phase to phase + pi, or None if nothing does."""
-    alike = swimmer.wall is None and swimmer.body.is_mirrored
+    alike = _is_round(swimmer) and swimmer.body.is_mirrored
     return swimmer.tail.half_period_signs if alike else None
 
 
@@ -64,8 +70,10 @@ def _carried(sample: dict[str, Any], signs: Array) -> dict[str, Any]:
 def _info(solutions: list[Solution], level: str) -> dict[str, Any]:
     seconds = {k: sum(s.seconds[k] for s in solutions) for k in ("geometry", "assembly", "solve")}
     first = solutions[0]
-    wall = first.swimmer.wall
-    held = wall is not None and not wall.stays(first.free)
+    wall, channel = first.swimmer.wall, first.swimmer.channel
+    around = channel if wall is None else wall
+    held = around is not None and not around.stays(first.free)
+    boundary = "channel" if wall is None else "wall"
     return {
         "level": level,
         "order": first.surface.order,
@@ -76,8 +84,9 @@ def _info(solutions: list[Solution], level: str) -> dict[str, Any]:
         "asymmetry": max(s.asymmetry for s in solutions),
         "reciprocity": max(s.reciprocity for s in solutions),
         "wall": wall,
-        "remarks": [*first.remarks, *([remark("wall")] if held else []), *doubts(solutions)],
-        **({"one_pose": "wall"} if held else {}),
+        "channel": channel,
+        "remarks": [*first.remarks, *([remark(boundary)] if held else []), *doubts(solutions)],
+        **({"one_pose": boundary} if held else {}),
         "joint": "torque and lateral force on the body alone drift with the logarithm of the mesh "
         "size; R, F_p and velocities converge",
     }

@@ -8,6 +8,7 @@ this gives patches of size sqrt(a h), as the theory has it.
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import replace
 
 import numpy as np
@@ -21,13 +22,21 @@ from microswim.numerics.array import Array
 CHANGE, DEPTH = 2.0, 14
 
 
-def refined(surface: Surface, plane: Array, most: float = CHANGE) -> Surface:
-    """Return a surface whose patches resolve the gap to a wall (point and normal, (6,)).
+Height = Callable[[Array], Array]
+
+
+def over(plane: Array) -> Height:
+    """Return the height of points (..., 3) over a wall (point and normal, (6,))."""
+    return lambda X: (X - plane[:3]) @ plane[3:]
+
+
+def refined(surface: Surface, height: Height, most: float = CHANGE) -> Surface:
+    """Return a surface whose patches resolve the gap to a boundary, of which `height` is given.
 
     Halves of a patch are the same polynomials: the surface does not change.
     """
     for _ in range(DEPTH):
-        u, v = _change(surface.controls, plane)
+        u, v = _change(surface.controls, height)
         coarse = np.maximum(u, v) > most
         if not coarse.any():
             break
@@ -35,15 +44,14 @@ def refined(surface: Surface, plane: Array, most: float = CHANGE) -> Surface:
     return surface
 
 
-def _change(controls: Array, plane: Array) -> tuple[Array, Array]:
+def _change(controls: Array, height: Height) -> tuple[Array, Array]:
     """Change of the height along u and along v of each patch, over its smallest height, (e,) each.
 
     Along a line ``|h(1) - h(-1)| + 4 |h(1) + h(-1) - 2 h(0)|``: the slope's share and the bend's,
     so that a patch in whose middle the gap is smallest counts as well as one beside it.
     """
     L = lagrange(chebyshev_nodes(), np.linspace(-1, 1, 9))[0]
-    X = np.einsum("mi,nj,eijc->emnc", L, L, controls, optimize=True)
-    h = (X - plane[:3]) @ plane[3:]
+    h = height(np.einsum("mi,nj,eijc->emnc", L, L, controls, optimize=True))
     least = h.min(axis=(1, 2))
 
     def along(h: Array) -> Array:

@@ -21,12 +21,11 @@ from typing import Any
 
 import numpy as np
 
-from microswim.errors import SpecError
 from microswim.models import swimmer_surface as geometry
 from microswim.models.bem import output as flow
 from microswim.models.bem.levels import Level, get_level
 from microswim.models.bem.mesh import swimmer_surface
-from microswim.models.bem.near_wall import refined
+from microswim.models.bem.near_wall import over, refined
 from microswim.models.bem.surface import Surface, positions
 from microswim.models.bem.system import (
     Factors,
@@ -36,6 +35,7 @@ from microswim.models.bem.system import (
     solve_density,
     wrench_rows,
 )
+from microswim.models.bem.vessel import in_tube
 from microswim.numerics.array import Array
 from microswim.swimmer.swimmer import Swimmer
 
@@ -85,11 +85,12 @@ class Solution:
 
     @cached_property
     def _wrenches(self) -> Array:
-        return wrench_rows(self.surface, self.centre) @ self.density
+        return wrench_rows(self.surface, self.centre, self.surface.on_swimmer) @ self.density
 
     @cached_property
     def _body_wrenches(self) -> Array:
-        rows = wrench_rows(self.surface, self.centre, ~self.surface.on_tail)
+        on_body = self.surface.on_swimmer & ~self.surface.on_tail
+        rows = wrench_rows(self.surface, self.centre, on_body)
         return rows @ self.density
 
     @property
@@ -296,10 +297,12 @@ def solve(
     centre = np.asarray(body.centre, float)
     plane = _wall_beside(swimmer, surface, centre)
     if plane is not None:
-        surface = refined(surface, plane)
+        surface = refined(surface, over(plane))
+    if swimmer.channel is not None:
+        surface = in_tube(surface, swimmer.channel, middle_of(swimmer))
     require_memory(surface.unknowns)
     layer = Layer(surface, float(swimmer.fluid.viscosity), chosen.rule, plane)
-    modes = rigid_modes(surface.nodes, centre)
+    modes = rigid_modes(surface.nodes, centre) * surface.on_swimmer[:, None, None, None]
     velocities = np.concatenate([modes, surface.node_motion[..., None]], axis=-1)
     meshed = time.perf_counter() - start
     solved = solve_density(layer, velocities)
@@ -308,12 +311,18 @@ def solve(
     return Solution(swimmer, phase, layer, solved.density, seconds, tuple(remarks), factors)
 
 
+def middle_of(swimmer: Swimmer) -> Array:
+    """Return the middle (3,) of the channel in the frame sqr."""
+    assert swimmer.channel is not None
+    tail = swimmer.tail
+    tip = 0.0 if tail.is_absent else tail.apparent_length + tail.radius
+    nose = 2.0 * swimmer.body.semi_axes3[0] or float(tail.radius)
+    own = np.array([0.5 * (tip - nose), 0.0, 0.0])
+    return own - swimmer.channel.axes @ np.asarray(swimmer.channel.position)
+
+
 def _wall_beside(swimmer: Swimmer, surface: Surface, centre: Array) -> Array | None:
     """Point and normal (6,) of the wall, if there is one, clear of the swimmer."""
-    if swimmer.channel is not None:
-        raise SpecError(
-            'channel: model = "bem" knows free fluid or one [wall]; remove [channel] or take "fem"'
-        )
     if swimmer.wall is None:
         return None
     swimmer.wall.check_clear(positions(surface, 9).reshape(-1, 3), centre)

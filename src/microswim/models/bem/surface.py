@@ -41,6 +41,10 @@ class Surface:
         p, density nodes a side.
     inner : (m, e, q, q), optional
         Pressures that the fluid inside could take at next to no flow (`mesh.inner_pressures`).
+    vessel : (e,) bool, optional
+        Which patches belong to a tube around the swimmer, which stands still.
+    closed : bool
+        Whether the tube holds all the fluid.
     """
 
     controls: Array
@@ -48,6 +52,13 @@ class Surface:
     on_tail: NDArray[np.bool_]
     order: int = 2
     inner: Array | None = None
+    vessel: NDArray[np.bool_] | None = None
+    closed: bool = False
+
+    @property
+    def on_swimmer(self) -> NDArray[np.bool_]:
+        """Which patches belong to the swimmer, (e,)."""
+        return np.ones(self.patches, bool) if self.vessel is None else ~self.vessel
 
     @property
     def patches(self) -> int:
@@ -97,7 +108,9 @@ class Surface:
     @cached_property
     def node_pressures(self) -> Array:
         """One, and the pressures `inner`, at the collocation points, (1 + m, e, p*p)."""
-        one = np.ones((1, *self.nodes.shape[:2]))
+        one = np.ones((1, *self.nodes.shape[:2])) * self.on_swimmer[:, None]
+        if self.closed:
+            one = np.concatenate([one, 1.0 - one])
         if self.inner is None or len(self.inner) == 0:
             return one
         rest = [self._at_nodes(0, p[..., None])[..., 0] for p in self.inner]

@@ -23,7 +23,7 @@ from scipy.linalg import lu_factor, lu_solve
 from microswim.models import memory
 from microswim.models.bem.assembly import layer_blocks, own_blocks, stress_sums
 from microswim.models.bem.element import cell_tables, own_rule
-from microswim.models.bem.near_wall import refined
+from microswim.models.bem.near_wall import over, refined
 from microswim.models.bem.surface import Surface
 from microswim.numerics.array import Array
 from microswim.numerics.compiled import numba
@@ -265,7 +265,7 @@ def resistance(
     By default about the origin. Next to a wall (point and normal, (6,)) the patches are made small
     enough for the gap.
     """
-    surface = surface if wall is None else refined(surface, np.asarray(wall, float))
+    surface = surface if wall is None else refined(surface, over(np.asarray(wall, float)))
     centre = np.zeros(3) if centre is None else np.asarray(centre, float)
     layer = Layer(surface, viscosity, rule or Quadrature(), wall)
     solved = solve_density(layer, rigid_modes(surface.nodes, centre))

@@ -1,7 +1,7 @@
 """What bounds the fluid: a plane wall, or a vessel (a cylindrical channel or a box).
 
 Plain descriptions, fixed in the swimmer's frame: a gait beside a wall holds at that pose. The
-boundary elements know the wall, the finite elements the vessel.
+boundary elements know the wall and the tube, the finite elements the vessel.
 """
 
 from __future__ import annotations
@@ -93,7 +93,9 @@ class Wall:
 @checks.by_name
 @dataclass(frozen=True, kw_only=True)
 class Channel:
-    """A vessel whose axis is parallel to the swimmer's, unless tilted; ``model = "fem"`` knows it.
+    """A vessel whose axis is parallel to the swimmer's, unless tilted.
+
+    ``model = "fem"`` knows it, and ``model = "bem"`` if it is a cylinder.
 
     Parameters
     ----------
@@ -109,7 +111,8 @@ class Channel:
     tilt
         Angle (rad) by which the swimmer is turned about r against the channel's axis.
     ends
-        ``"closed"``: walls, no slip. ``"open"``: free of traction (cylinder and box).
+        ``"closed"``: walls, no slip. ``"open"``: free of traction (by boundary elements: into fluid
+        at rest).
 
     Raises
     ------

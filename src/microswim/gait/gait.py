@@ -251,10 +251,19 @@ class Gait:
         return max(64, 4 * (len(self.resistance_series) // 2 + 2))
 
     @cached_property
+    def _phases(self) -> np.ndarray:
+        """Uniform phases over the period, `samples` of them."""
+        return 2.0 * np.pi * np.arange(self.samples) / self.samples
+
+    @cached_property
+    def _velocities(self) -> np.ndarray:
+        """Twist at the uniform phases, at the gait's own rate; means over the period rest on it."""
+        return self._twist(self._phases, self.rate)
+
+    @cached_property
     def velocity_series(self) -> np.ndarray:
         """Series of the velocity at the gait's own rate, shape (1 + 2 H, 6)."""
-        phases = 2.0 * np.pi * np.arange(self.samples) / self.samples
-        return kept(series_of(self._twist(phases, self.rate)))
+        return kept(series_of(self._velocities))
 
     @property
     def mean_velocity(self) -> np.ndarray:
@@ -276,17 +285,16 @@ class Gait:
         For a helix this is the motor's torque times its rate, for a plane wave the lateral force
         times the lateral velocity along the tail, as in Eq. (24).
         """
-        return self._power(phase)
+        return self._power(phase, self._twist(phase, self.rate))
 
-    def _power(self, phase: Any) -> np.ndarray:
-        V = self._twist(phase, self.rate)
+    def _power(self, phase: Any, V: np.ndarray) -> np.ndarray:
         work = np.sum(evaluate(self.propulsion_series, phase) * V, axis=-1)
         return self.rate * (work + evaluate(self.activity_series, phase) * self.rate)
 
     @cached_property
     def mean_power(self) -> Any:
         """Power of the motor averaged over the period."""
-        return np.mean(self._power(2.0 * np.pi * np.arange(self.samples) / self.samples))
+        return np.mean(self._power(self._phases, self._velocities))
 
     @property
     def mean_torque(self) -> Any:
@@ -296,9 +304,11 @@ class Gait:
     @checks.given(phase=checks.finite)
     def body_wrench(self, phase: Any) -> np.ndarray:
         """Return the force and torque by the fluid on the body alone, shape phase.shape + (6,)."""
+        return self._body_wrench(phase, self._twist(phase, self.rate))
+
+    def _body_wrench(self, phase: Any, V: np.ndarray) -> np.ndarray:
         if self.body_resistance_series is None:
             raise MicroswimError(f"the {self.model} gait does not hold the body's own resistance")
-        V = self._twist(phase, self.rate)
         drag = np.einsum("...ij,...j->...i", evaluate(self.body_resistance_series, phase), V)
         if self.body_propulsion_series is not None:
             drag = drag + evaluate(self.body_propulsion_series, phase) * self.rate
@@ -312,8 +322,8 @@ class Gait:
         """
         if np.real(self.mean_power) == 0:
             return 0.0
-        phase = 2.0 * np.pi * np.arange(self.samples) / self.samples
-        work = -self.body_wrench(phase)[..., 0] * self._twist(phase, self.rate)[..., 0]
+        V = self._velocities
+        work = -self._body_wrench(self._phases, V)[..., 0] * V[..., 0]
         return np.mean(work) / self.mean_power
 
     @checks.given(rate=checks.finite)

@@ -29,7 +29,8 @@ def basis(phase: Any, terms: int) -> np.ndarray:
 
 def evaluate(series: np.ndarray, phase: Any) -> np.ndarray:
     """Return the value of a series at the phases, shape phase.shape + series.shape[1:]."""
-    return np.tensordot(basis(phase, len(series)), series, axes=1)
+    rows = basis(phase, len(series))
+    return (rows @ series.reshape(len(series), -1)).reshape(rows.shape[:-1] + series.shape[1:])
 
 
 def series_of(samples: np.ndarray, harmonics: int | None = None) -> np.ndarray:

@@ -7,12 +7,13 @@ no conjugates of complex numbers), so that the complex-step derivative runs thro
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import cached_property
 from typing import Any
 
 import numpy as np
 
 from microswim import checks
-from microswim.numerics.array import read_only
+from microswim.numerics.array import kept, read_only
 from microswim.numerics.compiled import compiled
 
 
@@ -86,7 +87,7 @@ class ScrewMotion:
     quaternion: np.ndarray
     period: Any
 
-    @property
+    @cached_property
     def _sine(self) -> Any:
         return np.sqrt(np.sum(self.quaternion[1:] ** 2))
 
@@ -95,21 +96,21 @@ class ScrewMotion:
         """Whether the swimmer turns at all over the period (by more than 1e-9 rad)."""
         return not abs(self._sine) <= 5e-10
 
-    @property
+    @cached_property
     def angle(self) -> Any:
         """Rotation over the period (rad), 0 to 2 pi."""
         half = np.arctan2(np.real(self._sine), np.real(self.quaternion[0]))
         return 2.0 * half
 
-    @property
+    @cached_property
     def axis(self) -> np.ndarray:
         """Unit vector of the axis; the direction of the displacement if there is no rotation."""
         if self.turns:
-            return self.quaternion[1:] / self._sine
+            return kept(self.quaternion[1:] / self._sine)
         length = np.sqrt(np.sum(self.displacement**2))
-        return self.displacement / length if length != 0 else np.array([1.0, 0.0, 0.0])
+        return kept(self.displacement / length if length != 0 else [1.0, 0.0, 0.0])
 
-    @property
+    @cached_property
     def advance(self) -> Any:
         """Displacement along the axis over the period, signed."""
         return np.sum(self.displacement * self.axis)
@@ -130,16 +131,16 @@ class ScrewMotion:
         """Advance per full turn about the axis; infinite without rotation."""
         return 2.0 * np.pi * np.sqrt(self.advance**2) / self.angle if self.turns else np.inf
 
-    @property
+    @cached_property
     def arm(self) -> np.ndarray:
         """Vector from the axis to the body's centre at the start of the period (3,)."""
         if not self.turns:
-            return np.zeros(3)
+            return kept(np.zeros(3))
         across = self.displacement - self.advance * self.axis
         cotangent = self.quaternion[0] / self._sine
-        return -0.5 * (across + cotangent * np.cross(self.axis, across))
+        return kept(-0.5 * (across + cotangent * np.cross(self.axis, across)))
 
-    @property
+    @cached_property
     def radius(self) -> Any:
         """Distance of the body's centre from the axis at the start of the period."""
         return np.sqrt(np.sum(self.arm**2))

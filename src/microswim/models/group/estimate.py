@@ -38,8 +38,6 @@ class GroupEstimate(Motion):
         Symmetric; swimmers' axes.
     propulsion : (6n, n)
     rates : (n,)
-    expected_error : float
-        Share of its speed by which a velocity may be off; beyond one the estimate is useless.
 
     Examples
     --------

@@ -296,6 +296,9 @@ FUNCTIONS = {
     "Group.moved": {"self": ALONE, "rolls": [0.1], "phases": [0.1]}
     | {name: [(0.0, 0.0, 1.0)] for name in ("positions", "directions")},
     "Group.prepared": {"self": ALONE, "level": "coarse"},
+    "Group.at_poses": {"self": ALONE, "level": "coarse", "workers": 1, "progress": told}
+    | {name: [[(0.0, 0.0, 1.0)]] for name in ("positions", "directions")}
+    | {name: [[0.1]] for name in ("rolls", "phases")},
     "Group.estimate": {"self": ALONE, "level": "coarse"},
     "Group.solve": {"self": ALONE, "level": "coarse"},
     "Group.swim": {"self": ALONE, "level": "coarse", "progress": told},

@@ -28,6 +28,7 @@ from .models.elastic.stability import stability as stability
 from .models.group.estimate import GroupEstimate as GroupEstimate
 from .models.group.far_field import FarField as FarField
 from .models.group.mean import GroupMotion as GroupMotion
+from .models.group.poses import GroupPoses as GroupPoses
 from .models.group.solution import GroupSolution as GroupSolution
 from .models.rft.batch import evaluate as evaluate
 from .models.rft.warm_up import warm_up as warm_up

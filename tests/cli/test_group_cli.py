@@ -61,3 +61,21 @@ def test_swimmers_that_overlap_are_refused_before_anything_is_written(scene, tmp
     assert result.exit_code == 2
     assert "swimmer 1 overlaps or touches swimmer 0" in result.stderr
     assert not (tmp_path / "out").exists()
+
+
+def test_a_file_without_coarser_patches_states_no_error_rather_than_none(tmp_path):
+    """Its patches are the same at the level below: nothing is known, which is not zero."""
+    trimesh = pytest.importorskip("trimesh")
+    trimesh.creation.icosphere(2).export(tmp_path / "ball.stl")
+    (tmp_path / "ball.toml").write_text(
+        '[fluid]\nviscosity = 1.0\n[body]\nshape = "mesh"\nfile = "ball.stl"\nscale = 1.0\n'
+        '[tail]\nkind = "none"\n'
+    )
+    path = tmp_path / "one.toml"
+    path.write_text('[[swimmer]]\nspec = "ball.toml"\nforce = [1, 0, 0]\n')
+    result = run(path, "--level", "coarse", "--json")
+    assert result.exit_code == 0, result.stderr
+    found = json.loads(result.stdout)
+    assert found["mean_velocity"][0][0] == pytest.approx(1 / (6 * np.pi), rel=0.02)
+    assert found["expected_error"]["us"] == [None]
+    assert found["expected_error"]["how"].startswith("not known")

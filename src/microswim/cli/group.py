@@ -92,6 +92,8 @@ def command(
     for table in _tables(found, scene.stem):
         print_table(table)
     for n, far in enumerate(found.far_field):
+        if far.force_dipole == 0.0:
+            continue
         click.echo(f"  swimmer {n} alone: {_far(far)}")
     for remark in found.solution.remarks:
         click.echo(f"  note: {remark}")
@@ -100,7 +102,8 @@ def command(
 
 def _tables(found: GroupMotion, name: str) -> list[Table]:
     """Return the mean velocities, each with its error, and what they are relative to."""
-    from microswim.gait.gait import DEGREES_OF_FREEDOM
+    import numpy as np
+
     from microswim.gait.readable import quantity
     from microswim.gait.units import unit
     from microswim.output.report.html import Table
@@ -109,15 +112,16 @@ def _tables(found: GroupMotion, name: str) -> list[Table]:
     speed, rate = (unit(found.units, kind) for kind in ("speed", "rate"))
     rows = []
     for k, label in enumerate(("u_s", "u_q", "u_r", "Omega_s", "Omega_q", "Omega_r")):
-        known = found.expected_error[DEGREES_OF_FREEDOM[k]]
-        cells = zip(found.mean_velocity[:, k], found.error_of_velocity[:, k], known, strict=True)
+        cells = zip(found.mean_velocity[:, k], found.error_of_velocity[:, k], strict=True)
         rows.append((label, *(_cell(*cell, speed if k < 3 else rate) for cell in cells)))
     gap = found.solution.gap
     near = quantity(gap, unit(found.units, "length")) if n > 1 else "none"
+    how = "the difference from the next coarser level at one phase, and of half the phases"
+    if np.isnan(found.error_of_velocity).any():
+        how = found.expected_error["how"]
     note = (
-        f"{_means(found.phases)} at this pose, each swimmer in its own axes. Errors: the "
-        "difference from the next coarser level at one phase, and of half the phases. Smallest "
-        f"gap: {near}."
+        f"{_means(found.phases)} at this pose, each swimmer in its own axes. Errors: {how}. "
+        f"Smallest gap: {near}."
     )
     header = ("", *(f"swimmer {i}" for i in range(n)))
     return [Table(name, header, rows, note)]
@@ -127,14 +131,12 @@ def _means(phases: int) -> str:
     return "Velocities" if phases == 1 else f"Means over {phases} phases"
 
 
-def _cell(value: float, error: float, known: float | None, unit: str) -> str:
-    """Return a velocity with its error; what is held or only rounding is zero."""
+def _cell(value: float, error: float, unit: str) -> str:
+    """Return a velocity with its error; what is held is zero."""
     from microswim.gait.readable import with_error
-    from microswim.models.group.mean import ROUNDING
 
-    if not known or abs(value) <= ROUNDING * error / known:
-        return "0"
-    return with_error(value, abs(error / value), unit)
+    share = abs(error / value) if value and error == error else None
+    return with_error(value, share, unit)
 
 
 def _far(far: FarField) -> str:

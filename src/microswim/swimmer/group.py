@@ -19,8 +19,7 @@ from microswim import checks
 from microswim.errors import SpecError
 from microswim.gait import doors
 from microswim.numerics.array import Array
-from microswim.swimmer.member import Member
-from microswim.swimmer.swimmer import Swimmer
+from microswim.swimmer.member import Member, check_alike
 
 Level = Literal["coarse", "standard", "fine"]
 LEVELS = checks.one_of("coarse", "standard", "fine")
@@ -28,6 +27,12 @@ LEVELS = checks.one_of("coarse", "standard", "fine")
 
 def _blocks(name: str, value: Any) -> None:
     checks.instance(name, value, "Blocks")
+
+
+def _poses(name: str, value: Any) -> None:
+    checks.series(name, value)
+    if np.ndim(value) < 2 or not len(value):
+        raise SpecError(name, value, "a list of poses, each with a value for every swimmer")
 
 
 @checks.by_name
@@ -67,7 +72,7 @@ class Group:
             checks.instance(f"members[{n}]", member, "Member")
         first = self.members[0].swimmer
         for n, member in enumerate(self.members[1:], start=1):
-            _check_alike(n, member.swimmer, first)
+            check_alike(n, member.swimmer, first)
 
     @classmethod
     @checks.given(path=checks.place, overrides=checks.mapping, trust=checks.place)
@@ -235,17 +240,71 @@ with spec = "robot.toml" and position = [x, y, z]
         -------
         GroupEstimate
             With ``velocity``, ``resistance``, ``propulsion`` and ``expected_error``.
+        """
+        return doors.go(doors.GROUP_ESTIMATE, self, level, blocks)
+
+    @checks.given(
+        positions=_poses,
+        directions=_poses,
+        rolls=_poses,
+        phases=_poses,
+        level=LEVELS,
+        blocks=_blocks,
+        workers=checks.at_least(1),
+        progress=checks.function,
+    )
+    def at_poses(
+        self,
+        positions: Sequence[Any],
+        *,
+        directions: Sequence[Any] | None = None,
+        rolls: Sequence[Any] | None = None,
+        phases: Sequence[Any] | None = None,
+        level: Level = "standard",
+        blocks: Any = None,
+        workers: int | None = None,
+        progress: Any = None,
+    ) -> Any:
+        """Solve for these swimmers at many poses, several at a time.
+
+        Parameters
+        ----------
+        positions
+            (m, n, 3): m poses of n swimmers.
+        directions, rolls, phases
+            (m, n, 3), (m, n), (m, n) (rad); what is not given stays.
+        level, blocks
+            As of `solve`.
+        workers
+            Poses at a time; by default as many as there are cores.
+        progress
+            Called with (poses done, poses in all).
+
+        Returns
+        -------
+        GroupPoses
+            With ``resistance``, ``propulsion``, ``velocity``, ``gap`` of each; NaN where swimmers
+            overlap, with the reason in ``refused``.
 
         Examples
         --------
         >>> import microswim as ms
         >>> helix = ms.Swimmer.preset("tabak/helix")
-        >>> beside = ms.Member(swimmer=helix, position=(0, 8, 0))
-        >>> found = ms.Group((ms.Member(swimmer=helix), beside)).estimate(level="coarse")
-        >>> found.velocity.shape, bool(found.expected_error < 0.02)
-        ((2, 6), True)
+        >>> one = ms.Group((ms.Member(swimmer=helix),))
+        >>> one.at_poses([[(0, 0, 0)], [(0, 1, 0)]], level="coarse").velocity.shape
+        (2, 1, 6)
         """
-        return doors.go(doors.GROUP_ESTIMATE, self, level, blocks)
+        given = {"positions": positions, "directions": directions, "rolls": rolls, "phases": phases}
+        given = {name: values for name, values in given.items() if values is not None}
+        for name, values in given.items():
+            if len(values) != len(positions):
+                raise SpecError(f"{name}: {len(values)} poses, positions has {len(positions)}")
+        groups = [
+            self.moved(**{name: values[k] for name, values in given.items()})
+            for k in range(len(positions))
+        ]
+        blocks = self.prepared(level) if blocks is None else blocks
+        return doors.go(doors.GROUP_POSES, groups, blocks, workers, progress)
 
     @checks.given(level=LEVELS, progress=checks.function)
     def swim(self, *, level: Level = "standard", progress: Any = None) -> Any:
@@ -284,18 +343,3 @@ with spec = "robot.toml" and position = [x, y, z]
         True
         """
         return doors.go(doors.GROUP_SWIM, self, level, progress)
-
-
-def _check_alike(n: int, other: Swimmer, first: Swimmer) -> None:
-    """Refuse a swimmer of other units or in another fluid than the first."""
-    if other.units != first.units:
-        words = {"SI": "has units", "dimensionless": "has none"}
-        raise SpecError(
-            f"swimmer[{n}]: its spec {words[other.units]}, that of swimmer[0] "
-            f"{words[first.units]}; give units to all swimmers of a group or to none"
-        )
-    if float(other.fluid.viscosity) != float(first.fluid.viscosity):
-        raise SpecError(
-            f"swimmer[{n}] fluid.viscosity", other.fluid.viscosity,
-            f"that of swimmer[0], {first.fluid.viscosity:g}", "a group swims in one fluid",
-        )  # fmt: skip

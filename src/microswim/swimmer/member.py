@@ -113,3 +113,18 @@ def _towards(direction: Array) -> Array:
     w = np.array([0.0, -d[2], d[1]])
     W = np.array([[0.0, -w[2], w[1]], [w[2], 0.0, -w[0]], [-w[1], w[0], 0.0]])
     return np.eye(3) + W + W @ W / (1.0 + d[0])
+
+
+def check_alike(n: int, other: Swimmer, first: Swimmer) -> None:
+    """Refuse a swimmer of other units or in another fluid than the first."""
+    if other.units != first.units:
+        words = {"SI": "has units", "dimensionless": "has none"}
+        raise SpecError(
+            f"swimmer[{n}]: its spec {words[other.units]}, that of swimmer[0] "
+            f"{words[first.units]}; give units to all swimmers of a group or to none"
+        )
+    if float(other.fluid.viscosity) != float(first.fluid.viscosity):
+        raise SpecError(
+            f"swimmer[{n}] fluid.viscosity", other.fluid.viscosity,
+            f"that of swimmer[0], {first.fluid.viscosity:g}", "a group swims in one fluid",
+        )  # fmt: skip

@@ -139,6 +139,27 @@ def test_near_swimmers_get_finer_patches_and_the_same_answer():
     assert scaled(rough.resistance) == pytest.approx(scaled(fine.resistance), abs=0.01)
 
 
+def test_many_poses_at_a_time_are_the_same_one_by_one(blocks):
+    """Also by several threads, which share the factorised blocks; a refused pose leaves a gap."""
+    heights = (1.6, 0.4, 2.0, 2.5, 3.0, 4.0, 5.0, 6.0)
+    poses = [[(0, 0, 0), (0.1, y, 0)] for y in heights]
+    told = []
+    found = PAIR.at_poses(
+        poses, blocks=blocks, workers=4, progress=lambda done, total: told.append((done, total))
+    )
+    assert told[-1] == (8, 8)
+    assert "overlaps" in found.refused[1]
+    assert np.isnan(found.velocity[1]).all()
+    for k in (0, 2, 7):
+        one = PAIR.moved(positions=poses[k]).solve(blocks=blocks)
+        assert not found.refused[k]
+        assert found.velocity[k] == pytest.approx(one.velocity, rel=1e-9, abs=1e-12)
+        assert found.resistance[k] == pytest.approx(one.resistance, rel=1e-9, abs=1e-9)
+        assert found.gap[k] == one.gap
+    with pytest.raises(ms.SpecError, match="phases: 1 poses, positions has 8"):
+        PAIR.at_poses(poses, phases=[[0.0, 1.0]], blocks=blocks)
+
+
 @pytest.mark.parametrize("swimmer", [LEFT, pytest.param(WAVE, marks=pytest.mark.slow)])
 def test_the_mean_of_one_is_that_of_its_gait(swimmer):
     found = ms.Group((ms.Member(swimmer=swimmer, phase=0.3),)).swim(level="coarse")

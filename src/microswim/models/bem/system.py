@@ -187,7 +187,9 @@ class Factors:
         """Return the densities (3 e p^2, k) for velocities (3 e p^2, k) at the nodes."""
         rhs = np.zeros((len(self.lu[0]), velocities.shape[-1]), order="F")
         rhs[: self.unknowns] = velocities
-        return lu_solve(self.lu, rhs, overwrite_b=True, check_finite=False)[: self.unknowns]
+        matrix, pivots = self.lu
+        own = pivots.copy()  # LAPACK's wrapper counts them from one meanwhile: threads would meet
+        return lu_solve((matrix, own), rhs, overwrite_b=True, check_finite=False)[: self.unknowns]
 
 
 @dataclass(frozen=True)

@@ -206,7 +206,7 @@ def swim(
     doubt = np.abs(_moments(first) - _moments(rough))
     return GroupMotion(
         solution=first,
-        mean_velocity=V.mean(axis=0),
+        mean_velocity=_without_rounding(V.mean(axis=0), first),
         mean_wrench=np.mean(wrench, axis=0),
         expected_error=error,
         error_of_velocity=off,
@@ -217,6 +217,12 @@ def swim(
         phases=len(phases),
         seconds=time.perf_counter() - start,
     )
+
+
+def _without_rounding(V: Array, found: GroupSolution) -> Array:
+    """Return velocities (n, 6) with zeros for those that are rounding beside the others."""
+    felt = np.abs(V) * np.sqrt(found.resistance.diagonal()).reshape(-1, 6)  # of one unit
+    return np.where(felt > ROUNDING * felt.max(), V, 0.0)
 
 
 def _moments(found: GroupSolution) -> Array:
@@ -239,12 +245,13 @@ def _expected(first: GroupSolution, V: Array, other: GroupSolution) -> tuple[dic
     off = np.abs(first.velocity - other.velocity) + np.abs(V.mean(0) - V[::2].mean(0))
     speed = np.sqrt(np.mean(np.sum(V.reshape(*V.shape[:2], 2, 3) ** 2, axis=-1), axis=0))
     scale = np.repeat(speed, 3, axis=1)
-    root = np.sqrt(first.resistance.diagonal())
-    felt = scale * root.reshape(-1, 6)  # angles and lengths of one size
-    scale[felt <= ROUNDING * felt.max()] = 0.0
+    scale = _without_rounding(scale, first)
+    if np.array_equal(first.density, other.density):  # a file of triangles has no coarser patches
+        off[:] = np.nan
     share = np.divide(off, scale, out=np.full_like(off, np.nan), where=scale > 0)
     free = first.group.free.reshape(-1, 6)
     errors = [[_known(x, f) for x, f in zip(row, mask)] for row, mask in zip(share.T, free.T)]
+    root = np.sqrt(first.resistance.diagonal())
     miss = np.abs(first.resistance - other.resistance) / np.outer(root, root)
     how = (
         f"difference from level {other.level} at the first phase, and of "
@@ -252,7 +259,9 @@ def _expected(first: GroupSolution, V: Array, other: GroupSolution) -> tuple[dic
         "resistance: of sqrt(R_ii R_jj)"
     )
     known = dict(zip(DEGREES_OF_FREEDOM, errors))
-    return {**known, "resistance": float(miss.max()), "how": how}, off
+    if np.isnan(off).any():
+        how = "not known: there are no coarser patches to compare with; take a finer level"
+    return {**known, "resistance": _known(float(miss.max()) or np.nan, True), "how": how}, off
 
 
 def _known(share: float, free: bool) -> float | None:

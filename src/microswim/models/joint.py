@@ -58,6 +58,8 @@ def piercing(body: Body, tail: Tail, phase: float = 0.0) -> float:
 def _section_coordinates(tail: Tail, X: Array, s: Array, phase: float) -> tuple[Array, Array]:
     """Distance from the centreline, in the section through X, and that section's s.
 
+    Of a ribbon the distance is counted in half axes and is the mean one on its surface.
+
     Perpendicular: the closest point, (X - P) . P' = 0, by Newton's method from `s`.
     Sheared: the section of X is the one with P_s(s) = X_s.
     """
@@ -75,7 +77,17 @@ def _section_coordinates(tail: Tail, X: Array, s: Array, phase: float) -> tuple[
             slope = np.sum(d * c.P_ss, axis=-1) - np.sum(c.P_s**2, axis=-1)
             step = np.sum(d * c.P_s, axis=-1) / np.minimum(slope, -0.05)
             s = s - np.clip(step, -tail.radius, tail.radius)
-    return np.linalg.norm(X - smooth_centreline(tail, s, phase).P, axis=-1), s
+    at = smooth_centreline(tail, s, phase)
+    if tail.section is None:
+        return np.linalg.norm(X - at.P, axis=-1), s
+    first, second = in_section(tail, at, X - at.P)
+    return tail.radius * np.hypot(first, second), s
+
+
+def in_section(tail: Tail, at: Curve, arm: Array) -> tuple[Array, Array]:
+    """Return the coordinates of an arm in its section over the half axes, one on the tube."""
+    (a, b), (n1, n2) = tail.half_axes, section_axes(tail, at)
+    return np.sum(arm * n1, axis=-1) / a, np.sum(arm * n2, axis=-1) / b
 
 
 @dataclass(frozen=True)
@@ -239,9 +251,9 @@ def trace_joint(body: Body, tail: Tail, phase: float = 0.0, points: int = 96) ->
 
     angle = _crossing(tail, excess, 0.3 * tail.radius / body.stretch, psi)
     at = smooth_centreline(tail, s, phase)
-    n1, n2 = section_axes(tail, at)
     arm = body.surface_point(bare.sphere_point(angle, psi)) - at.P
-    theta = np.arctan2(np.sum(arm * n2, axis=-1), np.sum(arm * n1, axis=-1))
+    along_n1, along_n2 = in_section(tail, at, arm)
+    theta = np.arctan2(along_n2, along_n1)
     grid = np.linspace(s.min() - 1e-6 * tail.radius, s.max() + 1e-6 * tail.radius, 201)
     twist = section_twist(tail, grid, phase)
     theta = theta + np.interp(s, grid, twist) - np.interp(start, grid, twist)

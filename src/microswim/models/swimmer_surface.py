@@ -5,7 +5,8 @@ Shared by the boundary elements and the finite elements. A point of the tail's t
     X(s, theta) = P(s) + r_t (cos(theta) n1(s) + sin(theta) n2(s)),
 
 with `n1, n2` normal to the centreline (perpendicular sections) or the fixed `e_q, e_r` (sheared
-sections). The kink of the ramp [Tabak Sec. 2] is rounded over +-r_t, and the centreline is
+sections); a ribbon has its half axes a, b in place of r_t and n1 towards the crests of the wave.
+The kink of the ramp [Tabak Sec. 2] is rounded over +-r_t, and the centreline is
 continued to s < 0 (analytically for helix and plane wave, straight for other tails) so that the
 tube grows out of the body without a gap.
 """
@@ -67,13 +68,17 @@ def kinks(tail: Tail) -> list[float]:
 
 @dataclass(frozen=True)
 class Curve:
-    """A centreline at given s: position, derivatives in s, and phase derivatives, each (..., 3)."""
+    """A centreline at given s: position, derivatives in s, and phase derivatives, each (..., 3).
+
+    `radial` is the unit vector across s that a ribbon's sections turn with, None for a round tube.
+    """
 
     P: Array
     P_s: Array
     P_ss: Array
     P_phi: Array
     P_sphi: Array
+    radial: Array | None = None
 
     @property
     def tangent(self) -> Array:
@@ -89,12 +94,13 @@ class Curve:
 def _wave(tail: WaveTail, s: Array, phase: float, second: float) -> Curve:
     """Helix (second = -sign) and plane wave (second = 0): b f(s) [cos, second*sin](ks - phase)."""
     f, df, ddf = rounded_ramp(s, tail.ramp * tail.apparent_length, tail.radius)
-    b, k = tail.amplitude, tail.wavenumber
+    (b, slope), k = tail.taper(s), tail.wavenumber
+    f, df, ddf = b * f, b * df + slope * f, b * ddf + 2.0 * slope * df
     c, n = np.cos(k * s - phase), np.sin(k * s - phase)
     zero, one = np.zeros_like(s), np.ones_like(s)
 
     def rows(first: Array, q: Array, r: Array) -> Array:
-        return np.stack([first, b * q, b * second * r], axis=-1)
+        return np.stack([first, q, second * r], axis=-1)
 
     return Curve(
         P=rows(s, f * c, f * n),
@@ -106,6 +112,7 @@ def _wave(tail: WaveTail, s: Array, phase: float, second: float) -> Curve:
         ),
         P_phi=rows(zero, f * n, -f * c),
         P_sphi=rows(zero, df * n + k * f * c, -df * c + k * f * n),
+        radial=None if tail.section is None else tail.radial(s, phase),
     )
 
 
@@ -145,8 +152,11 @@ def section_axes(tail: Tail, curve: Curve) -> tuple[Array, Array]:
 
     Perpendicular: e_q, e_r carried along by the smallest rotation that takes e_s to the tangent T,
     n1 = e_q - T_q (e_s + T)/(1 + T_s): smooth wherever the tail does not turn straight back.
-    Sheared: e_q and e_r themselves.
+    Sheared: e_q and e_r themselves. Of a ribbon n1 is what of the radial direction lies across T,
+    or across s, n2 the binormal.
     """
+    if curve.radial is not None:
+        return _ribbon_axes(tail, curve, curve.radial)
     n1, n2 = np.zeros_like(curve.P), np.zeros_like(curve.P)
     n1[..., 1], n2[..., 2] = 1.0, 1.0
     if tail.sections == "sheared":
@@ -158,13 +168,25 @@ def section_axes(tail: Tail, curve: Curve) -> tuple[Array, Array]:
     return n1 - T[..., 1:2] * bisector, n2 - T[..., 2:3] * bisector
 
 
+def _ribbon_axes(tail: Tail, curve: Curve, radial: Array) -> tuple[Array, Array]:
+    T = curve.tangent if tail.sections == "perpendicular" else np.zeros_like(radial)
+    if tail.sections == "sheared":
+        T[..., 0] = 1.0
+    n1 = radial - np.sum(radial * T, axis=-1, keepdims=True) * T
+    n1 = np.asarray(n1 / np.linalg.norm(n1, axis=-1, keepdims=True), float)
+    return n1, np.asarray(np.cross(T, n1), float)
+
+
 def section_twist(tail: Tail, s: Array, phase: float = 0.0) -> Array:
     """Return the angle beta(s) through which `section_axes` turn about the tangent, from
     beta(s[0]) = 0.
 
     Generators theta + beta = const do not wind about the tube: along them X moves along the tangent
-    alone, so they leave the body once. Trapezoidal rule on the increasing grid s.
+    alone, so they leave the body once. Trapezoidal rule on the increasing grid s. Those of a ribbon
+    run along its edges: no twist is taken off.
     """
+    if tail.section is not None:
+        return np.zeros_like(s)
     n1, n2 = section_axes(tail, smooth_centreline(tail, s, phase))
     step = np.sum(np.diff(n1, axis=0) * 0.5 * (n2[1:] + n2[:-1]), axis=-1)
     return np.concatenate([[0.0], np.cumsum(step)])
@@ -175,8 +197,8 @@ def tube_point(tail: Tail, s: Array, theta: Array, phase: float = 0.0) -> Array:
     s, theta = np.broadcast_arrays(np.asarray(s, float), np.asarray(theta, float))
     curve = smooth_centreline(tail, s, phase)
     n1, n2 = section_axes(tail, curve)
-    radial = np.cos(theta)[..., None] * n1 + np.sin(theta)[..., None] * n2
-    return curve.P + tail.radius * radial
+    a, b = tail.half_axes
+    return curve.P + a * np.cos(theta)[..., None] * n1 + b * np.sin(theta)[..., None] * n2
 
 
 def surface_velocity(tail: Tail, X: Array, s: Array, phase: float = 0.0) -> Array:
@@ -199,13 +221,14 @@ def surface_velocity(tail: Tail, X: Array, s: Array, phase: float = 0.0) -> Arra
 
 def _bend_outside(body: Body, tail: Tail, s: Array, curve: Curve, alone: bool) -> Array:
     """Curvature x radius at every s whose section's inner side lies outside the body, else zero."""
+    radius = max(tail.half_axes)
     if alone:
-        return np.where(s >= 0, curve.curvature * tail.radius, 0.0)
+        return np.where(s >= 0, curve.curvature * radius, 0.0)
     T = curve.tangent
     inward = curve.P_ss - np.sum(curve.P_ss * T, axis=-1, keepdims=True) * T
     size = np.linalg.norm(inward, axis=-1, keepdims=True)
-    inner = curve.P + tail.radius * inward / np.where(size > 0, size, 1.0)
-    return np.where(body.level(inner) > 0, curve.curvature * tail.radius, 0.0)
+    inner = curve.P + radius * inward / np.where(size > 0, size, 1.0)
+    return np.where(body.level(inner) > 0, curve.curvature * radius, 0.0)
 
 
 def check(body: Body, tail: Tail, phase: float = 0.0) -> list[str]:
@@ -217,7 +240,7 @@ def check(body: Body, tail: Tail, phase: float = 0.0) -> list[str]:
         If the tube folds into itself (curvature x radius of 0.98 and more, the inner side of the
         bend outside the body) or touches itself (turns closer than two filament radii).
     """
-    radius = tail.radius
+    radius = max(tail.half_axes)
     s = np.linspace(-2 * radius, tail.apparent_length, 2001)
     curve = smooth_centreline(tail, s, phase)
     remarks = []
@@ -251,14 +274,14 @@ def check(body: Body, tail: Tail, phase: float = 0.0) -> list[str]:
 
 def _check_clearance(tail: Tail, P: Array) -> None:
     """Refuse a tube that touches another part of itself."""
-    P = P[::5]
+    P, radius = P[::5], max(tail.half_axes)
     arc = np.concatenate([[0.0], np.cumsum(np.linalg.norm(np.diff(P, axis=0), axis=-1))])
     apart = cdist(P, P)
-    gap = np.where(np.abs(arc[:, None] - arc[None, :]) > np.pi * tail.radius, apart, np.inf)
-    if gap.min() <= 2 * tail.radius:
+    gap = np.where(np.abs(arc[:, None] - arc[None, :]) > np.pi * radius, apart, np.inf)
+    if gap.min() <= 2 * radius:
         raise SpecError(
             "tail.radius",
-            tail.radius,
+            radius,
             f"less than {gap.min() / 2:.4g}, half the distance of neighbouring turns",
             "the tube would touch itself: use a thinner filament or fewer waves",
         )

@@ -67,6 +67,10 @@ class _TailTable(_Table):
 
 
 class _WaveTable(_TailTable):
+    radius: Annotated[
+        Length | None,
+        About("Filament radius", "of the filament; left out with section", start=0.05),
+    ] = None  # type: ignore[assignment]
     amplitude: Annotated[
         Length, About("Amplitude", "of the wave or of the heave; the radius of a helix", start=0.1)
     ]
@@ -79,6 +83,14 @@ class _WaveTable(_TailTable):
         About("Ramp", "fraction of the length over which the amplitude grows",
               start=0.1, usual=(0.0, 1.0)),
     ] = 0.1  # fmt: skip
+    amplitude_end: Annotated[
+        Length | None, About("Amplitude at the tip", "of a conical tail; else the amplitude")
+    ] = None
+    section: Annotated[
+        list[Length] | None,
+        About("Section", "half axes of an elliptic section, along normal and binormal: a ribbon",
+              entries=("Half axis, normal", "Half axis, binormal")),
+    ] = None  # fmt: skip
     length_measure: Annotated[
         Literal["apparent", "arc"],
         About("Length is", "apparent: along the axis s | arc: along the filament",
@@ -322,6 +334,7 @@ FIELDS = fields.read_off(TABLES)
 #: Fields that say the same in two ways: one of the two is given.
 ALTERNATIVES = {
     **OF_A_SWIMMER,
+    "tail.section": "tail.radius",
     "fluid.viscosity": "fluid.kinematic_viscosity",
     "fluid.kinematic_viscosity": "fluid.viscosity",
 }

@@ -16,6 +16,7 @@ from microswim.spec.file import from_dict
 from microswim.spec.tables import FIELDS
 from microswim.spec.text import toml
 from microswim.spec.units import DIMENSIONS, SIZES
+from microswim.swimmer.geometry.tails import WaveTail, as_wave
 from microswim.swimmer.swimmer import Swimmer
 
 LARGEST_SPEC = 256 * 1024  #: bytes; a region calibration is the most of it
@@ -57,6 +58,8 @@ def swimmer_of(tables: Any) -> Swimmer:
     if named is not None:
         raise SpecError(f"{named}.file: the studio reads no file that a spec names")
     swimmer = from_dict(tables)
+    if isinstance(swimmer.tail, WaveTail):
+        as_wave(swimmer.tail)
     waves = float(swimmer.tail.number_of_waves)
     if not waves <= MOST_WAVES:
         raise SpecError("tail.waves", f"{waves:.6g}", f"at most {MOST_WAVES:g} in the studio")

@@ -80,7 +80,10 @@ def lifted(swimmer: Swimmer, values: Mapping[str, Any]) -> Swimmer:
 def without_other_names(given: Iterable[str]) -> set[str]:
     """Return the fields that say in another way what `given` says already, and must be cleared."""
     given = set(given)
-    return {ALTERNATIVES[name] for name in given if name in ALTERNATIVES} - given
+    cleared = {ALTERNATIVES[name] for name in given if name in ALTERNATIVES}
+    if any(name.startswith("tail.section") for name in given):
+        cleared.add("tail.radius")  # the section says it
+    return cleared - given
 
 
 def both_of_the_wave(tail: Any) -> dict[str, Any]:

@@ -111,6 +111,8 @@ def unlike(swimmer: Swimmer) -> list[str]:
     tail, body = swimmer.tail, swimmer.body
     if not (isinstance(tail, WaveTail) and tail.is_rigid):
         return ["it holds helical tails"]
+    if not tail.is_plain:
+        return ["it holds round filaments of one amplitude"]
     if not (body.is_ellipsoid and body.is_axisymmetric) or not np.all(
         np.real(body.semi_axes3[0]) > 0
     ):

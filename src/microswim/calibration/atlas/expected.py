@@ -19,6 +19,8 @@ from microswim.swimmer.swimmer import Swimmer
 
 #: Largest difference of a level of the boundary elements from the finest, over the design range.
 LEVELS = {"coarse": 0.0035, "standard": 0.002, "fine": 0.0005}
+#: The same of ribbons, twice over: few were compared (docs/cad.md).
+RIBBONS = {"coarse": 0.01, "standard": 0.006, "fine": 0.003}
 #: Largest differences of an elastic tail's us and os from boundary elements on the same motion:
 #: the 24 designs of benchmarks/accuracy_elastic.py.
 ELASTIC = {"us": 0.85, "os": 0.08}
@@ -162,6 +164,9 @@ def _of_elements(swimmer: Swimmer, gait: Gait) -> tuple[list[Any], str]:
     level = gait.info.get("level", "")
     if level not in LEVELS:
         return [None] * 6, "not known for a level of one's own"
+    if swimmer.tail.section is not None:
+        how = f"twice the largest difference of level {level} from fine, ribbons up to 5:1"
+        return [RIBBONS[level]] * 6, how
     return [LEVELS[level]] * 6, f"largest difference of level {level} from finer ones"
 
 

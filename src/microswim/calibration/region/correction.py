@@ -203,6 +203,7 @@ class Correction:
             raise SpecError(
                 "tail.kind", swimmer.tail.kind, f'"{self.choices["kind"]}", as calibrated'
             )
+        as_wave(swimmer.tail)
         helix = swimmer.tail.is_rigid
         inputs = self.inputs(swimmer)
         R, F, G, extra = matrices(swimmer, *inputs, self.surfaces)

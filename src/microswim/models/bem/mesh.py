@@ -24,8 +24,9 @@ from microswim.swimmer.geometry.tails import Tail
 # A joint that reaches this many filament radii along the tail counts as steep: shorter first rows.
 STEEP = 0.6
 
-# A tube flatter than this (radius over half thickness) gets one panel more around.
-FLAT = 2.0
+# A tube flatter than this (radius over half thickness, or the ratio of half axes) gets one panel
+# more around; the hole that a ribbon leaves in its body is cut into so many times more.
+FLAT, HOLE_OF_RIBBON = 2.0, 3
 
 
 @dataclass(frozen=True)
@@ -174,6 +175,8 @@ def _cap(tail: Tail, phase: float, end: float, outward: float) -> tuple[Array, A
     if tail.sections == "sheared":
         axes = np.eye(3) if outward > 0 else np.array([[-1.0, 0, 0], [0, 0, 1.0], [0, 1.0, 0]])
         offset = tail.radius * sampled(half_sphere(axes[0], axes[1], axes[2], 1))
+        if tail.section is not None:
+            offset = _ribbon_cap(tail, offset / tail.radius, end, phase)
         s = end + offset[..., 0]
         offset[..., 0] = 0.0
         return geometry.smooth_centreline(tail, s, phase).P + offset, s
@@ -182,7 +185,18 @@ def _cap(tail: Tail, phase: float, end: float, outward: float) -> tuple[Array, A
     if outward < 0:
         axis, first, second = -axis, second, first
     directions = sampled(half_sphere(axis, first, second, 1))
+    if tail.section is not None:
+        directions = _ribbon_cap(tail, directions, end, phase) / tail.radius
     return curve.P + tail.radius * directions, np.full(directions.shape[:3], end)
+
+
+def _ribbon_cap(tail: Tail, directions: Array, end: float, phase: float) -> Array:
+    """Return unit directions stretched to the half axes; along the tail to the smaller one."""
+    curve = geometry.smooth_centreline(tail, np.array(end), phase)
+    first, second = geometry.section_axes(tail, curve)
+    axes = np.stack([np.cross(first, second), first, second])
+    a, b = tail.half_axes
+    return (directions @ axes.T * [min(a, b), a, b]) @ axes
 
 
 def _ring_radii(step: float, growth: float, quarter: float, gap: float, last: float) -> Array:
@@ -198,7 +212,7 @@ def _ring_radii(step: float, growth: float, quarter: float, gap: float, last: fl
     return edges / edges[-1]
 
 
-def _body(body: Body, joint: Joint, r: Resolution) -> Array:
+def _body(body: Body, joint: Joint, r: Resolution, flat: bool) -> Array:
     """Positions of the body's patches."""
     around = np.linspace(0.0, 2 * np.pi, 64)
     opening = body.opening(joint.pole, joint.first, float(joint.angle(around).max()))
@@ -217,6 +231,7 @@ def _body(body: Body, joint: Joint, r: Resolution) -> Array:
         width = (high - low) * gap
         outer = mean + high * gap
         sectors = 4 * int(np.clip(np.ceil(outer / (2.2 * width)), 1, max(side, r.around // 4)))
+        sectors *= HOLE_OF_RIBBON if flat else 1
         turn = np.linspace(-np.pi / 4, 2 * np.pi - np.pi / 4, sectors + 1)
         parts.append(sample_adapted(chart, grid_boxes(np.array([low, high]), turn)))
     parts.append(sampled(body.facets(r.body, opening)))
@@ -230,6 +245,8 @@ def _joined(parts: list[tuple[Array, Array]]) -> tuple[Array, Array]:
 
 def _flatness(tail: Tail, phase: float, s: Array) -> Array:
     """Radius over half thickness of the tube: |P'| with sheared sections, else one."""
+    if tail.section is not None:
+        return np.full_like(s, tail.radius / min(tail.half_axes))
     if tail.sections != "sheared":
         return np.ones_like(s)
     return np.linalg.norm(geometry.smooth_centreline(tail, s, phase).P_s, axis=-1)
@@ -276,6 +293,9 @@ def swimmer_surface(body: Body, tail: Tail, phase: float, r: Resolution) -> Surf
         root = r.root * min(1.0, STEEP * tail.radius / max(joint.depth, 1e-3 * tail.radius))
     edges = tube_edges(tail, phase, start, r, root)
     around = r.around + int(_flatness(tail, phase, edges).max() > FLAT)
+    is_flat = max(tail.half_axes) > FLAT * min(tail.half_axes)
+    if tail.section is not None:  # panels meet where the section bends most and least
+        around = 8 if is_flat else 4
     parts = [_tube(tail, phase, edges, around, joint), _cap(tail, phase, length, 1.0)]
     if alone:
         parts.append(_cap(tail, phase, 0.0, -1.0))
@@ -283,7 +303,7 @@ def swimmer_surface(body: Body, tail: Tail, phase: float, r: Resolution) -> Surf
     motion = geometry.surface_velocity(tail, X, s, phase)
     on_tail = np.ones(len(X), bool)
     if joint is not None:
-        shell = _body(body, joint, r)
+        shell = _body(body, joint, r, is_flat)
         X, s = np.concatenate([shell, X]), np.concatenate([np.zeros(shell.shape[:3]), s])
         motion = np.concatenate([np.zeros_like(shell), motion])
         on_tail = np.concatenate([np.zeros(len(shell), bool), on_tail])

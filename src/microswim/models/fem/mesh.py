@@ -23,6 +23,7 @@ from microswim.errors import MicroswimError, SpecError
 from microswim.swimmer import physical_sense
 from microswim.swimmer.geometry.body import Body
 from microswim.swimmer.geometry.surroundings import Channel
+from microswim.swimmer.geometry.tails import WaveTail, as_wave
 from microswim.swimmer.swimmer import Swimmer
 
 
@@ -86,6 +87,8 @@ class Outline:
         """Return outline of a swimmer, scaled by its body's largest diameter (or half the tail)."""
         body, tail = swimmer.body, swimmer.tail
         physical_sense.require_tail(swimmer, "the finite elements")
+        if isinstance(tail, WaveTail):
+            as_wave(tail)
         r_s, r_q, r_r = axes = ellipsoid_axes(body)
         unit = 2.0 * max(axes) or 0.5 * float(tail.apparent_length)
         scaled = (r_s / unit, r_q / unit, r_r / unit)

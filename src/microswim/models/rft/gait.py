@@ -26,6 +26,7 @@ from microswim import checks
 from microswim.errors import SpecError
 from microswim.gait.gait import Gait
 from microswim.gait.one_pose import remark
+from microswim.models.rft import ribbon
 from microswim.models.rft.helix import FEWEST_WAVES, helix_tail, ramp_nodes
 from microswim.models.rft.plane_wave import wave_phases
 from microswim.models.rft.segment import (
@@ -41,6 +42,7 @@ from microswim.numerics.compiled import pays
 from microswim.numerics.fourier import MIRROR_Q, add, rotate, series_of, trimmed
 from microswim.numerics.quadrature import gauss, panels
 from microswim.swimmer import physical_sense
+from microswim.swimmer.drag.ribbon import local as drag_of_ribbon
 from microswim.swimmer.geometry.tails import as_wave
 from microswim.swimmer.swimmer import SURROUNDINGS, Swimmer
 
@@ -222,20 +224,27 @@ def with_mirror_image(R: np.ndarray, F: np.ndarray, G: np.ndarray) -> tuple[np.n
 
 
 def _any_samples(swimmer: Swimmer, nodes: int | None, phases: np.ndarray) -> tuple[np.ndarray, ...]:
-    tail = swimmer.tail
+    tail: Any = swimmer.tail
     edges, waves = tail.edges, tail.number_of_waves
     along_s = []
     for a, b in zip(edges, edges[1:]):
         x, w = panels(nodes or int(24 + 24 * waves * (b - a)))
         along_s.append((a + (b - a) * x, (b - a) * w))
     x, w = (np.concatenate(part) for part in zip(*along_s))
-    at = tail.centreline(tail.length * x[None, :], phases[:, None])
-    tip = tail.centreline(np.full((1, 1), tail.length), phases[:, None])
-    return centreline_sums(swimmer, at, tail.length * w, tip)
+    length = tail.apparent_length
+    s, phase = length * x[None, :], phases[:, None]
+    at = tail.centreline(s, phase)
+    tip = tail.centreline(length + np.zeros((1, 1)), phase)
+    normal = None if tail.section is None else ribbon.normals(tail.radial(s, phase), at[1])
+    return centreline_sums(swimmer, at, length * w, tip, normal)
 
 
 def centreline_sums(
-    swimmer: Swimmer, at: tuple[np.ndarray, ...], ds: np.ndarray, tip: tuple[np.ndarray, ...]
+    swimmer: Swimmer,
+    at: tuple[np.ndarray, ...],
+    ds: np.ndarray,
+    tip: tuple[np.ndarray, ...],
+    normal: np.ndarray | None = None,
 ) -> tuple[np.ndarray, ...]:
     """Return ``B_t``, ``F_p``, G at m phases of a tail that is given by its centreline.
 
@@ -248,6 +257,8 @@ def centreline_sums(
         at the free end (m, 1, 3).
     ds
         Weights of the nodes along the tail, (n,).
+    normal
+        Unit normals of a ribbon's sections, (m, n, 3).
     """
     tail, offset, (P, P_s, U) = swimmer.tail, swimmer.body.semi_axes3[0], at
     local = swimmer.coefficients.local(tail, swimmer.fluid.viscosity)
@@ -258,7 +269,14 @@ def centreline_sums(
     end = swimmer.coefficients.end(tail, swimmer.fluid.viscosity)
     drag = tuple(np.asarray(v, dtype=kind)[()] for v in (end, end, 0.0))
     arc = swimmer.motion.line_element == "arc"
-    along = _quadrature((P + offset * AXIS, P_s, U), ds, arc, c, tail.spin)
+    placed = P + offset * AXIS, P_s, U
+    if normal is None:
+        along = _quadrature(placed, ds, arc, c, tail.spin)
+    else:
+        own = drag_of_ribbon(swimmer.coefficients, tail, swimmer.fluid.viscosity)
+        x_t, x_n, x_r = swimmer.interaction.tail
+        own = tuple(x * f for x, f in zip((x_t, x_n, x_n, x_r), own))
+        along = ribbon.sums(placed, normal, ds, arc, own, tail.spin)
     point = np.ones(1, dtype=kind)
     ending = _quadrature((tip[0] + offset * AXIS, *tip[1:]), point, False, drag, 0.0)
     return tuple(a + b for a, b in zip(along, ending))

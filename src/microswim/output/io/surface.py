@@ -12,7 +12,6 @@ from typing import Any
 import numpy as np
 
 from microswim.swimmer.geometry.solids.spheres import closed_grid
-from microswim.swimmer.geometry.tails import Tail
 from microswim.swimmer.swimmer import Swimmer
 
 BODY, TAIL = 0, 1
@@ -77,7 +76,7 @@ def surface(swimmer: Swimmer, phase: float = 0.0, *, fineness: float = 1.0) -> S
     )
 
 
-def _tube(tail: Tail, phase: float, fineness: float, closed: bool) -> np.ndarray:
+def _tube(tail: Any, phase: float, fineness: float, closed: bool) -> np.ndarray:
     """Grid of a tube about the centreline, from the joint to its round tip."""
     waves = max(1.0, float(tail.number_of_waves))
     rings, around = int(32 * fineness * min(waves, 40.0)) + 1, max(6, int(12 * fineness))
@@ -87,14 +86,19 @@ def _tube(tail: Tail, phase: float, fineness: float, closed: bool) -> np.ndarray
         normal, axis = np.tile([0.0, 1.0, 0.0], (rings, 1)), np.tile([1.0, 0.0, 0.0], (rings, 1))
     else:
         normal, axis = transported(P, tangent), tangent
-    binormal = np.cross(axis, normal)
+    if tail.section is not None:
+        normal = tail.radial(np.linspace(0.0, tail.apparent_length, rings), phase)
+        normal = normal - np.sum(normal * axis, axis=1, keepdims=True) * axis
+        normal /= np.linalg.norm(normal, axis=1, keepdims=True)
+    binormal, (a, b) = np.cross(axis, normal), tail.half_axes
     angle = np.linspace(0.0, 2.0 * np.pi, around, endpoint=False)
-    ring = np.cos(angle)[:, None] * normal[:, None] + np.sin(angle)[:, None] * binormal[:, None]
+    ring = a * np.cos(angle)[:, None] * normal[:, None]
+    ring = ring + b * np.sin(angle)[:, None] * binormal[:, None]
     tip = np.linspace(0.0, np.pi / 2.0, 6)[1:, None, None]
-    bend = tail.radius * (np.cos(tip) * ring[-1] + np.sin(tip) * axis[-1])
-    pieces = [P[:, None] + tail.radius * ring, P[-1] + bend]
+    bend = np.cos(tip) * ring[-1] + min(a, b) * np.sin(tip) * axis[-1]
+    pieces = [P[:, None] + ring, P[-1] + bend]
     if closed:
-        flat = tail.radius * (np.cos(tip) * ring[0] - np.sin(tip) * axis[0])
+        flat = np.cos(tip) * ring[0] - min(a, b) * np.sin(tip) * axis[0]
         pieces.insert(0, (P[0] + flat)[::-1])
     return np.concatenate(pieces)
 

@@ -1,8 +1,7 @@
 """Local resistance of the filament: c_t, c_n per unit length and the spin resistance c_r.
 
-Lighthill [Tabak Eqs. 7-9], Gray & Hancock, Cox, a constant pair (also from the thrust and torque
-of a held swimmer through Eq. 20), and the closed form (20) itself. All accept arrays
-and complex numbers.
+Lighthill [Tabak Eqs. 7-9], Gray & Hancock, Cox, a constant pair (also from a held swimmer's thrust
+and torque), and the closed form (20). All formulas accept arrays and complex numbers.
 """
 
 from __future__ import annotations
@@ -75,11 +74,12 @@ class Coefficients(ABC):
     def local(self, tail: Tail, viscosity: Any) -> tuple[Any, Any, Any]:
         """Return ``(c_t, c_n, c_r)`` per unit length: along, across, and of spin.
 
-        ``c_r = 4 pi mu r_t^2``, the torque on an infinite cylinder turning about its axis.
+        ``c_r = 2 pi mu (a^2 + b^2)`` of an infinite cylinder; a ribbon's c_n is between its two.
         """
         if tail.is_absent:
             return 0.0, 0.0, 0.0
-        spin = 4.0 * np.pi * viscosity * tail.radius**2 if self.spin else 0.0 * tail.radius
+        a, b = tail.half_axes
+        spin = 2.0 * np.pi * viscosity * (a * a + b * b) if self.spin else 0.0 * tail.radius
         return (*self.pair(tail, viscosity), spin)
 
     def end(self, tail: Tail, viscosity: Any) -> Any:

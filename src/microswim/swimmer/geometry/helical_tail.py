@@ -61,17 +61,16 @@ class HelicalTail(WaveTail):
     def _apparent_from_arc(self, wound: Any) -> Any:
         return np.sqrt(self.length**2 - wound**2)
 
-    @property
-    def alpha(self) -> Any:
-        """``alpha = (1 + b^2 k^2)^-1/2``, apparent over actual length."""
-        return 1.0 / self.stretch(self.amplitude * self.wavenumber)
+    def alpha_of(self, bk: Any) -> Any:
+        """Return ``alpha = (1 + b^2 k^2)^-1/2``, apparent over actual length."""
+        return 1.0 / self.stretch(bk)
 
     def wound_length(self) -> float:
         return 2.0 * np.pi * self.amplitude * self.number_of_waves
 
-    def room(self) -> Any:
+    def room(self, amplitude: Any = None) -> Any:
         """Return least of the radius of curvature and half the distance of neighbouring turns."""
-        b, k = self.amplitude, self.wavenumber
+        b, k = self.amplitude if amplitude is None else amplitude, self.wavenumber
         B2 = np.asarray((b * k) ** 2)
         with np.errstate(divide="ignore", over="ignore"):
             bend = (1.0 + B2) / np.asarray(b * k**2)

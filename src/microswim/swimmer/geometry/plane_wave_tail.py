@@ -64,10 +64,9 @@ class PlaneWaveTail(WaveTail):
             L = L - (L * self.stretch(wave / L) - self.length) / _mean_alpha(wave / L)
         return L
 
-    @property
-    def alpha(self) -> Any:
-        """Wavelength average of the local alpha, ``mean (1 + (bk cos x)^2)^-1/2``."""
-        return _mean_alpha(self.amplitude * self.wavenumber)
+    def alpha_of(self, bk: Any) -> Any:
+        """Return the wavelength average of the local alpha, ``mean (1 + (bk cos x)^2)^-1/2``."""
+        return _mean_alpha(bk)
 
     def wound_length(self) -> float:
         return 4.0 * self.amplitude * self.number_of_waves
@@ -76,12 +75,12 @@ class PlaneWaveTail(WaveTail):
     def may_touch_itself(self) -> bool:
         return self.sections != "sheared"
 
-    def room(self) -> Any:
+    def room(self, amplitude: Any = None) -> Any:
         """Return the least of the radius of curvature and half the distance of neighbouring limbs.
 
         A tail displaced section by section in q (sheared sections) never touches itself.
         """
-        b, k = self.amplitude, self.wavenumber
+        b, k = self.amplitude if amplitude is None else amplitude, self.wavenumber
         if not self.may_touch_itself:
             return np.inf + 0.0 * b
         limbs = np.pi / k / np.sqrt(1.0 + (b * k) ** 2) / 2.0

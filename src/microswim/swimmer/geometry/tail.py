@@ -51,6 +51,7 @@ class Tail(ABC):
     yaw_axis: ClassVar[int] = 5
     settles: ClassVar[bool] = False
 
+    section: tuple[float, float] | None = None
     radius: float
     frequency: float
     length: float
@@ -125,6 +126,11 @@ class Tail(ABC):
     def in_batches(self) -> bool:
         """Whether the surrogate evaluates many such tails at once."""
         return self.rft_loop != "centreline"
+
+    @property
+    def half_axes(self) -> tuple[Any, Any]:
+        """Half axes of the cross-section along the normal and the binormal: the radius if round."""
+        return (self.radius, self.radius) if self.section is None else self.section
 
     def _check_filament(self) -> None:
         checks.positive("tail.radius", self.radius, "length")

@@ -30,8 +30,14 @@ class WaveTail(Tail, ABC):
     waves, wavelength
         Number of waves ``N = L / lambda`` on the apparent length, or the wavelength along s:
         one of the two.
+    amplitude_end
+        Amplitude at the tip; the amplitude between goes with s from `amplitude`, `ramp` apart. By
+        default the same: the wave is not conical.
     radius
-        Radius r_t of the filament (length).
+        Radius r_t of the filament (length); left out where `section` is given.
+    section
+        Half axes (a, b) of an elliptic cross-section: a along the normal (away from the axis of a
+        helix, in the plane of a plane wave), b along the binormal. Round by default.
     frequency
         Motor frequency: revolutions or beats per time, of the tail relative to the body. A
         negative frequency reverses it.
@@ -57,12 +63,14 @@ class WaveTail(Tail, ABC):
 
     length: float
     amplitude: float
-    radius: float
+    radius: float = None  # type: ignore[assignment]
     waves: float | None = None
     wavelength: float | None = None
     frequency: float = 1.0
     ramp: float = 0.1
     length_measure: Literal["apparent", "arc"] = "apparent"
+    amplitude_end: float | None = None
+    section: tuple[float, float] | None = None
 
     def __post_init__(self) -> None:
         checks.positive("tail.length", self.length, "length")
@@ -71,7 +79,13 @@ class WaveTail(Tail, ABC):
         if self.ramp:
             checks.positive("tail.ramp", self.ramp, "fraction, or zero")
         checks.choice("tail.length_measure", self.length_measure, ("apparent", "arc"))
+        self._check_section()
         self._check_filament()
+        if self.amplitude_end is not None:
+            allowed = "a length of zero or more"
+            checks.number("tail.amplitude_end", self.amplitude_end, allowed, least=0.0)
+            if self.length_measure == "arc":
+                raise SpecError("tail.length_measure", "arc", '"apparent" for a conical tail')
         given = {"waves": self.waves, "wavelength": self.wavelength}
         if (self.waves is None) == (self.wavelength is None):
             raise SpecError(
@@ -85,6 +99,23 @@ class WaveTail(Tail, ABC):
                 checks.positive(f"tail.{name}", value)
         self._check_shape()
 
+    def _check_section(self) -> None:
+        """Refuse half axes that are none, or beside a radius of their own; they set the radius."""
+        if self.section is None:
+            if self.radius is None:
+                raise SpecError("tail.radius: missing; add it, or tail.section = [a, b]")
+            return
+        checks.numbers("tail.section", self.section, 2, "two positive half axes", above=0.0)
+        object.__setattr__(self, "section", tuple(self.section))
+        mean = 0.5 * sum(self.section)
+        if self.radius is not None and abs(self.radius - mean) > 1e-9 * mean:
+            raise SpecError(
+                "tail.radius",
+                self.radius,
+                f"left out beside tail.section = {self.section!r}, whose mean half axis it is",
+            )
+        object.__setattr__(self, "radius", mean)
+
     def _check_shape(self) -> None:
         """Refuse a tail that cannot be built: too short for its turns, or touching itself."""
         shortest = self.wound_length()
@@ -95,11 +126,12 @@ class WaveTail(Tail, ABC):
                 f"longer than the windings it holds ({shortest:.6g})",
                 "lengthen the filament or reduce amplitude or waves",
             )
-        room = float(self.room())
-        if room <= self.radius:
+        room = min(float(self.room(b)) for b in self._amplitudes())
+        widest = float(max(self.half_axes))
+        if room <= widest:
             raise SpecError(
-                "tail.radius",
-                self.radius,
+                "tail.radius" if self.section is None else "tail.section",
+                widest,
                 f"less than {room:.6g}, the room that this wave leaves",
                 "thin the filament, lengthen the wave or lower it: this tail touches itself",
             )
@@ -116,8 +148,23 @@ class WaveTail(Tail, ABC):
         return True
 
     @abstractmethod
-    def room(self) -> Any:
-        """Return the largest filament radius before the tail touches itself."""
+    def room(self, amplitude: Any = None) -> Any:
+        """Return the largest filament radius before a wave of an amplitude touches itself."""
+
+    def _amplitudes(self) -> Any:
+        """Amplitudes along the tail, the ramp left out, that stand for all."""
+        if self.amplitude_end is None:
+            return (self.amplitude,)
+        return np.linspace(float(self.amplitude), float(self.amplitude_end), 21)
+
+    @property
+    def is_plain(self) -> bool:
+        """Whether the wave is of one amplitude and the filament round."""
+        return self.amplitude_end is None and self.section is None
+
+    @property
+    def in_batches(self) -> bool:
+        return self.is_plain
 
     @property
     def apparent_length(self) -> Any:
@@ -166,17 +213,55 @@ class WaveTail(Tail, ABC):
     @property
     def arc_length(self) -> Any:
         """Length along the filament of the full-amplitude wave (the ramp left out)."""
+        if self.amplitude_end is not None:
+            return self.apparent_length * np.mean(self._speeds())
         return self.apparent_length * self.stretch(self.amplitude * self.wavenumber)
 
+    @property
+    def alpha(self) -> Any:
+        """Apparent over actual length of the full-amplitude wave, averaged along it."""
+        if self.amplitude_end is not None:
+            return np.mean(1.0 / self._speeds())
+        return self.alpha_of(self.amplitude * self.wavenumber)
+
+    @abstractmethod
+    def alpha_of(self, bk: Any) -> Any:
+        """Return the apparent over actual length of a wave of amplitude x wavenumber `bk`."""
+
+    def _speeds(self) -> Any:
+        """``|dP/ds|`` of a conical wave, its ramp left out, alike over the tail and the period."""
+        n = 64 * int(np.ceil(max(1.0, float(np.real(self.number_of_waves)))))
+        s = self.apparent_length * (np.arange(n)[:, None] + 0.5) / n
+        b, db = self.taper(s)
+        angle = 2.0 * np.pi * np.arange(32) / 32
+        q = db * np.cos(angle) - b * self.wavenumber * np.sin(angle)
+        r = self.out_of_plane * (db * np.sin(angle) + b * self.wavenumber * np.cos(angle))
+        return np.sqrt(1.0 + q * q + r * r)
+
+    def taper(self, s: Any) -> tuple[Any, Any]:
+        """Return amplitude and slope at s, the ramp left out: linear up to `amplitude_end`."""
+        end = self.amplitude if self.amplitude_end is None else self.amplitude_end
+        slope = (end - self.amplitude) / self.apparent_length
+        return self.amplitude + slope * s, slope + 0.0 * s
+
     def envelope(self, s: Any) -> tuple[Any, Any]:
-        """Return the local amplitude ``b_s(s)`` and its derivative: linear on the ramp, then b."""
+        """Return ``b_s(s) = min(1, s/s_0) (b + (b_end - b) s/L)`` and its derivative."""
         s = np.asarray(s)
         end = self.ramp * self.apparent_length
+        b, db = self.taper(s)
         if np.real(end) == 0:
-            return self.amplitude + 0 * s, 0 * s
+            return b, db
         grows = np.real(s) < np.real(end)
-        slope = self.amplitude / end
-        return np.where(grows, slope * s, self.amplitude), np.where(grows, slope, 0.0)
+        return np.where(grows, b * s / end, b), np.where(grows, (b + db * s) / end, db)
+
+    def radial(self, s: Any, phase: Any) -> np.ndarray:
+        """Return the unit vector (..., 3) across s in which the wave swings out at s."""
+        s, phase = np.broadcast_arrays(s, phase)
+        angle = self.wavenumber * s - phase
+        if not self.out_of_plane:
+            return np.stack([0.0 * angle, 1.0 + 0.0 * angle, 0.0 * angle], axis=-1)
+        q, r = np.cos(angle), self.out_of_plane * np.sin(angle)
+        return np.stack([0.0 * angle, q, r], axis=-1)
 
     def continued(self, s: Any, phase: Any) -> np.ndarray:
         """Return the position at s, behind the joint by the same formula."""
@@ -216,13 +301,19 @@ class WaveTail(Tail, ABC):
 
 
 def as_wave(tail: Tail) -> WaveTail:
-    """Return the tail if it is a helix or a plane wave.
+    """Return the tail if it is a helix or a plane wave of one amplitude, its filament round.
 
     Raises
     ------
     SpecError
-        If it has no amplitude and no wavenumber.
+        If it has no amplitude and no wavenumber, is conical or no round filament.
     """
     if not isinstance(tail, WaveTail):
         raise SpecError("tail.kind", tail.kind, "one with a wave here", "take a helix")
+    if not tail.is_plain:
+        name = "section" if tail.amplitude_end is None else "amplitude_end"
+        raise SpecError(
+            f"tail.{name}: a round filament of one amplitude is wanted here; leave it out, or take "
+            "model rft or bem"
+        )
     return tail

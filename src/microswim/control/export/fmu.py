@@ -255,7 +255,8 @@ def _source_files(name: str) -> str:
 
 
 def _build(model: cmodel.CModel) -> str:
-    name, about = model.name, model.banner.strip("/* \n")
+    name = model.name
+    about = model.banner.strip("/* \n").replace("--", "- -")  # two would end a comment
     return (
         f'<?xml version="1.0" encoding="UTF-8"?>\n<!-- {about} -->\n'
         '<fmiBuildDescription fmiVersion="3.0">'

@@ -89,7 +89,7 @@ def timed_gait(
     if model in ("rft", "atlas", "elastic") or (model == "auto" and accuracy is None):
         start = time.perf_counter()
         return swimmer.gait(model), time.perf_counter() - start
-    with bar(f"{model}, {level or 'standard'}") as progress:
+    with bar(model if model == "auto" else f"{model}, {level or 'standard'}") as progress:
         start = time.perf_counter()
         gait = swimmer.gait(model, progress=progress, **options)
         return gait, time.perf_counter() - start

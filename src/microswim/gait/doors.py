@@ -70,8 +70,10 @@ PLOT_GAIT = "microswim.output.plots.shortcuts:of_gait"
 PLOT_SWIMMER = "microswim.output.plots.shortcuts:of_swimmer"
 PLOT_REGIMES = "microswim.output.plots.regimes:regimes"
 PORTRAIT = "microswim.output.report.portrait:of_swimmer"
+WARM_UP_ATLAS = "microswim.calibration.atlas.everywhere:warm_up"
 PACK_REGION = "microswim.calibration.region.text:pack"
-UNPACK_REGION = "microswim.calibration.region.text:unpack"
+UNWARM_UP_ATLAS = "microswim.calibration.atlas.everywhere:warm_up"
+PACK_REGION = "microswim.calibration.region.text:unpack"
 
 
 def go(door: str, *args: Any, **options: Any) -> Any:

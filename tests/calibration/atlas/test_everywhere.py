@@ -1,6 +1,8 @@
 """Many designs by the atlas are those one by one, in batches and in sweeps, and say their error."""
 
 import json
+import subprocess
+import sys
 
 import numpy as np
 import pytest
@@ -132,3 +134,28 @@ def test_robots_that_differ_by_chance_are_those_of_the_atlas():
     one = ROBOT.with_({"tail.amplitude": float(made["tail.amplitude"][0])})
     speed = ms.summary(one.gait("atlas"))["swimming_speed"]
     assert float(made.swimming_speed[0]) == pytest.approx(speed, rel=1e-7)
+
+
+COLD_AND_WARM = """
+import sys
+import microswim as ms
+tail = ms.HelicalTail(length=2.0, amplitude=0.1, waves=3, radius=0.05)
+robot = ms.Swimmer(body=ms.Sphere(radius=0.5), tail=tail, fluid=ms.Fluid(viscosity=1.0))
+for _ in range(30):
+    robot.gait("auto")
+print("numba" in sys.modules)
+ms.warm_up()
+from microswim.calibration.region.evaluate import helices
+kernels = helices.alone, helices.parallel
+before = [len(k.signatures) for k in kernels]
+robot.gait("auto")
+robot.gradient("swimming_speed", "tail.amplitude")
+print(min(before), before == [len(k.signatures) for k in kernels])
+"""
+
+
+def test_no_gait_compiles_in_the_call():
+    """One after the other they run as Python; after warming up nothing is left to compile."""
+    run = [sys.executable, "-c", COLD_AND_WARM]
+    found = subprocess.run(run, capture_output=True, text=True, check=True, timeout=300)
+    assert found.stdout.split() == ["False", "1", "True"]

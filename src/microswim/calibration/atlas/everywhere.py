@@ -14,6 +14,8 @@ from microswim.calibration.atlas.gait import gait as atlas_gait
 from microswim.calibration.atlas.side_by_side import twists
 from microswim.calibration.region import body_flow as shaded
 from microswim.gait.gait import Gait
+from microswim.models.rft.batch import evaluate
+from microswim.numerics.cores import MANY
 from microswim.swimmer.fields import in_terms_of, lifted, replaced
 from microswim.swimmer.swimmer import Swimmer
 
@@ -68,6 +70,14 @@ def everywhere(swimmer: Swimmer) -> Swimmer | None:
     if atlas is None or not serves or swimmer.motion.frequency_frame != "body":
         return None
     return replace(swimmer, region=Everywhere(atlas))
+
+
+def warm_up(swimmer: Swimmer) -> None:
+    """Load the compiled code by which the atlas answers such swimmers, one and many."""
+    many = everywhere(swimmer)
+    if many is not None:
+        atlas_gait(swimmer)
+        evaluate(many, {"tail.amplitude": np.full(MANY, swimmer.numbers["tail.amplitude"])})
 
 
 def holding(swimmer: Swimmer, numbers: Mapping[str, Any]) -> Swimmer:

@@ -7,6 +7,7 @@ from typing import Any
 import numpy as np
 
 from microswim import checks
+from microswim.gait import doors
 from microswim.gait.screw import screw
 from microswim.models.rft.batch import evaluate
 from microswim.numerics.compiled import choose_compiled, settled
@@ -22,6 +23,14 @@ from microswim.swimmer.swimmer import Swimmer
 
 def _beat(s: np.ndarray, phase: np.ndarray) -> np.ndarray:
     return np.stack([s + 0 * phase, 0.1 * s * np.cos(s - phase), 0 * (s + phase)], axis=-1)
+
+
+#: A helix on a sphere that the atlas knows.
+_LIKE = Swimmer(
+    body=Sphere(radius=0.5),
+    tail=HelicalTail(length=2.0, amplitude=0.1, waves=1.0, radius=0.05),
+    fluid=Fluid(viscosity=1.0),
+)
 
 
 def _tails() -> tuple[Tail, ...]:
@@ -62,3 +71,4 @@ def warm_up() -> None:
             if tail.in_batches:
                 for designs in (1, MANY):
                     evaluate(swimmer, {"tail.amplitude": np.full(designs, 0.1)})
+        doors.go(doors.WARM_UP_ATLAS, _LIKE)

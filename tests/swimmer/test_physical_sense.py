@@ -11,6 +11,7 @@ from hypothesis import strategies as st
 import microswim as ms
 from microswim.cli import main
 from microswim.models.joint import piercing
+from microswim.swimmer import physical_sense
 from microswim.swimmer.geometry import attachment
 
 HELIX = ms.Swimmer.preset("tabak/helix")
@@ -134,3 +135,13 @@ def test_a_ramp_mends_a_tail_that_misses_its_head():
         swimmer.gait("bem", level="coarse")
     mended = swimmer.with_({"tail.ramp": 0.1})
     assert not attachment.misses(mended.body, mended.tail)
+
+
+def test_a_flow_with_inertia_is_said_by_every_model():
+    """At 1 kHz a robot of a millimetre in water is no Stokes flow; ten nanometres are."""
+    fast = HELIX.with_({"tail.frequency": 1e3, "fluid.density": 1.0})
+    (said,) = [r for r in physical_sense.remarks(fast) if "Reynolds" in r]
+    assert f"{physical_sense.reynolds(fast):.2g}" in said
+    assert said in fast.gait().info["remarks"]
+    assert physical_sense.reynolds(HELIX) == pytest.approx(0.01)  # Table 1
+    assert not any("Reynolds" in r for r in physical_sense.remarks(HELIX))

@@ -97,7 +97,8 @@ class Commands(click.Group):
 
 def _in_one_sentence(error: click.UsageError, command: str) -> Failure:
     """Return click's complaint about an option as one sentence with the place to look it up."""
-    said = " ".join(error.format_message().split()).rstrip(". ")
+    said = " ".join(error.format_message().split())
+    said = said if said.endswith("...") else said.rstrip(". ")
     return Failure(f"{said}; see {command} --help", 2)
 
 

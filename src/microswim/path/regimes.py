@@ -23,6 +23,7 @@ from microswim.gait.wobbling import Axisymmetric, closest
 from microswim.numerics.array import Array, read_only
 from microswim.path.slipping import drift
 from microswim.swimmer.magnetism.applied_field import RotatingField
+from microswim.swimmer.physical_sense import INERTIA
 from microswim.swimmer.swimmer import Swimmer
 
 if TYPE_CHECKING:
@@ -36,7 +37,6 @@ STRAIGHT = np.radians(5.0)  #: precession angle below which a robot is called sy
 MEASURED = {"atlas": (0.006, 0.015), "rft": (0.06, 2.0)}
 #: The same of the step-out of a body alone.
 ALONE = 0.0025
-STOKES = 0.5  #: Reynolds number from which a remark says that inertia is left out
 
 
 @checks.by_name
@@ -312,9 +312,9 @@ def _remarks(gait: Gait, steady: SteadyTurning, frequencies: Array, reynolds: Ar
     yield from gait.info.get("remarks", ())
     if not steady.step_out:
         yield "the field never holds the robot: its moment does not turn it"
-    if reynolds.max() > STOKES:
-        first = frequencies[np.argmax(reynolds > STOKES)]
+    if reynolds.max() > INERTIA:
+        first = frequencies[np.argmax(reynolds > INERTIA)]
         yield (
             f"from {first:.3g} turns per time on the Reynolds number of the turning is above "
-            f"{STOKES:g} (largest {reynolds.max():.2g}): inertia, which is left out, is felt there"
+            f"{INERTIA:g} (largest {reynolds.max():.2g}): inertia, which is left out, is felt there"
         )

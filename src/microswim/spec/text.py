@@ -43,19 +43,25 @@ def read_text(
     """
     path = Path(path)
     try:
-        if path.exists() and not path.is_file():
-            what = "a folder" if path.is_dir() else "no file but a device or a pipe"
-            raise SpecError(f"{path}: cannot be read: it is {what}")
+        _require_file(path)
         with path.open("rb") as file:
             data = file.read(largest + 1)
     except FileNotFoundError:
         raise SpecError(f"{path}: no such file{mend and '; ' + mend}") from None
+    except SpecError:
+        raise
     except (OSError, ValueError) as error:
         why = getattr(error, "strerror", None) or " ".join(str(error).split())
         raise SpecError(f"{path}: cannot be read: {why}") from None
     if len(data) > largest:
         raise SpecError(f"{path}: longer than {largest // 1024} KiB, which is too long for this")
     return decoded(data, str(path), windows)
+
+
+def _require_file(path: Path) -> None:
+    if path.exists() and not path.is_file():
+        what = "a folder" if path.is_dir() else "no file but a device or a pipe"
+        raise SpecError(f"{path}: cannot be read: it is {what}")
 
 
 def decoded(data: bytes, name: str, windows: bool = False) -> str:

@@ -24,6 +24,7 @@ if TYPE_CHECKING:
 PHASES = 16  #: at which the whole resistance is looked at
 ROOT_PHASES = tuple(0.25 * np.pi * i for i in range(8))  #: at which a moving root is looked at
 WIDE = 0.5  #: amplitude over length from which on no local law of resistance was made for it
+INERTIA = 0.5  #: Reynolds number from which on a Stokes flow is doubtful
 ABOUT_S = (False, False, False, True, False, False)  #: free to turn about s alone
 _ONES = (1.0, 1.0, 1.0)
 
@@ -89,7 +90,8 @@ def require_drag(swimmer: Swimmer) -> None:
     block = np.real(x.body_resistance(swimmer.body.diagonal(swimmer.fluid.viscosity)))
     if not _dissipates(block[np.ix_(own, own)]):
         raise SpecError(
-            "interaction.coupling", "its table", "small against the drags that it joins",
+            "interaction.coupling", np.real(x.coupling).tolist(),
+            "small against the drags that it joins",
             "this body would draw power from the fluid in some motion",
         )  # fmt: skip
 
@@ -126,7 +128,7 @@ def require_dissipation(swimmer: Swimmer, gait: Gait) -> None:
     for R in np.real(gait.resistance(phases))[:, free[:, None], free]:
         if not _dissipates(R):
             name = f"interaction.rotation[{negative[0]}]" if negative else "interaction.coupling"
-            value = np.real(x.rotation[negative[0]]) if negative else "its table"
+            value = np.real(x.rotation[negative[0]] if negative else x.coupling).tolist()
             raise SpecError(
                 name, value, "such that every motion of the whole swimmer costs power",
                 "as it is, some motion would gain it, and velocities mean nothing",
@@ -153,12 +155,29 @@ def turning(swimmer: Swimmer) -> str:
     return next((k for k, v in around.items() if v is not None and not v.stays(free)), "")
 
 
+def reynolds(swimmer: Swimmer) -> float:
+    """Return the scaling Reynolds number, ``rho f D^2 / mu`` with D the body's greatest width.
+
+    Without a body D is the tail's length.
+    """
+    tail, fluid = swimmer.tail, swimmer.fluid
+    D = 2.0 * max(_size(a) for a in swimmer.body.semi_axes3) or _size(tail.apparent_length)
+    return _size(fluid.density) * _size(tail.frequency) * D**2 / _size(fluid.viscosity)
+
+
 def _of_motion(swimmer: Swimmer) -> list[str]:
+    Re, out = reynolds(swimmer), []
+    if Re > INERTIA:
+        out.append(
+            f"the Reynolds number (frequency x body length squared) is {Re:.2g}: inertia, which is "
+            "left out, is felt; swim keeps that of the fluid"
+        )
     if not stands_still(swimmer):
-        return []
+        return out
     return [
+        *out,
         "without a body nothing takes up the motor's torque: the tail stands still in the lab and "
-        "u_s is zero by a law, not by this shape; give it a body, or hold os"
+        "u_s is zero by a law, not by this shape; give it a body, or hold os",
     ]
 
 

@@ -21,6 +21,7 @@ from microswim.gait.readable import quantity, significant, with_error
 from microswim.gait.units import unit
 from microswim.output.report.document import document
 from microswim.output.report.document import table as document_table
+from microswim.swimmer import physical_sense
 from microswim.swimmer.swimmer import Swimmer
 
 BENT = 1.05  #: speed along the path over swimming speed from which on both are told
@@ -143,7 +144,6 @@ def derived(swimmer: Swimmer) -> dict[str, Any]:
     tail, fluid = swimmer.tail, swimmer.fluid
     c_t, c_n, c_r = (float(c) for c in swimmer.coefficients.local(tail, fluid.viscosity))
     semi_axes = tuple(float(r) for r in swimmer.body.semi_axes3)
-    scale = 2.0 * max(semi_axes) or float(tail.apparent_length)
     k = getattr(tail, "wavenumber", None)
     return {
         "units": swimmer.units,
@@ -157,7 +157,7 @@ def derived(swimmer: Swimmer) -> dict[str, Any]:
         "c_n": c_n,
         "c_r": c_r,
         "tip": float(swimmer.coefficients.end(tail, fluid.viscosity)),
-        "reynolds_number": fluid.density * abs(tail.frequency) * scale**2 / fluid.viscosity,
+        "reynolds_number": physical_sense.reynolds(swimmer),
         "free": [n for n, free in zip(DEGREES_OF_FREEDOM, swimmer.motion.mask) if free],
     }
 

@@ -26,6 +26,7 @@ from microswim.studies.optimisation.limits import in_si
 from microswim.studies.optimisation.merits import known, of_gait, of_many
 from microswim.swimmer.fields import in_terms_of, lifted
 from microswim.swimmer.geometry.tails import TAILS, WaveTail
+from microswim.swimmer.physical_sense import require_drag
 from microswim.swimmer.swimmer import Swimmer
 from microswim.swimmer.variants import KINDS, check_names, vary
 
@@ -96,6 +97,8 @@ class Problem:
         wanted = [(t, 1.0) for t in _texts(maximize)] + [(t, -1.0) for t in _texts(minimize)]
         if not wanted or not over:
             raise SpecError("design: it needs something that varies and something to maximize")
+        if not any(name.startswith("interaction") for name in over):
+            require_drag(swimmer)
         names = known(swimmer)
         text = subject_to if isinstance(subject_to, str) else ", ".join(subject_to)
         return cls(

@@ -9,9 +9,7 @@ def test_a_noisy_path_read_as_a_track_gives_speed_and_persistence():
     """``1 / (2 D_r)`` of the mobility lies in the interval of the persistence time, in space."""
     cell = ms.Swimmer.preset("goto/C", {"noise": {"temperature": "298 K"}, "motion.free": "all"})
     gait = cell.gait()
-    found = ms.path(
-        cell, 150.0, gait=gait, samples=3001, seed=6, step=float(gait.period) / 8.0
-    )
+    found = ms.path(cell, 150.0, gait=gait, samples=3001, seed=6, step=float(gait.period) / 8.0)
     told = ms.describe_track(ms.Track(time=found.time.values, position=found.position.values))
     M = np.linalg.inv(gait.resistance(0.0))
     turning = cell.noise.energy("SI") * (M[4, 4] + M[5, 5]) / 2.0

@@ -128,7 +128,7 @@ def require_dissipation(swimmer: Swimmer, gait: Gait) -> None:
     for R in np.real(gait.resistance(phases))[:, free[:, None], free]:
         if not _dissipates(R):
             name = f"interaction.rotation[{negative[0]}]" if negative else "interaction.coupling"
-            value = np.real(x.rotation[negative[0]] if negative else x.coupling).tolist()
+            value = np.array(np.real(x.rotation[negative[0]] if negative else x.coupling)).tolist()
             raise SpecError(
                 name, value, "such that every motion of the whole swimmer costs power",
                 "as it is, some motion would gain it, and velocities mean nothing",

@@ -72,8 +72,7 @@ PLOT_REGIMES = "microswim.output.plots.regimes:regimes"
 PORTRAIT = "microswim.output.report.portrait:of_swimmer"
 WARM_UP_ATLAS = "microswim.calibration.atlas.everywhere:warm_up"
 PACK_REGION = "microswim.calibration.region.text:pack"
-UNWARM_UP_ATLAS = "microswim.calibration.atlas.everywhere:warm_up"
-PACK_REGION = "microswim.calibration.region.text:unpack"
+UNPACK_REGION = "microswim.calibration.region.text:unpack"
 
 
 def go(door: str, *args: Any, **options: Any) -> Any:

@@ -18,6 +18,7 @@ from microswim import checks
 from microswim.errors import MicroswimError
 from microswim.gait import doors, portrait
 from microswim.gait.one_pose import refusal
+from microswim.gait.turned import sense
 from microswim.numerics.array import kept, read_only
 from microswim.numerics.fourier import (
     evaluate,
@@ -252,8 +253,14 @@ class Gait:
 
     @cached_property
     def _phases(self) -> np.ndarray:
-        """Uniform phases over the period, `samples` of them."""
-        return 2.0 * np.pi * np.arange(self.samples) / self.samples
+        """Uniform phases over the period, `samples` of them; one where all are alike."""
+        n = 1 if self._turned else self.samples
+        return 2.0 * np.pi * np.arange(n) / n
+
+    @cached_property
+    def _turned(self) -> float:
+        series = self.resistance_series, self.propulsion_series, self.activity_series
+        return sense(*series, self.free)
 
     @cached_property
     def _velocities(self) -> np.ndarray:
@@ -263,7 +270,8 @@ class Gait:
     @cached_property
     def velocity_series(self) -> np.ndarray:
         """Series of the velocity at the gait's own rate, shape (1 + 2 H, 6)."""
-        return kept(series_of(self._velocities))
+        V = self._velocities
+        return kept(rotate(V[0], self._turned) if self._turned else series_of(V))
 
     @property
     def mean_velocity(self) -> np.ndarray:

@@ -111,7 +111,7 @@ CALLS = {
         "phase": 0.1,
     }
     | dict.fromkeys(("position", "direction", "force", "torque"), (0.0, 0.0, 1.0)),
-    "Group": {"members": (ms.Member(swimmer=HELIX),)},
+    "Group": {"members": (ms.Member(swimmer=HELIX),), "wall": ((0.0, -2.0, 0.0), (0.0, 1.0, 0.0))},
     "Gravity": {
         "density": None,
         "body_density": 2.0,

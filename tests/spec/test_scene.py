@@ -53,6 +53,12 @@ def test_specs_stand_beside_the_scene_and_are_read_once(tmp_path, monkeypatch):
     assert group.members[0].swimmer is group.members[1].swimmer  # one block serves both
 
 
+def test_a_scene_may_have_a_wall(scene):
+    wall = '[wall]\nposition = ["0 um", "-5 um", "0 um"]\nnormal = [0, 2, 0]\n'
+    assert scene(IN_SI + wall).plane == pytest.approx([0, -5e-6, 0, 0, 1, 0])
+    assert scene(IN_SI).plane is None
+
+
 def test_overrides_are_of_one_swimmer_or_of_all(scene):
     changes = {
         "swimmer[1].phase": "90 deg",
@@ -73,6 +79,10 @@ def test_overrides_are_of_one_swimmer_or_of_all(scene):
         ("[swimmer]\npreset = 'tabak/helix'", "in double brackets"),
         ("[fluid]\nviscosity = 1\n[body]\n[tail]", "this is the spec of one swimmer"),
         (PRESET + "[walls]", "walls: no such table in a scene"),
+        (PRESET + "[wall]\nposition = [0, -1, 0]", "wall.normal: missing; add it"),
+        (PRESET + "[wall]\nnormal = [0, 0, 0]", "wall normal = (0.0, 0.0, 0.0): must be a direct"),
+        (PRESET + "[wall]\nnormal = [0, 1]", "wall normal = "),
+        (PRESET + '[wall]\nnormal = [0, 1, 0]\nposition = ["1 um", 0, 0]', "wall.position[0] = '1"),
         ("[[swimmer]]\nposition = [0, 0, 0]", "swimmer[0].spec: missing; add spec"),
         (PRESET + 'spec = "x.toml"', "swimmer[0].spec: give one of"),
         ('[[swimmer]]\nspec = "gone.toml"', "gone.toml: no such file"),

@@ -70,7 +70,8 @@ def command(
 
     SCENE is a TOML file of [[swimmer]] tables: spec (a file beside it) or preset, position of the
     body's centre, direction of the axis from the body along the tail, roll, phase, frequency, free
-    ("none" holds it), force, torque, and "set" for fields of the spec.
+    ("none" holds it), force, torque, and "set" for fields of the spec; and of one [wall], if any:
+    position of a point of it, normal into the fluid.
     """
     from microswim.cli import _folder
     from microswim.cli._progress import bar

@@ -4,6 +4,10 @@
     spec = "robot.toml"                      # beside the scene; or preset = "tabak/helix"
     position = ["0 um", "20 um", "0 um"]
 
+    [wall]                                   # if any: a point of it, its normal into the fluid
+    position = ["0 um", "-5 um", "0 um"]
+    normal = [0, 1, 0]
+
 Lengths, forces and torques have units if the specs have, and none if they have none.
 """
 
@@ -47,6 +51,13 @@ class SwimmerTable(Table):
     set: dict[str, Any] = Field(default_factory=dict)
 
 
+class WallTable(Table):
+    """[wall] of a scene: a plane no-slip wall."""
+
+    position: list[Length] = Field(default_factory=lambda: [0.0, 0.0, 0.0])
+    normal: list[Number]
+
+
 #: Fields of a table that the member takes as they are.
 OF_MEMBER = {"position", "direction", "roll", "phase", "force", "torque"}
 
@@ -74,12 +85,26 @@ def read_scene(
         One sentence: the field, its value, what is allowed, how to mend it.
     """
     path = Path(path)
-    tables = _swimmer_tables(text.toml(text.read_text(path, mend=_MEND), str(path)), str(path))
+    scene = text.toml(text.read_text(path, mend=_MEND), str(path))
+    tables = _swimmer_tables(scene, str(path))
     common = _overridden(tables, dict(overrides or {}))
     specs: dict[str, Swimmer] = {}
-    return Group(
-        tuple(_member(n, t, path.parent, common, trust, specs) for n, t in enumerate(tables))
-    )
+    members = tuple(_member(n, t, path.parent, common, trust, specs) for n, t in enumerate(tables))
+    return Group(members, _wall(scene.get("wall"), members[0].swimmer.units))
+
+
+def _wall(given: Any, units: str) -> Any:
+    """Return point and normal of the wall of a scene, None without one."""
+    if given is None:
+        return None
+    if not isinstance(given, dict):
+        raise SpecError("wall", given, "a table, [wall] with position and normal")
+    try:
+        table = WallTable.model_validate(given)
+    except ValidationError as error:
+        raise complaint.sentence(error, {}, "wall") from None
+    _check_units("wall", given, units)
+    return table.position, table.normal
 
 
 _MEND = 'a scene holds [[swimmer]] tables with spec = "robot.toml" and position = [x, y, z]'
@@ -90,8 +115,9 @@ def _swimmer_tables(tables: dict[str, Any], name: str) -> list[dict[str, Any]]:
     found = tables.get("swimmer")
     if found is None and {"body", "tail"} & tables.keys():
         raise SpecError(f"{name}: this is the spec of one swimmer; {_MEND}")
-    for other in tables.keys() - {"swimmer"}:
-        raise SpecError(f"{other}: no such table in a scene; {nearest(other, ['swimmer'])}")
+    for other in tables.keys() - {"swimmer", "wall"}:
+        close = nearest(other, ["swimmer", "wall"])
+        raise SpecError(f"{other}: no such table in a scene; {close}")
     if not isinstance(found, list) or not found or not all(isinstance(t, dict) for t in found):
         raise SpecError(f"{name}: no [[swimmer]] table, in double brackets; {_MEND}")
     return [dict(t) for t in found]

@@ -7,7 +7,7 @@ Six-vectors are ``[linear; angular]`` in each swimmer's own frame, about its bod
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from os import PathLike
 from typing import Any, Literal
@@ -19,7 +19,7 @@ from microswim import checks
 from microswim.errors import SpecError
 from microswim.gait import doors
 from microswim.numerics.array import Array
-from microswim.swimmer.member import Member, check_alike
+from microswim.swimmer.member import Member, checked_members, checked_wall
 
 Level = Literal["coarse", "standard", "fine"]
 LEVELS = checks.one_of("coarse", "standard", "fine")
@@ -44,6 +44,8 @@ class Group:
     ----------
     members
         Two or more `Member`; one is allowed, and swims as it does alone.
+    wall
+        A point of a plane no-slip wall, and its normal into the fluid; None: free fluid.
 
     Raises
     ------
@@ -61,18 +63,12 @@ class Group:
     """
 
     members: tuple[Member, ...]
+    wall: tuple[tuple[float, float, float], tuple[float, float, float]] | None = None
 
     def __post_init__(self) -> None:
-        if isinstance(self.members, Member) or not isinstance(self.members, Iterable):
-            raise SpecError("members", self.members, "a list of Member")
-        object.__setattr__(self, "members", tuple(self.members))
-        if not self.members:
-            raise SpecError("members", "()", "one Member at least")
-        for n, member in enumerate(self.members):
-            checks.instance(f"members[{n}]", member, "Member")
-        first = self.members[0].swimmer
-        for n, member in enumerate(self.members[1:], start=1):
-            check_alike(n, member.swimmer, first)
+        object.__setattr__(self, "members", checked_members(self.members))
+        if self.wall is not None:
+            object.__setattr__(self, "wall", checked_wall(self.wall))
 
     @classmethod
     @checks.given(path=checks.place, overrides=checks.mapping, trust=checks.place)
@@ -118,6 +114,14 @@ with spec = "robot.toml" and position = [x, y, z]
     def viscosity(self) -> float:
         """Of the fluid."""
         return float(self.members[0].swimmer.fluid.viscosity)
+
+    @property
+    def plane(self) -> Array | None:
+        """Point and unit normal (6,) of the wall, None without one."""
+        if self.wall is None:
+            return None
+        point, normal = np.array(self.wall)
+        return np.concatenate([point, normal / np.linalg.norm(normal)])
 
     @property
     def wrench(self) -> Array:

@@ -7,7 +7,9 @@ there, after a `roll` about s. With direction (1, 0, 0) both frames have the sam
 
 from __future__ import annotations
 
+from collections.abc import Iterable
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 
@@ -115,7 +117,27 @@ def _towards(direction: Array) -> Array:
     return np.eye(3) + W + W @ W / (1.0 + d[0])
 
 
-def check_alike(n: int, other: Swimmer, first: Swimmer) -> None:
+def checked_members(members: Any) -> tuple[Member, ...]:
+    """Return the members of a group as a tuple.
+
+    Raises
+    ------
+    SpecError
+        If there is none, or they are of different units or in different fluids.
+    """
+    if isinstance(members, Member) or not isinstance(members, Iterable):
+        raise SpecError("members", members, "a list of Member")
+    members = tuple(members)
+    if not members:
+        raise SpecError("members", "()", "one Member at least")
+    for n, member in enumerate(members):
+        checks.instance(f"members[{n}]", member, "Member")
+    for n, member in enumerate(members[1:], start=1):
+        _check_alike(n, member.swimmer, members[0].swimmer)
+    return members
+
+
+def _check_alike(n: int, other: Swimmer, first: Swimmer) -> None:
     """Refuse a swimmer of other units or in another fluid than the first."""
     if other.units != first.units:
         words = {"SI": "has units", "dimensionless": "has none"}
@@ -128,3 +150,21 @@ def check_alike(n: int, other: Swimmer, first: Swimmer) -> None:
             f"swimmer[{n}] fluid.viscosity", other.fluid.viscosity,
             f"that of swimmer[0], {first.fluid.viscosity:g}", "a group swims in one fluid",
         )  # fmt: skip
+
+
+def checked_wall(wall: Any) -> tuple:
+    """Return point and normal of a wall as tuples of numbers.
+
+    Raises
+    ------
+    SpecError
+        If they are not two threes of numbers, or the normal has no length.
+    """
+    allowed = "a point of the wall and its normal, ((x, y, z), (x, y, z))"
+    if not isinstance(wall, (tuple, list, np.ndarray)) or len(wall) != 2:
+        raise SpecError("wall", wall, allowed)
+    for name, values in zip(("wall position", "wall normal"), wall, strict=True):
+        checks.numbers(name, values, 3, "three finite numbers")
+    if not any(wall[1]):
+        raise SpecError("wall normal", tuple(wall[1]), "a direction of some length")
+    return tuple(tuple(float(x) for x in values) for values in wall)

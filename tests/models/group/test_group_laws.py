@@ -1,5 +1,7 @@
 """Laws of a group: what it must do whatever the swimmers are."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
@@ -172,6 +174,37 @@ def test_a_rate_in_the_lab_is_that_of_the_swimmer_alone():
     found = ms.Group((ms.Member(swimmer=lab),)).swim(level="coarse")
     mean = lab.gait("bem", level="coarse").mean_velocity
     assert found.mean_velocity[0] == pytest.approx(mean, abs=2e-3 * np.abs(mean).max())
+
+
+@pytest.mark.parametrize(("distance", "tilt"), [(0.8, 0.0), (0.7, -0.1)])
+def test_one_beside_a_wall_is_the_swimmer_that_has_a_wall(distance, tilt):
+    """The block in free fluid and the wall's image, by steps, against one matrix of both."""
+    wall = ms.Wall(distance, tilt)
+    normal = np.array(wall.normal)
+    known = alone(replace(LEFT, wall=wall), 0.5, level="coarse")
+    member = ms.Member(swimmer=LEFT, phase=0.5)
+    plane = (tuple(-distance * normal), tuple(2.0 * normal))
+    found = ms.Group((member,), plane).solve(level="coarse")
+    assert scaled(found.resistance) == pytest.approx(scaled(known.resistance), abs=1e-5)
+    assert found.velocity[0] == pytest.approx(known.twist, abs=1e-5)
+
+
+def test_two_beside_a_wall_are_passive_and_stick_to_it(blocks):
+    """Symmetric, positive definite; more drag than in free fluid; no flow on the wall."""
+    beside = replace(PAIR, wall=((0.0, -0.9, 0.0), (0.0, 1.0, 0.0)))
+    found, free = beside.solve(blocks=blocks), PAIR.solve(blocks=blocks)
+    assert found.asymmetry < 2e-3
+    assert found.reciprocity < 2e-3
+    assert np.linalg.eigvalsh(scaled(found.resistance)).min() > 0.0
+    more = found.resistance - free.resistance
+    root = np.sqrt(free.resistance.diagonal())
+    assert np.linalg.eigvalsh(more / np.outer(root, root)).min() > -1e-3
+    on_wall = found.flow([[0.3, -0.9, 0.2], [2.0, -0.9, -0.5]])
+    assert np.abs(on_wall).max() < 1e-4 * np.abs(found.velocity).max()
+    with pytest.raises(ms.SpecError, match=r"swimmer\[0\].position: swimmer 0 reaches .* into"):
+        replace(PAIR, wall=((0.0, -0.4, 0.0), (0.0, 1.0, 0.0))).solve(blocks=blocks)
+    with pytest.raises(ms.SpecError, match="an estimate knows free fluid alone"):
+        beside.estimate(blocks=blocks)
 
 
 def test_lattices_integrate_what_they_promise():

@@ -29,7 +29,8 @@ def layer_blocks(
     ----------
     start, step : the patches start, start + step, ... are done; columns of others are left alone,
         so threads may share `out` (the interpreter's lock is released).
-    targets : (t, 3); own : (t,) patch that holds the target, which is left out, or -1.
+    targets : (t, 3); own : (t,) patch that holds the target, which is left out, or -1; with -2 all
+        are left out and the image alone is filled.
     wall : (6,) point and normal; mode 0: free space alone, 1: with Blake's image added.
     near, far : half lengths away at which a cell is whole, at which the plain rule serves.
     controls (e, q, q, 3), nodes (e, p*p, 3), areas (e, p*p): the patches.
@@ -56,7 +57,7 @@ def layer_blocks(
         for i in range(targets.shape[0]):
             x = targets[i]
             row = 3 * i
-            if own[i] != e:
+            if own[i] != e and own[i] != -2:
                 acc[:] = 0.0
                 d0, d1, d2 = x[0] - f[0], x[1] - f[1], x[2] - f[2]
                 if d0 * d0 + d1 * d1 + d2 * d2 > reach * reach:

@@ -141,10 +141,13 @@ class Layer:
             total[some] += np.einsum("nim,nimc->nic", weight, d)
         return 0.5 * density + 3 / (4 * np.pi) * total
 
-    def reach(self, points: Array) -> Array:
-        """Return the velocity (3 t, 3 e p^2) at points (t, 3) of the fluid for each density."""
+    def reach(self, points: Array, image_alone: bool = False) -> Array:
+        """Return the velocity (3 t, 3 e p^2) at points (t, 3) of the fluid for each density.
+
+        With `image_alone` only what the wall sends back.
+        """
         out = np.zeros((3 * len(points), self.surface.unknowns), order="F")
-        self._fill(points, np.full(len(points), -1), out)
+        self._fill(points, np.full(len(points), -2 if image_alone else -1), out)
         out *= 1.0 / (8.0 * np.pi * self.viscosity)
         return out
 

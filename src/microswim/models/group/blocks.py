@@ -11,13 +11,16 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
+from microswim.errors import SpecError
 from microswim.models import memory
+from microswim.models.bem import near_wall
 from microswim.models.bem.levels import Level, get_level
-from microswim.models.bem.surface import Surface
+from microswim.models.bem.surface import Surface, positions
 from microswim.models.bem.system import factorised
 from microswim.models.group.alone import Alone, phase_of_block, rotation_of_block, solve_alone
 from microswim.models.group.coupled import Block, Placed
 from microswim.models.group.nearness import refined
+from microswim.numerics.array import Array
 from microswim.swimmer.group import Group
 from microswim.swimmer.member import Member
 from microswim.swimmer.swimmer import Swimmer
@@ -77,16 +80,29 @@ def placed(group: Group, alone: Sequence[Alone]) -> tuple[list[Placed], float]:
         Placed(own.block, rotation_of_block(m), np.array(m.position))
         for m, own in zip(group.members, alone, strict=True)
     ]
-    surfaces, gap = refined([p.surface for p in there])
+    surfaces = [p.surface for p in there]
+    if group.plane is not None:
+        surfaces = [_beside(n, s, group.plane) for n, s in enumerate(surfaces)]
+    surfaces, gap = refined(surfaces)
     made = [p if p.surface is s else _anew(p, s) for p, s in zip(there, surfaces, strict=True)]
-    _require_room([p.unknowns for p in made])
+    _require_room([p.unknowns for p in made], group.plane is not None)
     return made, gap
 
 
-def _require_room(sizes: list[int]) -> None:
+def _beside(n: int, surface: Surface, plane: Array) -> Surface:
+    """Return the surface of swimmer n with patches that resolve the gap to a wall."""
+    height = float(((positions(surface, 9) - plane[:3]) @ plane[3:]).min())
+    if height <= 0.0:
+        raise SpecError(
+            f"swimmer[{n}].position: swimmer {n} reaches {-height:.3g} into the wall; move it away"
+        )
+    return near_wall.refined(surface, near_wall.over(plane))
+
+
+def _require_room(sizes: list[int], wall: bool) -> None:
     """Refuse couplings that do not fit into memory."""
     total = sum(sizes)
-    need = 8.0 * (total**2 - sum(n**2 for n in sizes))
+    need = 8.0 * (total**2 - (0 if wall else sum(n**2 for n in sizes)))
     memory.require(need, total, "choose a coarser level or fewer swimmers")
 
 

@@ -8,7 +8,8 @@ each surface at the nodes of the others is new,
 
     f_i + B_i^-1 sum_(j /= i) C_ij f_j = B_i^-1 u_i,
 
-and GMRES takes few steps, since apart from the coupling the system is the identity.
+and GMRES takes few steps, since apart from the coupling the system is the identity. Beside a wall
+C_ij holds the image of surface j [Blake 1971], also where i is j.
 """
 
 from __future__ import annotations
@@ -90,16 +91,25 @@ def _turned(values: Array, Q: Array) -> Array:
     )
 
 
-def couplings(placed: Sequence[Placed]) -> list[list[Array | None]]:
-    """Return C_ij, the reach of surface j at the nodes of surface i; None where i is j."""
+def couplings(placed: Sequence[Placed], wall: Array | None) -> list[list[Array | None]]:
+    """Return C_ij, the reach of surface j at the nodes of surface i.
+
+    Where i is j what a wall (point and normal, (6,)) sends back, None without one.
+    """
     nodes = [np.ascontiguousarray(p.surface.nodes.reshape(-1, 3)) for p in placed]
+    layers = [replace(p.layer, wall=wall) for p in placed]
     return [
-        [None if p is q else q.layer.reach(x) for q in placed]
-        for p, x in zip(placed, nodes, strict=True)
+        [
+            None if i == j and wall is None else layer.reach(x, image_alone=i == j)
+            for j, layer in enumerate(layers)
+        ]
+        for i, x in enumerate(nodes)
     ]
 
 
-def solve_coupled(placed: Sequence[Placed], velocities: Sequence[Array]) -> tuple[Array, int]:
+def solve_coupled(
+    placed: Sequence[Placed], velocities: Sequence[Array], wall: Array | None = None
+) -> tuple[Array, int]:
     """Solve for the densities of all surfaces.
 
     Parameters
@@ -107,6 +117,8 @@ def solve_coupled(placed: Sequence[Placed], velocities: Sequence[Array]) -> tupl
     placed : sequence of Placed
     velocities : sequence of (n_i, k)
         At the nodes of each surface, in the scene's axes.
+    wall : (6,), optional
+        Point and unit normal of a wall.
 
     Returns
     -------
@@ -118,8 +130,10 @@ def solve_coupled(placed: Sequence[Placed], velocities: Sequence[Array]) -> tupl
     MicroswimError
         If the steps do not suffice.
     """
-    C = couplings(placed)
+    C = couplings(placed, wall)
     cuts = np.cumsum([p.unknowns for p in placed])[:-1]
+
+    coupled = len(placed) > 1 or wall is not None
 
     def alone(parts: Sequence[Array]) -> Array:
         return np.concatenate([p.alone(u) for p, u in zip(placed, parts, strict=True)])
@@ -130,7 +144,7 @@ def solve_coupled(placed: Sequence[Placed], velocities: Sequence[Array]) -> tupl
             np.sum([c @ g for c, g in zip(row, f, strict=True) if c is not None], axis=0)
             for row in C
         ]
-        return x + alone(pushed) if len(placed) > 1 else x
+        return x + alone(pushed) if coupled else x
 
     density, steps, left = gmres(apply, alone(velocities), TOLERANCE, STEPS)
     if left > 100 * TOLERANCE:

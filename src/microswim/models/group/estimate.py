@@ -18,6 +18,7 @@ from functools import cached_property
 
 import numpy as np
 
+from microswim.errors import SpecError
 from microswim.models.bem.levels import get_level
 from microswim.models.group.alone import Alone, rotation_of_block
 from microswim.models.group.blocks import Blocks, prepare
@@ -72,8 +73,16 @@ class GroupEstimate(Motion):
 
 
 def estimate(group: Group, level: str = "standard", blocks: Blocks | None = None) -> GroupEstimate:
-    """Return how a group moves at its pose and phases, by point forces of each swimmer alone."""
+    """Return how a group moves at its pose and phases, by point forces of each swimmer alone.
+
+    Raises
+    ------
+    SpecError
+        Beside a wall.
+    """
     get_level(level)
+    if group.wall is not None:
+        raise SpecError("wall: an estimate knows free fluid alone; use solve, or remove the wall")
     blocks = prepare(group, level) if blocks is None else blocks
     alone = [blocks.of(m) for m in group.members]
     points = [_points(m, own) for m, own in zip(group.members, alone, strict=True)]

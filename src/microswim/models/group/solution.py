@@ -172,7 +172,7 @@ class GroupSolution(Motion):
         total = np.zeros_like(flat)
         for p, f in zip(self.placed, parts, strict=True):
             # the nodes' own rule misses a share of the force that far away is all there is
-            exact = replace(p.layer, rule=replace(p.layer.rule, far=np.inf))
+            exact = replace(p.layer, rule=replace(p.layer.rule, far=np.inf), wall=self.group.plane)
             total += exact.velocity(flat, f)
         return total.reshape(points.shape)
 
@@ -196,7 +196,7 @@ def solve(group: Group, level: str = "standard", blocks: Blocks | None = None) -
     blocks = prepare(group, level) if blocks is None else blocks
     alone = tuple(blocks.of(m) for m in group.members)
     there, gap = placed(group, alone)
-    density, steps = solve_coupled(there, _velocities(there))
+    density, steps = solve_coupled(there, _velocities(there), group.plane)
     seconds = time.perf_counter() - start
     found = GroupSolution(
         group=group,

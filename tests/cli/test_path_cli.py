@@ -117,3 +117,10 @@ def test_what_makes_no_sense_is_a_sentence(options, said):
     assert said in run.stderr
     assert run.stderr.count("Error") == 1
     assert "Traceback" not in run.output
+
+
+def test_a_run_says_what_acts_along_a_path_alone():
+    run = CliRunner().invoke(main, ["run", *CELL])
+    assert run.exit_code == 0, run.output
+    assert "without [gravity]" in run.stdout
+    assert "microswim path" in run.stdout

@@ -91,6 +91,8 @@ def command(
         with _files.or_else(show), _folder.filled(out, force) as folder:
             _folder.write(folder, run, given.swimmer.settled, given.name, tables)
     show()
+    if not as_json:
+        _point_to_paths(given.swimmer)
     if out is not None:
         _folder.say_where(out)
 
@@ -111,6 +113,14 @@ def _show(numbers: dict[str, Any], table: Table, as_json: bool) -> None:
         what, off = ("u_s", forward) if forward == forward else ("R", error["resistance"])
         click.echo(f"  {what} differs by {100 * off:.2g} % from level {error['against']}")
     click.echo(f"  solved in {numbers['wall_seconds']:.3g} s")
+
+
+def _point_to_paths(swimmer: Swimmer) -> None:
+    """Say which tables of the spec act along a path alone."""
+    there = [name for name in ("gravity", "flow", "noise") if name in swimmer.parts]
+    if there:
+        tables = ", ".join(f"[{name}]" for name in there)
+        click.echo(f"  note: without {tables}, which act along a path: microswim path follows it")
 
 
 def _record(swimmer: Swimmer) -> dict[str, Any] | None:

@@ -100,7 +100,8 @@ def command(
     """Follow a swimmer in time: motor, [magnet] and [field], [gravity], [flow], [noise].
 
     With --out the path is kept in parts while it grows: killed at any moment, --resume goes on from
-    there to the same numbers. The swimmer heads for -x at the start.
+    there to the same numbers. The swimmer heads for -x at the start. With [wall], the plane z = 0,
+    it is first solved at some hundred poses beside it, which are kept for the next time.
     """
     from microswim.cli import _print
     from microswim.cli._progress import bar
@@ -137,9 +138,15 @@ def command(
 
 
 def _gait(given: Given, model: str, level: str | None) -> dict[str, Any]:
-    """Return the gait."""
+    """Return the gait; beside a wall at every pose."""
     from microswim.cli import _print
 
+    if given.swimmer.wall is not None:
+        from microswim.calibration.poses.wall import beside_wall
+        from microswim.cli._progress import bar
+
+        with bar(f"poses of {given.name} beside the wall") as progress:
+            return {"poses": beside_wall(given.swimmer, level=level or "coarse", progress=progress)}
     return {"gait": _print.timed_gait(given.swimmer, model, level)[0]}
 
 

@@ -50,6 +50,7 @@ MODELS: dict[str, str] = {
     "fem": "microswim.models.fem:channel_gait",
 }
 SETTLED = "microswim.models.elastic.gait:settled_swimmer"
+BESIDE_WALL = "microswim.calibration.poses.wall:beside_wall"
 ISOLATED = "microswim.models.bem.isolated:resistance"
 GROUP_BLOCKS = "microswim.models.group.blocks:prepare"
 GROUP_ESTIMATE = "microswim.models.group.estimate:estimate"

@@ -10,6 +10,13 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
+from microswim.gait.beside_wall import (
+    contact,
+    free_factors,
+    from_factors,
+    interpolate,
+    place,
+)
 from microswim.gait.gait import Gait
 from microswim.gait.stepping import pack, row
 from microswim.numerics.compiled import compiled
@@ -17,7 +24,7 @@ from microswim.numerics.compiled import compiled
 FREE, WALL, TUBE = 0, 1, 2  #: kinds of boundary
 
 #: Numbers of scratch that `resist` wants.
-WORK = 256
+WORK = 640
 
 
 class PoseTable(NamedTuple):
@@ -32,16 +39,36 @@ class PoseTable(NamedTuple):
     boundary
         Lab frame: a point of the wall and its normal into the fluid (6,); a point of the tube's
         axis, its direction and its radius (7,); empty in free fluid.
+    numbers
+        Lengths and the like (`beside_wall.NUMBERS`).
+    body
+        Point (s, rho) of the body's meridian that touches a plane, for equal steps of the angle
+        between s and the plane's inward normal, 0 to pi, from the body's centre (n, 2).
+    tail
+        Centreline at phase 0 from the body's centre (m, 3).
+    kinks
+        Tilt at which body and tail are equally near to the wall, for equal steps of the tail's
+        phase (k,).
+    factors
+        Coefficients of what the wall adds, see `beside_wall`: side, gap, tilt, harmonic, number.
     """
 
     kind: int
     packed: np.ndarray
     boundary: np.ndarray
+    numbers: np.ndarray
+    body: np.ndarray
+    tail: np.ndarray
+    kinks: np.ndarray
+    factors: np.ndarray
 
 
 def free_table(gait: Gait) -> PoseTable:
     """Return the table of a gait that knows no boundary."""
-    return PoseTable(FREE, np.ascontiguousarray(pack(gait)), np.zeros(0))
+    nothing, none = np.zeros(0), np.zeros((0, 2))
+    packed = np.ascontiguousarray(pack(gait))
+    return PoseTable(FREE, packed, nothing, nothing, none, np.zeros((0, 3)), nothing,
+                     np.zeros((0, 0, 0, 0, 0)))  # fmt: skip
 
 
 @compiled()
@@ -65,6 +92,14 @@ def resist(table: Any, x: Any, q: Any, phase: Any, R: Any, F: Any, touch: Any, w
         Scratch of `WORK` numbers.
     """
     values = work[:27]
+    if table.kind == 1:
+        at = work[27:35]
+        contact(table.boundary, table.numbers, table.body, table.tail, x, q, phase, touch, at)
+        place(table.numbers, table.kinks, touch, phase, at)
+        free_factors(table.packed, table.numbers, at, values, work[35:])
+        interpolate(table.factors, at, values, work[35:])
+        from_factors(table.numbers, touch, values, R, F, work[35:])
+        return
     row(table.packed, phase, values)
     touch[0] = np.inf
     for i in range(1, 7):

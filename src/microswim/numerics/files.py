@@ -77,6 +77,17 @@ def scratch(folder: Path, said: Path | None = None) -> Iterator[Path]:
         shutil.rmtree(made, ignore_errors=True)
 
 
+def cache_folder(name: str) -> Path | None:
+    """Return a folder of the user's cache, None where it is not to be had."""
+    given = os.environ.get("XDG_CACHE_HOME")
+    try:
+        folder = (Path(given) if given else Path.home() / ".cache") / "microswim" / name
+        folder.mkdir(parents=True, exist_ok=True)
+    except (OSError, RuntimeError):
+        return None
+    return folder if os.access(folder, os.W_OK) else None
+
+
 def _beside(place: Path, ending: str) -> Path:
     """Return a hidden name beside a place, of this process; those of dead ones are removed."""
     host = re.sub(r"\W", "_", platform.node())

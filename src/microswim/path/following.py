@@ -95,7 +95,8 @@ def path(
     time
         How long.
     model, gait
-        Model of the gait, or the gait itself.
+        Model of the gait, or the gait itself. Beside a wall poses are solved by boundary elements,
+        whatever the model, and kept in the user's cache: minutes, once.
     poses
         A gait at every pose, as beside a wall, in place of `gait`.
     position, quaternion, phase
@@ -193,7 +194,10 @@ def _in_space(swimmer: Swimmer) -> AppliedField | None:
 
 
 def _poses(swimmer: Swimmer, model: str, gait: Gait | None, progress: Any) -> Poses:
-    """Return the gait at every pose, the same in free fluid."""
+    """Return the gait at every pose: solved beside a wall, the same in free fluid."""
+    if gait is None and swimmer.wall is not None:
+        beside: Poses = doors.go(doors.BESIDE_WALL, swimmer, progress=progress)
+        return beside
     free: Any = FreePoses(swimmer.gait(model) if gait is None else gait)  # type: ignore[arg-type]
     return free
 

@@ -7,7 +7,6 @@ shape and of what solves it.
 from __future__ import annotations
 
 import hashlib
-import os
 from contextlib import suppress
 from functools import lru_cache
 from pathlib import Path
@@ -22,7 +21,7 @@ from microswim.models.bem.system import resistance as of_surface
 from microswim.models.bem.triangles import RULE
 from microswim.models.bem.triangles import surface_of as of_triangles
 from microswim.numerics import archive
-from microswim.numerics.files import write
+from microswim.numerics.files import cache_folder, write
 from microswim.swimmer.geometry.body import Body
 
 #: Patches along a quarter of the girth, and the level whose order and quadrature are used.
@@ -39,7 +38,7 @@ def resistance(body: Body) -> np.ndarray:
 @lru_cache(maxsize=256)
 def _kept(body: Body, identity: str) -> np.ndarray:
     name = hashlib.sha256(f"{VERSION} {__version__} {identity}".encode()).hexdigest()[:20]
-    folder = _folder()
+    folder = cache_folder("bodies")
     path = None if folder is None else folder / f"{name}.npz"
     found = None if path is None else _read(path, identity)
     if found is not None:
@@ -71,13 +70,3 @@ def _read(path: Path, body: str) -> np.ndarray | None:
         return None
     R = arrays.get("resistance")
     return R if notes.get("body") == body and R is not None and R.shape == (6, 6) else None
-
-
-def _folder() -> Path | None:
-    """The user's cache folder, None where there is none."""
-    given = os.environ.get("XDG_CACHE_HOME")
-    try:
-        home = Path(given) if given else Path.home() / ".cache"
-    except RuntimeError:
-        return None
-    return home / "microswim" / "bodies"

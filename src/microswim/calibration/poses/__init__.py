@@ -1,0 +1,1 @@
+"""A gait as a function of the pose beside a wall: solved at chosen poses, interpolated between."""

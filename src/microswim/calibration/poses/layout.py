@@ -1,0 +1,151 @@
+"""Which poses beside a wall are solved: where the swimmer touches, and a grid over all poses.
+
+The coordinates are those of `microswim.gait.beside_wall`: xi of the gap, sigma of the tilt, psi of
+the tail's phase against the wall.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from microswim.errors import SpecError
+from microswim.gait import beside_wall
+from microswim.models.swimmer_surface import smooth_centreline
+from microswim.numerics.array import Array
+from microswim.numerics.compiled import settled
+from microswim.swimmer.swimmer import Swimmer
+
+#: Points of the centreline per wave, of the body's meridian, phases of the kink.
+LINE, MERIDIAN, KINKS = 32, 181, 128
+
+
+@dataclass(frozen=True, eq=False)
+class Shape:
+    """What of a swimmer touches a wall.
+
+    Parameters
+    ----------
+    body, tail
+        As `PoseTable` has them.
+    numbers
+        As `beside_wall.NUMBERS` has them.
+    kinks
+        Tilt at which body and tail are equally near, for `KINKS` values of psi.
+    """
+
+    body: Array
+    tail: Array
+    numbers: Array
+    kinks: Array
+
+    def touch(self, tilt: float, psi: float) -> float:
+        """Return the height of the body's centre over the wall at which the swimmer touches it."""
+        wall, found = np.zeros(6), np.zeros(7)
+        wall[3:] = np.sin(tilt), np.cos(tilt), 0.0
+        with settled(False):
+            still = np.array([1.0, 0.0, 0.0, 0.0])
+            beside_wall.contact(
+                wall, self.numbers, self.body, self.tail, np.zeros(3), still, psi, found,
+                np.zeros(8),
+            )  # fmt: skip
+        return -float(found[0])
+
+    def pose(self, xi: float, sigma: float, psi: float) -> tuple[float, float]:
+        """Return gap and tilt of coordinates; xi below zero."""
+        blurred = beside_wall.BLUR if sigma >= 0.0 else beside_wall.TAIL_BLUR
+        size, reach, blur = (
+            self.numbers[i] for i in (beside_wall.SIZE, beside_wall.REACH, blurred)
+        )
+        gap = size * np.exp(xi) / (1.0 - np.exp(xi))
+        turns = psi / (2.0 * np.pi)
+        kink = float(
+            np.interp(turns % 1.0 * KINKS, np.arange(KINKS + 1), [*self.kinks, self.kinks[0]])
+        )
+        most = np.log1p(reach * (0.5 * np.pi - np.sign(sigma) * kink) / (gap + blur))
+        return gap, kink + np.sign(sigma) * np.expm1(abs(sigma) * most) * (gap + blur) / reach
+
+
+def shape_of(swimmer: Swimmer, smallest: float) -> Shape:
+    """Return what of a swimmer touches a wall.
+
+    Parameters
+    ----------
+    swimmer
+        Body of revolution (or none) with a rigid tail.
+    smallest
+        Smallest gap that is solved, in units of the body's smaller half axis.
+
+    Raises
+    ------
+    SpecError
+        If body or tail are of another kind.
+    """
+    body, tail = swimmer.body, swimmer.tail
+    if not (tail.is_rigid and body.is_axisymmetric):
+        raise SpecError(
+            "wall: a path beside it is known for a body of revolution with a helical tail; take a "
+            "gait at one pose for this swimmer, or leave [wall] out"
+        )
+    centre = np.asarray(body.centre, float)
+    many = LINE * max(2, int(np.ceil(float(tail.number_of_waves))))
+    s = np.linspace(0.0, float(tail.apparent_length), many + 1)
+    line = np.ascontiguousarray(smooth_centreline(tail, s, 0.0).P - centre)
+    length = _length(swimmer)
+    reach = float(tail.apparent_length - centre[0])
+    size = SIZE * length
+    lowest = np.log(smallest * length / (smallest * length + size))
+    numbers = np.array([tail.sign, tail.radius, size, reach, BLUR * length, lowest, length,
+                        swimmer.fluid.viscosity, TAIL_BLUR * length], float)  # fmt: skip
+    meridian = np.zeros((0, 2)) if body.is_absent else _meridian(body)
+    return Shape(meridian, line, numbers, _kinks(meridian, line, float(tail.radius), tail.sign))
+
+
+#: Scale of the gap, and what keeps sigma from shrinking with it, in half axes of the body.
+SIZE, BLUR, TAIL_BLUR = 4.0, 0.15, 0.02
+
+
+def _length(swimmer: Swimmer) -> float:
+    """The body's smaller half axis; without a body the helix's radius."""
+    widths = [float(a) for a in swimmer.body.semi_axes3 if a > 0]
+    if widths:
+        return min(widths)
+    line = smooth_centreline(
+        swimmer.tail, np.linspace(0, float(swimmer.tail.apparent_length), 99)
+    ).P
+    return float(np.hypot(line[:, 1], line[:, 2]).max() + swimmer.tail.radius)
+
+
+def _meridian(body: Any) -> Array:
+    """Points (s, rho) that touch planes, by the angle between s and the direction outwards."""
+    angle = np.linspace(0.0, np.pi, MERIDIAN)
+    if body.is_ellipsoid:
+        a, b = float(body.semi_axes3[0]), float(body.semi_axes3[1])
+        support = np.hypot(a * np.cos(angle), b * np.sin(angle))
+        return np.stack([a * a * np.cos(angle), b * b * np.sin(angle)], axis=-1) / support[:, None]
+    theta = np.linspace(0.0, np.pi, 4001)
+    around = np.stack([np.cos(theta), np.sin(theta), 0.0 * theta], axis=-1)
+    X = body.surface_point(around) - body.centre
+    X = X[:, :2]
+    best = np.argmax(np.cos(angle)[:, None] * X[:, 0] + np.sin(angle)[:, None] * X[:, 1], axis=1)
+    return np.ascontiguousarray(X[best])
+
+
+def _kinks(meridian: Array, line: Array, radius: float, sign: float) -> Array:
+    """Tilt at which body and tail are equally near to the wall, by bisection, `KINKS` phases."""
+    if not len(meridian):
+        return np.zeros(KINKS)
+    turn = sign * 2.0 * np.pi * np.arange(KINKS)[:, None] / KINKS
+    across = line[:, 1] * np.cos(turn) - line[:, 2] * np.sin(turn)  # along n, turned by psi
+    low, high = np.full(KINKS, -0.5 * np.pi), np.full(KINKS, 0.5 * np.pi)
+    angle = np.linspace(0.0, np.pi, len(meridian))
+    for _ in range(50):
+        tilt = 0.5 * (low + high)
+        c, n = np.sin(tilt), np.cos(tilt)
+        tail = (line[:, 0] * c[:, None] + across * n[:, None]).min(axis=1) - radius
+        s, rho = (np.interp(0.5 * np.pi + tilt, angle, meridian[:, i]) for i in (0, 1))
+        body_lower = s * c - rho * n < tail
+        high, low = np.where(body_lower, tilt, high), np.where(body_lower, low, tilt)
+    return 0.5 * (low + high)

@@ -1,0 +1,236 @@
+"""Poses beside a plane wall, solved by boundary elements: `beside_wall` returns `WallPoses`."""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Callable
+from dataclasses import dataclass, replace
+from typing import Any
+
+import numpy as np
+
+from microswim.calibration.poses.fit import coefficients, factors
+from microswim.calibration.poses.layout import Shape, shape_of
+from microswim.errors import MicroswimError, SpecError
+from microswim.gait.gait import DEGREES_OF_FREEDOM, Gait
+from microswim.gait.pose_table import WALL, PoseTable
+from microswim.gait.poses import Tabulated
+from microswim.gait.stepping import pack
+from microswim.jobs import references
+from microswim.models.bem.levels import get_level
+from microswim.numerics.array import Array
+from microswim.numerics.files import cache_folder
+from microswim.numerics.sobol import points
+from microswim.swimmer.geometry.surroundings import Wall
+from microswim.swimmer.swimmer import Swimmer
+
+
+@dataclass(frozen=True)
+class Grid:
+    """Numbers of poses.
+
+    Parameters
+    ----------
+    gaps
+        From `smallest` to infinity, which the gait in free fluid gives.
+    tilts
+        On either side of where body and tail are equally near, that included.
+    phases
+        Of the tail against the wall, an odd number.
+    smallest
+        Smallest gap, in the body's smaller half axes.
+    left_out
+        Poses between, that measure the error.
+    """
+
+    gaps: int = 9
+    tilts: int = 8
+    phases: int = 9
+    smallest: float = 0.01
+    left_out: int = 16
+
+
+@dataclass(frozen=True, eq=False)
+class WallPoses(Tabulated):
+    """A gait as a function of the pose beside the wall z = 0 of the lab.
+
+    Parameters
+    ----------
+    gait
+        In free fluid, by boundary elements.
+    table
+        For the compiled `pose_table.resist`.
+    start
+        Position and quaternion of the pose that the spec states.
+    expected_error
+        95 % of the poses left out are interpolated as well as this, in units of the speed and the
+        rate of turning in free fluid.
+    """
+
+    gait: Gait
+    table: PoseTable
+    start: tuple[Array, Array]
+    expected_error: dict[str, Any]
+
+
+def beside_wall(
+    swimmer: Swimmer,
+    *,
+    level: str = "coarse",
+    grid: Grid | None = None,
+    folder: str | os.PathLike[str] | None = None,
+    workers: int | None = None,
+    progress: Callable[[int, int], None] | None = None,
+) -> WallPoses:
+    """Solve a swimmer at poses beside its wall, and interpolate between them.
+
+    Parameters
+    ----------
+    swimmer
+        With a `wall`; a body of revolution with a helical tail.
+    level
+        Of the boundary elements.
+    grid
+        How many poses.
+    folder
+        Where solves are kept and looked for; a folder of the user's cache by default.
+    workers
+        Processes; all cores by default.
+    progress
+        Called with (solved, all).
+
+    Raises
+    ------
+    SpecError
+        If the swimmer is of another kind, or has no wall.
+    MicroswimError
+        If a pose cannot be solved.
+    """
+    grid = Grid() if grid is None else grid
+    start = start_of(swimmer.wall)
+    shape = shape_of(swimmer, grid.smallest)
+    free_swimmer = replace(swimmer, wall=None, channel=None)
+    one = replace(get_level(level), phases=1)
+    places = _places(shape, grid)
+    asked = [beside(free_swimmer, shape, *p) for p in places]
+    kept = cache_folder("poses") if folder is None else folder
+    found = references.gaits(
+        [free_swimmer, *asked], "bem", folder=kept, workers=workers, progress=progress, level=one
+    )
+    free, *solved = _all_solved(found)
+    on = len(places) - grid.left_out
+    values = _values(shape, grid, asked[:on], solved[:on], free)
+    table = PoseTable(
+        WALL, np.ascontiguousarray(pack(free)), np.array([0.0, 0, 0, 0, 0, 1]), shape.numbers,
+        shape.body, shape.tail, shape.kinks, coefficients(values),
+    )  # fmt: skip
+    error = _expected_error(table, free, asked[on:], solved[on:])
+    return WallPoses(free, table, start, error)
+
+
+def _all_solved(found: list[Gait | str]) -> list[Gait]:
+    for gait in found:
+        if isinstance(gait, str):
+            raise MicroswimError(f"a pose beside the wall cannot be solved: {gait}")
+    return [gait for gait in found if not isinstance(gait, str)]
+
+
+def _expected_error(
+    table: PoseTable, free: Gait, asked: list[Swimmer], solved: list[Gait]
+) -> dict[str, Any]:
+    """Return by how much poses left out are missed: 95 % of them by no more, each velocity.
+
+    In units of the speed in free fluid, or of its rate of turning.
+    """
+    if not asked:
+        return {}
+    speed = free.at_rate(1.0).velocity(0.0)
+    scale = np.repeat([np.linalg.norm(speed[:3]), np.linalg.norm(speed[3:])], 3)
+    missed = []
+    for swimmer, gait in zip(asked, solved, strict=True):
+        x, q = start_of(swimmer.wall)
+        R, F = Table(table).at(x, q, 0.0)
+        near = replace(gait, resistance_series=R[None], propulsion_series=F[None], rate=1.0)
+        missed.append(np.abs(near.velocity(0.0) - gait.at_rate(1.0).velocity(0.0)))
+    most = np.quantile(missed, 0.95, axis=0) / np.where(scale > 0, scale, 1.0)
+    how = (
+        f"95 % of {len(asked)} poses left out are met within this, in units of the speed and of "
+        "the rate of turning in free fluid, by interpolation alone"
+    )
+    return {**dict(zip(DEGREES_OF_FREEDOM, most.tolist(), strict=True)), "how": how}
+
+
+@dataclass(frozen=True, eq=False)
+class Table(Tabulated):
+    """A table that can be asked."""
+
+    table: PoseTable
+
+
+def _places(shape: Shape, grid: Grid) -> list[tuple[float, float, float]]:
+    """Return xi, sigma, psi of the grid, whose sides share sigma = 0, and of those left out."""
+    lowest = float(shape.numbers[5])
+    xis = lowest * (1.0 - np.arange(grid.gaps - 1) / (grid.gaps - 1))
+    sigmas = np.linspace(-1.0, 1.0, 2 * grid.tilts - 1)
+    psis = 2.0 * np.pi * np.arange(grid.phases) / grid.phases
+    on = [(x, s, p) for x in xis for s in sigmas for p in psis]
+    u = points(grid.left_out, 3, 1) if grid.left_out else np.zeros((0, 3))
+    out = [(0.98 * lowest * (1 - a), 0.9 * (2 * b - 1), 2 * np.pi * c) for a, b, c in u]
+    return [(float(x), float(s), float(p)) for x, s, p in on + out]
+
+
+def beside(swimmer: Swimmer, shape: Shape, xi: float, sigma: float, psi: float) -> Swimmer:
+    """Return the swimmer with its wall such that phase 0 of the tail is the pose (xi, sigma, psi).
+
+    Where the tail stays, the wall is turned about s: azimuth ``-sign psi``.
+    """
+    gap, tilt = shape.pose(xi, sigma, psi)
+    tilt = float(np.clip(tilt, -0.5 * np.pi, 0.5 * np.pi))
+    height = gap + shape.touch(tilt, psi)
+    wall = Wall(height, tilt=tilt, azimuth=float(-swimmer.tail.sign * psi))
+    return replace(swimmer, wall=wall)
+
+
+def _values(
+    shape: Shape, grid: Grid, asked: list[Swimmer], solved: list[Gait], free: Gait
+) -> Array:
+    """Return what the wall adds (2, gaps, tilts, phases, 27) on the grid; 0 at the last gap."""
+    units = float(shape.numbers[6]), float(shape.numbers[7])
+    added = []
+    for swimmer, gait in zip(asked, solved, strict=True):
+        assert swimmer.wall is not None
+        normal = np.array(swimmer.wall.normal)
+        near, far = (factors(g.resistance(0.0), g.propulsion(0.0), normal, *units)
+                     for g in (gait, free))  # fmt: skip
+        added.append(near - far)
+    on = np.array(added).reshape(grid.gaps - 1, 2 * grid.tilts - 1, grid.phases, 27)
+    on = np.concatenate([on, np.zeros((1, *on.shape[1:]))])
+    return np.stack([on[:, grid.tilts - 1 :], on[:, grid.tilts - 1 :: -1]])
+
+
+def start_of(wall: Wall | None) -> tuple[Array, Array]:
+    """Return position and quaternion at which the wall z = 0 lies as the spec states it.
+
+    The s axis, along the wall, points along +x.
+
+    Raises
+    ------
+    SpecError
+        If there is no wall.
+    """
+    if wall is None:
+        raise SpecError("wall: missing; give [wall] with its distance from the body's centre")
+    n = np.array(wall.normal)
+    along = np.array([1.0, 0.0, 0.0]) - n[0] * n
+    if np.linalg.norm(along) < 1e-9:
+        along = np.array([0.0, 1.0, 0.0])
+    x = along / np.linalg.norm(along)
+    Q = np.stack([x, np.cross(n, x), n])  # rows: the lab's axes in the body's
+    return np.array([0.0, 0.0, wall.distance]), _quaternion(Q)
+
+
+def _quaternion(Q: Array) -> Array:
+    """Return the quaternion ``wxyz`` of a rotation matrix, body to lab."""
+    from scipy.spatial.transform import Rotation
+
+    return np.roll(Rotation.from_matrix(Q).as_quat(), 1)

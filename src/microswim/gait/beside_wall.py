@@ -1,0 +1,265 @@
+"""A swimmer beside a plane wall, compiled: where it touches, and R and F_p by interpolation.
+
+Body of revolution and rigid tail: what they feel depends on the gap, on the tilt between s and the
+wall (sin tilt = n_s, n the wall's normal) and on the tail's phase ``psi = phase - sign azimuth(n)``
+against it. With
+
+    (F_n, T_r, F_t, F_r, T_n, T_t),  t = (s - n_s n)/cos(tilt),  r = s x n/cos(tilt),
+
+R = M D M' (M unit lower, D diagonal) is symmetric positive definite for any M and log D. The force
+across the wall stands first, so that lubrication, D_1 ~ 1/gap, is in log D_1 alone and all else
+goes like log(gap). F_p = M D z, z a velocity that stays bounded. Interpolated is what the wall adds
+to log D, M and z of free fluid, by splines in
+
+    xi = log(gap / (gap + size)),
+
+which meet both contact (linear in log gap, and so continued below the smallest gap solved) and free
+fluid (nothing at xi = 0). The gap has a kink where the nearest point changes from body to tail, at
+``tilt = kink(psi)``; on each side splines in
+
+    sigma = +-log(1 + reach |tilt - kink| / g) / log(1 + reach (pi/2 -+ kink) / g),  g = gap + blur,
+
+resolve how far body and tail then part (blur is larger where it is the thin tail that parts).
+Phases by a Fourier series.
+"""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+
+from microswim.gait.stepping import row
+from microswim.numerics.compiled import FAST, compiled
+from microswim.numerics.rigid_motion import to_lab
+
+#: Entries of `PoseTable.numbers`.
+NUMBERS = (
+    "sign", "tail_radius", "size", "reach", "blur", "lowest_xi", "length", "viscosity",
+    "tail_blur",
+)  # fmt: skip
+SIGN, TAIL_RADIUS, SIZE, REACH, BLUR, LOWEST, LENGTH, VISCOSITY, TAIL_BLUR = range(9)
+
+#: How far below the smallest gap log-linear growth goes on (in xi); the force across goes on.
+BEYOND = 3.0
+
+
+@compiled(fastmath=FAST, error_model="numpy")
+def contact(
+    boundary: Any, numbers: Any, body: Any, tail: Any, x: Any, q: Any, phase: Any, touch: Any,
+    at: Any,
+) -> None:  # fmt: skip
+    """Write gap, nearest point, normal to touch (7,); tilt and azimuth of the normal to at[:2]."""
+    n0, n1, n2 = to_lab(q, boundary[3], boundary[4], boundary[5], -1.0)
+    height = 0.0
+    for i in range(3):
+        height += (x[i] - boundary[i]) * boundary[3 + i]
+    across = np.sqrt(n1 * n1 + n2 * n2)
+    azimuth = np.arctan2(n2, n1)
+    touch[0] = np.inf
+    if body.shape[0] > 0:  # the support of the body in the direction -n
+        where = np.arctan2(across, -n0) / np.pi * (body.shape[0] - 1)
+        i = min(int(where), body.shape[0] - 2)
+        part = where - i
+        s = body[i, 0] + part * (body[i + 1, 0] - body[i, 0])
+        rho = body[i, 1] + part * (body[i + 1, 1] - body[i, 1])
+        touch[0] = height + s * n0 - rho * across
+        touch[1] = s
+        touch[2] = -rho * np.cos(azimuth)
+        touch[3] = -rho * np.sin(azimuth)
+    if tail.shape[0] > 0:
+        turn = numbers[0] * phase
+        ct, st = np.cos(turn), np.sin(turn)
+        a, b = n1 * ct + n2 * st, n2 * ct - n1 * st
+        lowest, k = np.inf, 0
+        for i in range(tail.shape[0]):
+            y = tail[i, 0] * n0 + tail[i, 1] * a + tail[i, 2] * b
+            if y < lowest:
+                lowest, k = y, i
+        k = min(max(k, 1), tail.shape[0] - 2)  # a parabola through the lowest point
+        y0 = tail[k - 1, 0] * n0 + tail[k - 1, 1] * a + tail[k - 1, 2] * b
+        y1 = tail[k, 0] * n0 + tail[k, 1] * a + tail[k, 2] * b
+        y2 = tail[k + 1, 0] * n0 + tail[k + 1, 1] * a + tail[k + 1, 2] * b
+        bend = y0 + y2 - 2.0 * y1
+        u = 0.0 if bend <= 0.0 else 0.5 * (y0 - y2) / bend
+        if bend <= 0.0 and y2 < y0:
+            u = 1.0
+        elif bend <= 0.0:
+            u = -1.0
+        u = min(max(u, -1.0), 1.0)
+        w0, w1, w2 = 0.5 * u * (u - 1.0), 1.0 - u * u, 0.5 * u * (u + 1.0)
+        gap = height + w0 * y0 + w1 * y1 + w2 * y2 - numbers[1]
+        if gap < touch[0]:
+            touch[0] = gap
+            p0 = w0 * tail[k - 1, 0] + w1 * tail[k, 0] + w2 * tail[k + 1, 0]
+            p1 = w0 * tail[k - 1, 1] + w1 * tail[k, 1] + w2 * tail[k + 1, 1]
+            p2 = w0 * tail[k - 1, 2] + w1 * tail[k, 2] + w2 * tail[k + 1, 2]
+            touch[1] = p0 - numbers[1] * n0
+            touch[2] = p1 * ct - p2 * st - numbers[1] * n1
+            touch[3] = p1 * st + p2 * ct - numbers[1] * n2
+    touch[4], touch[5], touch[6] = n0, n1, n2
+    at[0], at[1] = np.arctan2(n0, across), azimuth
+
+
+@compiled(fastmath=FAST, error_model="numpy")
+def place(numbers: Any, kinks: Any, touch: Any, phase: Any, at: Any) -> None:
+    """Write xi, sigma, psi, how far xi lies below its range, and its lowest value to at[2:7].
+
+    A gap that is not positive counts as a very small one.
+    """
+    psi = phase - numbers[0] * at[1]
+    turns = psi / (2.0 * np.pi)
+    where = (turns - np.floor(turns)) * kinks.size
+    i = int(where) % kinks.size
+    part = where - np.floor(where)
+    kink = kinks[i] + part * (kinks[(i + 1) % kinks.size] - kinks[i])
+    gap = max(touch[0], 1e-12 * numbers[2])
+    xi = np.log(gap / (gap + numbers[2]))
+    at[2] = max(xi, numbers[5])
+    at[5] = min(xi - numbers[5], 0.0)
+    if xi < numbers[5]:
+        least = np.exp(numbers[5])
+        gap = numbers[2] * least / (1.0 - least)
+    tilt, right = at[0], 0.5 * np.pi
+    if tilt >= kink:
+        g = gap + numbers[4]
+        at[3] = np.log1p(numbers[3] * (tilt - kink) / g)
+        at[3] /= np.log1p(numbers[3] * (right - kink) / g)
+    else:
+        g = gap + numbers[8]
+        at[3] = -np.log1p(numbers[3] * (kink - tilt) / g)
+        at[3] /= np.log1p(numbers[3] * (right + kink) / g)
+    at[4], at[6] = psi, numbers[5]
+
+
+@compiled()
+def weights(u: Any, n: int, w: Any) -> Any:
+    """Write the four weights of uniform cubic B-splines at u in [0, 1] of n - 3 intervals.
+
+    Returns the first coefficient. w[4:8]: their derivatives in u.
+    """
+    intervals = n - 3
+    where = min(max(u, 0.0), 1.0) * intervals
+    i = min(int(where), intervals - 1)
+    t = where - i
+    r = 1.0 - t
+    w[0], w[3] = r * r * r / 6.0, t * t * t / 6.0
+    w[1] = (3.0 * t * t * t - 6.0 * t * t + 4.0) / 6.0
+    w[2] = (3.0 * r * r * r - 6.0 * r * r + 4.0) / 6.0
+    w[4], w[7] = -0.5 * r * r * intervals, 0.5 * t * t * intervals
+    w[5] = (1.5 * t * t - 2.0 * t) * intervals
+    w[6] = -(1.5 * r * r - 2.0 * r) * intervals
+    return i
+
+
+@compiled(fastmath=FAST, error_model="numpy")
+def free_factors(packed: Any, numbers: Any, at: Any, values: Any, work: Any) -> None:
+    """Write log D (6,), M below its diagonal (15,) and z (6,) of free fluid at tilt and psi.
+
+    `packed` as `stepping.pack` has it.
+    """
+    series, B, A = work[:27], work[27:63].reshape((6, 6)), work[63:99].reshape((6, 6))
+    f, y = work[99:105], work[105:111]
+    row(packed, at[4], series)
+    sine, cosine, per = np.sin(at[0]), np.cos(at[0]), 1.0 / numbers[6]
+    scale = per / numbers[7]
+    for i in range(6):
+        own = scale if i < 3 else scale * per
+        f[i] = series[21 + i] * own * per
+        for j in range(i + 1):
+            B[i, j] = series[i * (i + 1) // 2 + j] * own * (1.0 if j < 3 else per)
+            B[j, i] = B[i, j]
+    for i in (0, 3):  # from s and q to n and t
+        f[i], f[i + 1] = sine * f[i] + cosine * f[i + 1], cosine * f[i] - sine * f[i + 1]
+        for j in range(6):
+            along, across = B[i, j], B[i + 1, j]
+            B[i, j], B[i + 1, j] = sine * along + cosine * across, cosine * along - sine * across
+        for j in range(6):
+            along, across = B[j, i], B[j, i + 1]
+            B[j, i], B[j, i + 1] = sine * along + cosine * across, cosine * along - sine * across
+    order = (0, 5, 1, 2, 3, 4)
+    for k in range(6):
+        y[k] = f[order[k]]
+        for l in range(k + 1):
+            A[k, l] = B[order[k], order[l]]
+    for k in range(6):  # A = M D M', y = M D z
+        D = A[k, k]
+        for i in range(k + 1, 6):
+            values[6 + i * (i - 1) // 2 + k] = A[i, k] / D
+        for i in range(k + 1, 6):
+            ratio = A[i, k] / D
+            for j in range(k + 1, i + 1):
+                A[i, j] -= ratio * A[j, k]
+            y[i] -= ratio * y[k]
+        values[k] = np.log(D)
+        values[21 + k] = y[k] / D
+
+
+@compiled(fastmath=FAST, error_model="numpy")
+def interpolate(factors: Any, at: Any, values: Any, work: Any) -> None:
+    """Add what the wall adds to log D (6,), M below its diagonal (15,) and z (6,) at at[2:7]."""
+    side = 0 if at[3] >= 0.0 else 1
+    n, m, harmonics, count = factors.shape[1:]
+    w, v, series = work[:8], work[8:16], work[16 : 16 + harmonics * count]
+    i0 = weights(1.0 - at[2] / at[6], n, w)
+    j0 = weights(abs(at[3]), m, v)
+    below = max(at[5], -BEYOND) / (-at[6])
+    series[:] = 0.0
+    for i in range(4):
+        for j in range(4):
+            b = (w[i] + below * w[4 + i]) * v[j]
+            here = factors[side, i0 + i, j0 + j].reshape(harmonics * count)
+            for k in range(harmonics * count):
+                series[k] += b * here[k]
+    if at[5] < -BEYOND:  # the force across goes on as a power of the gap
+        for i in range(4):
+            for j in range(4):
+                b = w[4 + i] * (at[5] + BEYOND) / (-at[6]) * v[j]
+                for h in range(harmonics):
+                    series[h * count] += b * factors[side, i0 + i, j0 + j, h, 0]
+    c1, s1 = np.cos(at[4]), np.sin(at[4])
+    c, s = c1, s1
+    for k in range(count):
+        values[k] += series[k]
+    for h in range(1, harmonics, 2):
+        for k in range(count):
+            values[k] += c * series[h * count + k] + s * series[(h + 1) * count + k]
+        c, s = c * c1 - s * s1, s * c1 + c * s1
+
+
+@compiled(fastmath=FAST, error_model="numpy")
+def from_factors(numbers: Any, touch: Any, values: Any, R: Any, F: Any, work: Any) -> None:
+    """Write R = sum_k D_k m_k m_k' and F_p = sum_k D_k z_k m_k in the body frame.
+
+    m_k, the columns of M, are turned from (n, t, r) of the wall into the body's axes.
+    """
+    n0, n1, n2 = touch[4], touch[5], touch[6]
+    across = np.sqrt(n1 * n1 + n2 * n2)
+    cosine = n1 / across if across > 1e-12 else 1.0
+    sine = n2 / across if across > 1e-12 else 0.0
+    a, mu = numbers[6], numbers[7]
+    m = work[:6]
+    for i in range(6):
+        F[i] = 0.0
+        for j in range(6):
+            R[i, j] = 0.0
+    for k in range(6):
+        m[0], m[1], m[2], m[3], m[4], m[5] = 0.0, 0.0, 0.0, 0.0, 0.0, 0.0
+        m[k] = 1.0
+        for i in range(k + 1, 6):
+            m[i] = values[6 + i * (i - 1) // 2 + k]
+        fn, tr, ft, fr, tn, tt = m[0], a * m[1], m[2], m[3], a * m[4], a * m[5]
+        m[0] = n0 * fn + across * ft
+        m[1] = n1 * fn - n0 * cosine * ft - sine * fr
+        m[2] = n2 * fn - n0 * sine * ft + cosine * fr
+        m[3] = n0 * tn + across * tt
+        m[4] = n1 * tn - n0 * cosine * tt - sine * tr
+        m[5] = n2 * tn - n0 * sine * tt + cosine * tr
+        D = mu * a * np.exp(values[k])
+        for i in range(6):
+            F[i] += a * D * values[21 + k] * m[i]
+            for j in range(i + 1):
+                R[i, j] += D * m[i] * m[j]
+    for i in range(6):
+        for j in range(i):
+            R[j, i] = R[i, j]

@@ -1,0 +1,247 @@
+"""A gait as a function of the pose beside a wall: coordinates, factors, splines, and the whole."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+
+import microswim as ms
+from microswim.calibration.poses import fit, layout, wall
+from microswim.errors import SpecError
+from microswim.gait import beside_wall
+from microswim.gait.pose_table import WALL, WORK, PoseTable, resist
+from microswim.gait.stepping import pack
+from microswim.models import bem
+from microswim.models.bem.surface import positions
+from microswim.numerics.compiled import settled
+from microswim.numerics.rigid_motion import multiply, rotation_matrix
+
+ROBOT = ms.Swimmer.preset("tabak/helix")
+CELL = ms.Swimmer.preset("goto/A")
+HEADS = [ROBOT, CELL, replace(ROBOT, body=ms.Capsule(length=1.5, radius=0.4))]
+
+
+def planted(swimmer: ms.Swimmer, made: Any) -> PoseTable:
+    """Table of a wall that adds `made(xi, sigma, psi)`, (27,), to what the surrogate says."""
+    shape = layout.shape_of(swimmer, 0.01)
+    lowest = float(shape.numbers[beside_wall.LOWEST])
+    values = np.empty((2, 9, 7, 9, 27))
+    for index in np.ndindex(values.shape[:4]):
+        side, i, j, k = index
+        sigma = (1 - 2 * side) * j / 6
+        values[index] = made(lowest * (1 - i / 8), sigma, 2 * np.pi * k / 9)
+    return PoseTable(
+        WALL, pack(swimmer.gait()), np.array([0.0, 0, 0, 0, 0, 1]), shape.numbers, shape.body,
+        shape.tail, shape.kinks, fit.coefficients(values),
+    )  # fmt: skip
+
+
+def asked(table: PoseTable, x: Any, q: Any, phase: float, compile_it: bool = True) -> Any:
+    R, F, touch = np.empty((6, 6)), np.empty(6), np.empty(7)
+    with settled(compile_it):
+        resist(
+            table, np.asarray(x, float), np.asarray(q, float), phase, R, F, touch, np.empty(WORK)
+        )
+    return R, F, touch
+
+
+def turned(axis: Any, angle: float) -> Any:
+    axis = np.asarray(axis, float) / np.linalg.norm(axis)
+    return np.concatenate([[np.cos(angle / 2)], np.sin(angle / 2) * axis])
+
+
+SMOOTH = np.random.default_rng(4).normal(size=(4, 27)) * 0.1
+
+
+def smooth(xi: float, sigma: float, psi: float) -> Any:
+    """Nothing at xi = 0, and what splines and series hold exactly."""
+    a, b, c, d = SMOOTH
+    return xi * (a + b * sigma**2 + c * np.cos(psi) + d * np.sin(2 * psi) * xi * sigma)
+
+
+@pytest.mark.parametrize("swimmer", HEADS)
+def test_the_gap_is_that_of_the_surface(swimmer: ms.Swimmer) -> None:
+    """Against the boundary elements' own surface."""
+    shape = layout.shape_of(swimmer, 0.01)
+    length = shape.numbers[beside_wall.LENGTH]
+    surface = bem.solve(replace(swimmer, wall=None), level="coarse").surface
+    X = positions(surface, 17).reshape(-1, 3) - np.asarray(swimmer.body.centre)
+    for tilt in (-0.6, -0.2, -0.05, 0.0, 0.1, 0.5):
+        for psi in (0.3, 2.0, 4.4):
+            n = np.array(ms.Wall(1.0, tilt=tilt, azimuth=-swimmer.tail.sign * psi).normal)
+            assert shape.touch(tilt, psi) == pytest.approx(-(X @ n).min(), abs=4e-3 * length)
+
+
+@pytest.mark.parametrize("swimmer", HEADS)
+def test_coordinates_and_poses_are_inverse(swimmer: ms.Swimmer) -> None:
+    """A planted xi, sigma, psi comes back from the pose that it stands for."""
+    shape = layout.shape_of(swimmer, 0.01)
+    for xi, sigma, psi in [
+        (-3.0, 0.4, 1.0),
+        (-1.0, -0.7, 5.0),
+        (-4.0, -0.1, 2.2),
+        (-0.1, 0.9, 0.1),
+    ]:
+        beside = wall.beside(swimmer, shape, xi, sigma, psi)
+        x, q = wall.start_of(beside.wall)
+        touch, at = np.zeros(7), np.zeros(8)
+        with settled(False):
+            beside_wall.contact(
+                np.array([0.0, 0, 0, 0, 0, 1]), shape.numbers, shape.body, shape.tail, x, q, 0.0,
+                touch, at,
+            )  # fmt: skip
+            beside_wall.place(shape.numbers, shape.kinks, touch, 0.0, at)
+        assert at[2:5] == pytest.approx([xi, sigma, psi], abs=1e-6) or at[4] == pytest.approx(
+            psi - 2 * np.pi, abs=1e-6
+        )
+
+
+def test_factors_and_matrices_are_inverse() -> None:
+    """R and F_p come back from their factors, at any attitude."""
+    rng = np.random.default_rng(1)
+    A = rng.normal(size=(6, 6))
+    R, F = A @ A.T + np.eye(6), rng.normal(size=6)
+    numbers = layout.shape_of(ROBOT, 0.01).numbers
+    touch, S, H = np.zeros(7), np.empty((6, 6)), np.empty(6)
+    touch[4:] = rotation_matrix(turned([0.3, -0.5, 0.8], 2.1)).T @ [0.0, 0.0, 1.0]
+    one = fit.factors(R, F, touch[4:], *numbers[[6, 7]])
+    beside_wall.from_factors(numbers, touch, one, S, H, np.empty(6))
+    assert pytest.approx(R, rel=1e-9, abs=1e-9) == S
+    assert pytest.approx(F, rel=1e-9, abs=1e-9) == H
+
+
+def test_a_wall_that_adds_nothing_leaves_free_fluid() -> None:
+    """Wherever the swimmer is: the kernel's own factors of free fluid are those of the gait."""
+    table, gait = planted(ROBOT, lambda *_: np.zeros(27)), ROBOT.gait()
+    rng = np.random.default_rng(2)
+    for phase in (0.0, 1.0, -4.0):
+        q = rng.normal(size=4)
+        R, F, _ = asked(table, [1.0, 2.0, rng.uniform(0.1, 3.0)], q / np.linalg.norm(q), phase)
+        assert pytest.approx(gait.resistance(phase), rel=1e-9, abs=1e-9) == R
+        assert pytest.approx(gait.propulsion(phase), rel=1e-9, abs=1e-9) == F
+
+
+def test_a_wall_knows_no_place_along_it_and_no_heading() -> None:
+    """Moved along the wall and turned about its normal, the swimmer feels the same."""
+    table = planted(ROBOT, smooth)
+    x, q = np.array([0.0, 0.0, 0.8]), turned([0.2, 1.0, 0.1], 0.3)
+    R, F, touch = asked(table, x, q, 1.0)
+    spun = multiply(turned([0, 0, 1], 2.0), q)
+    for place, attitude in ((x + [5.0, -3.0, 0.0], q), (x, spun)):
+        S, H, other = asked(table, place, attitude, 1.0)
+        assert pytest.approx(R, rel=1e-9) == S
+        assert pytest.approx(F, rel=1e-9) == H
+        assert other == pytest.approx(touch, rel=1e-9)
+
+
+def test_a_turn_about_s_is_a_change_of_phase() -> None:
+    """Of a body of revolution with a rigid tail: R(q turned by a, phase - sign a) is R turned."""
+    table = planted(ROBOT, smooth)
+    x, q, a = np.array([0.0, 0.0, 0.9]), turned([0.2, 1.0, 0.1], 0.2), 0.7
+    R, F, _ = asked(table, x, q, 1.0)
+    S, H, _ = asked(table, x, multiply(q, turned([1, 0, 0], a)), 1.0 - ROBOT.tail.sign * a)
+    Q = np.kron(np.eye(2), rotation_matrix(turned([1, 0, 0], a)))
+    assert pytest.approx(R, rel=1e-9) == Q @ S @ Q.T
+    assert pytest.approx(F, rel=1e-9) == Q @ H
+
+
+def test_resistance_is_positive_definite_whatever_was_solved() -> None:
+    table = planted(ROBOT, lambda *at: 5.0 * smooth(*at))
+    rng = np.random.default_rng(0)
+    for _ in range(50):
+        q = rng.normal(size=4)
+        R, _, _ = asked(table, [0.0, 0.0, rng.uniform(0.5, 4.0)], q / np.linalg.norm(q), 1.0)
+        assert np.array_equal(R, R.T)
+        scale = 1 / np.sqrt(np.diag(R))
+        assert np.linalg.eigvalsh(R * np.outer(scale, scale)).min() > -1e-12
+
+
+def test_interpolation_is_of_fourth_order_between_and_smooth_in_phase() -> None:
+    """A function that splines and series hold exactly comes back between the nodes."""
+    table = planted(ROBOT, smooth)
+    shape = layout.shape_of(ROBOT, 0.01)
+    for xi, sigma, psi in [(-2.2, 0.33, 1.1), (-0.7, -0.51, 4.0)]:
+        beside = wall.beside(ROBOT, shape, xi, sigma, psi)
+        x, q = wall.start_of(beside.wall)
+        R, F, touch = asked(table, x, q, 0.0)
+        units = shape.numbers[[6, 7]]
+        found = fit.factors(R, F, touch[4:], *units)
+        found -= fit.factors(
+            ROBOT.gait().resistance(0.0), ROBOT.gait().propulsion(0.0), touch[4:], *units
+        )
+        assert found == pytest.approx(smooth(xi, sigma, psi), abs=1e-6)
+
+
+def test_compiled_and_python_agree_beside_a_wall() -> None:
+    table = planted(ROBOT, smooth)
+    x, q = np.array([0.0, 0.0, 0.51]), turned([0.2, 1.0, 0.1], 0.1)
+    for plain, fast in zip(asked(table, x, q, 3.0, False), asked(table, x, q, 3.0), strict=True):
+        assert fast == pytest.approx(plain, rel=1e-10, abs=1e-12)
+
+
+def test_lubrication_goes_on_below_the_smallest_gap() -> None:
+    """Resistance across the wall grows as the gap closes, without a jump, to any gap."""
+    lubricated = np.zeros(27)
+    lubricated[0] = -1.0  # log D_1 = -xi: one over the gap
+    table = planted(ROBOT, lambda xi, *_: lubricated * xi)
+    heights = 0.5 + 0.5 * np.geomspace(1e-8, 0.1, 60)
+    q = wall.start_of(ms.Wall(1.0, tilt=0.2))[1]
+    across = [asked(table, [0, 0, h], q, 0.0)[2][0] for h in heights]
+    normal = rotation_matrix(q).T @ [0.0, 0.0, 1.0]
+    pushed = [normal @ asked(table, [0, 0, h], q, 0.0)[0][:3, :3] @ normal for h in heights]
+    slopes = np.diff(np.log(pushed)) / np.diff(np.log(across))
+    assert slopes[:40] == pytest.approx(-1.0, abs=0.05)
+    assert np.all(slopes < 0)
+
+
+@pytest.mark.parametrize(("tilt", "azimuth"), [(0.0, 0.0), (0.4, 1.0), (-0.3, -2.0)])
+def test_a_path_starts_where_the_spec_says(tilt: float, azimuth: float) -> None:
+    stated = ms.Wall(0.8, tilt=tilt, azimuth=azimuth)
+    x, q = wall.start_of(stated)
+    Q = rotation_matrix(q)
+    assert pytest.approx(np.array(stated.normal), abs=1e-12) == Q.T @ [0.0, 0.0, 1.0]
+    assert x[2] == 0.8
+    assert Q[1, 0] == pytest.approx(0.0, abs=1e-12)  # s has no component along y
+    assert Q[0, 0] > 0
+
+
+@pytest.mark.parametrize(
+    "swimmer",
+    [
+        ms.Swimmer.preset("tabak/plane_wave"),
+        replace(ROBOT, body=ms.Ellipsoid(semi_axes=(0.6, 0.5, 0.4))),
+    ],
+)
+def test_other_kinds_are_refused(swimmer: ms.Swimmer) -> None:
+    with pytest.raises(SpecError, match="body of revolution with a helical tail"):
+        wall.beside_wall(replace(swimmer, wall=ms.Wall(2.0)))
+
+
+@pytest.mark.slow
+def test_poses_not_used_are_met_and_a_path_follows_them(tmp_path: Path) -> None:
+    """A coarse grid beside a wall: direct solves elsewhere within the error that is stated, and a
+    path at the gap of which is never lost.
+    """
+    short = replace(ROBOT.with_({"tail.length": 0.8, "tail.waves": 1.0}), wall=ms.Wall(0.8))
+    few = wall.Grid(gaps=5, tilts=4, phases=5, smallest=0.05, left_out=8)
+    poses = wall.beside_wall(short, grid=few, folder=tmp_path, workers=0)
+    assert 0 < poses.expected_error["us"] < 0.1
+    seen = []
+    again = wall.beside_wall(
+        short, grid=few, folder=tmp_path, workers=0, progress=lambda done, of: seen.append(done)
+    )
+    assert seen == [4 * 7 * 5 + 8 + 1]  # all of them kept
+    assert np.array_equal(again.table.factors, poses.table.factors)
+    speed = np.linalg.norm(poses.gait.velocity(0.0)[:3])
+    for distance, tilt in [(0.7, 0.0), (1.3, 0.3), (0.6, 0.2)]:
+        near = replace(short, wall=ms.Wall(distance, tilt=tilt, azimuth=1.0))
+        solved = bem.solve(near, level="coarse")
+        R, F = poses.at(*wall.start_of(near.wall), 0.0)
+        V = -np.linalg.solve(R, F) * solved.rate
+        assert np.abs(V - solved.twist)[:3].max() < 0.05 * speed
+    path = ms.path(short, time=5.0, poses=poses)
+    assert path.gap.values.min() > 0

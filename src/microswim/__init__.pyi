@@ -37,6 +37,7 @@ from .output import io as io
 from .output import plots as plots
 from .output import report as report
 from .path.following import path as path
+from .path.of_group import group_path as group_path
 from .path.regimes import Regimes as Regimes
 from .path.regimes import regimes as regimes
 from .path.trajectory import trajectory as trajectory

@@ -102,6 +102,10 @@ def test_overrides_are_of_one_swimmer_or_of_all(scene):
         (PRESET + 'position = ["1 um", 0, 0]', "must be a bare number; the spec has no units"),
         (PRESET + PRESET + '[swimmer.set]\n"fluid.viscosity" = 2.0', "a group swims in one fluid"),
         (PRESET + "[swimmer.set]\nwall = {distance = 3.0}", "wall: a swimmer of a group stands in"),
+        (
+            PRESET + "[swimmer.set]\ngravity = {density = 2.0, acceleration = 1.0}",
+            "gravity: a swimmer of a group sta",
+        ),
     ],
 )
 def test_a_wrong_scene_is_refused_in_a_sentence(scene, text, words):

@@ -7,7 +7,6 @@ Six-vectors are ``[linear; angular]`` in each swimmer's own frame, about its bod
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from os import PathLike
 from typing import Any, Literal
@@ -141,10 +140,10 @@ with spec = "robot.toml" and position = [x, y, z]
     )
     def moved(
         self,
-        positions: Sequence[Any] | None = None,
-        directions: Sequence[Any] | None = None,
-        rolls: Sequence[float] | None = None,
-        phases: Sequence[float] | None = None,
+        positions: Any = None,
+        directions: Any = None,
+        rolls: Any = None,
+        phases: Any = None,
     ) -> Group:
         """Return the same swimmers at other poses or phases; what is not given stays.
 
@@ -259,11 +258,11 @@ with spec = "robot.toml" and position = [x, y, z]
     )
     def at_poses(
         self,
-        positions: Sequence[Any],
+        positions: Any,
         *,
-        directions: Sequence[Any] | None = None,
-        rolls: Sequence[Any] | None = None,
-        phases: Sequence[Any] | None = None,
+        directions: Any = None,
+        rolls: Any = None,
+        phases: Any = None,
         level: Level = "standard",
         blocks: Any = None,
         workers: int | None = None,

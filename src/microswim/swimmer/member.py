@@ -90,11 +90,11 @@ class Member:
 
 def _check_alone(swimmer: Swimmer) -> None:
     """Refuse surroundings that a swimmer cannot bring into a group."""
-    for name in ("wall", "channel", "field"):
+    for name in ("wall", "channel", "field", "gravity", "flow", "noise"):
         if getattr(swimmer, name) is not None:
             raise SpecError(
-                f"{name}: a swimmer of a group stands in free fluid without a field; remove "
-                f"[{name}] from its spec"
+                f"{name}: a swimmer of a group stands in still, free fluid without fields; remove "
+                f"[{name}] from its spec (a scene has force, torque and [wall])"
             )
 
 
@@ -115,6 +115,12 @@ def _towards(direction: Array) -> Array:
     w = np.array([0.0, -d[2], d[1]])
     W = np.array([[0.0, -w[2], w[1]], [w[2], 0.0, -w[0]], [-w[1], w[0], 0.0]])
     return np.eye(3) + W + W @ W / (1.0 + d[0])
+
+
+def direction_and_roll(Q: Array) -> tuple[Array, float]:
+    """Return direction and roll of a member whose rotation (3, 3) is Q."""
+    rolled = _towards(Q[:, 0]).T @ Q
+    return Q[:, 0], float(np.arctan2(rolled[2, 1], rolled[1, 1]))
 
 
 def checked_members(members: Any) -> tuple[Member, ...]:

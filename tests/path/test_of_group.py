@@ -1,0 +1,77 @@
+"""Paths of several swimmers: alone, forth and back, side by side."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+import microswim as ms
+from microswim.numerics.rigid_motion import rotation_matrix
+from microswim.swimmer.member import direction_and_roll
+from oracles import two_spheres
+
+HELIX = ms.Swimmer.preset("tabak/helix")
+PAIR = ms.Group((
+    ms.Member(swimmer=HELIX, phase=0.4),
+    ms.Member(swimmer=HELIX, position=(0.5, 4.0, 1.0), direction=(1.0, -0.4, 0.2)),
+))  # fmt: skip
+
+
+def test_one_swimmer_follows_its_own_path():
+    """Against the screw motion of its gait, which shares no step with it."""
+    times = np.array([0.0, 0.7, 2.0, 5.0])
+    found = ms.group_path(ms.Group((ms.Member(swimmer=HELIX),)), times, level="coarse")
+    known = ms.trajectory(HELIX.gait("bem", level="coarse"), times)
+    assert found.position[:, 0].values == pytest.approx(known.position.values, abs=2e-5)
+    cosine = np.sum(found.quaternion[:, 0].values * known.quaternion.values, axis=-1)
+    assert np.abs(cosine) == pytest.approx(1.0, abs=1e-7)
+    assert found.phase[:, 0].values == pytest.approx(2 * np.pi * times)
+
+
+def test_steps_are_of_order_four():
+    times, ends = [0.0, 1.0], []
+    for step in (1 / 8, 1 / 16, 1 / 64):
+        found = ms.group_path(PAIR, times, level="coarse", max_step=step)
+        ends.append(found.position[-1].values)
+    coarse, fine = (np.abs(e - ends[2]).max() for e in ends[:2])
+    assert coarse / fine == pytest.approx(16.0, rel=0.4)
+
+
+def test_reversed_motors_take_the_swimmers_back():
+    """The flow has no memory: forth and back ends where it began."""
+    forth = ms.group_path(PAIR, [0.0, 2.0], level="coarse")
+    back = HELIX.with_({"tail.frequency": -1.0})
+    there = [
+        replace(m, swimmer=back, position=tuple(x), phase=float(p))
+        for m, x, p in zip(PAIR.members, forth.position[-1].values, forth.phase[-1].values)
+    ]
+    Q = rotation_matrix(forth.quaternion[-1].values)
+    turned = [direction_and_roll(q) for q in Q]
+    reverse = ms.Group(tuple(there)).moved(
+        directions=[d for d, _ in turned], rolls=[r for _, r in turned]
+    )
+    home = ms.group_path(reverse, [0.0, 2.0], level="coarse")
+    start = np.array([m.position for m in PAIR.members])
+    away = np.abs(forth.position[-1].values - start).max()
+    assert away > 0.04
+    assert home.position[-1].values == pytest.approx(start, abs=2e-3 * away)
+
+
+def test_two_balls_that_sink_side_by_side_keep_their_distance():
+    """Their mirror image in time is themselves: they fall, faster than one, and turn alike."""
+    ball = ms.Swimmer(body=ms.Sphere(radius=1.0), tail=ms.NoTail(), fluid=ms.Fluid(viscosity=1.0))
+    down = {"swimmer": ball, "force": (0.0, 0.0, -6 * np.pi)}
+    pair = ms.Group((ms.Member(**down), ms.Member(**down, position=(3.0, 0.0, 0.0))))
+    found = ms.group_path(pair, [0.0, 1.0, 2.0], model="bem", max_step=1.0)
+    x = found.position.values
+    assert np.diff(x[..., 0], axis=1).ravel() == pytest.approx(3.0, abs=1e-4)
+    R = two_spheres.resistance(1.0)  # across the line of centres, x there and z here
+    V = np.linalg.solve(R, 6 * np.pi * np.eye(12)[0] + 6 * np.pi * np.eye(12)[6])
+    assert x[-1, :, 2] == pytest.approx(-2.0 * V[0], rel=2e-3)
+    assert V[0] > 1.2
+
+
+def test_swimmers_that_come_too_near_are_refused():
+    near = PAIR.moved(positions=[(0, 0, 0), (0, 1.2, 0)])
+    with pytest.raises(ms.MicroswimError, match='take model = "bem"'):
+        ms.group_path(near, [0.0, 1.0], level="coarse")

@@ -109,9 +109,7 @@ def _show(numbers: dict[str, Any], table: Table, as_json: bool) -> None:
         click.echo(f"  note: {remark}")
     error = info.get("error")
     if error:
-        forward = error["relative_forward"]
-        what, off = ("u_s", forward) if forward == forward else ("R", error["resistance"])
-        click.echo(f"  {what} differs by {100 * off:.2g} % from level {error['against']}")
+        _say_difference(error)
     click.echo(f"  solved in {numbers['wall_seconds']:.3g} s")
 
 
@@ -121,6 +119,20 @@ def _point_to_paths(swimmer: Swimmer) -> None:
     if there:
         tables = ", ".join(f"[{name}]" for name in there)
         click.echo(f"  note: without {tables}, which act along a path: microswim path follows it")
+
+
+def _say_difference(error: dict[str, Any]) -> None:
+    """Say how far the next coarser level lies, in u_s and in the velocity that differs most."""
+    from microswim.gait.gait import DEGREES_OF_FREEDOM
+
+    forward, against = error["relative_forward"], error["against"]
+    if forward != forward:  # nothing moves by itself
+        click.echo(f"  R differs by {100 * error['resistance']:.2g} % from level {against}")
+        return
+    each = [float(x) for x in error["velocities"]]
+    worst = DEGREES_OF_FREEDOM[each.index(max(each))]
+    most = f"at most {100 * max(each):.2g} % in all six velocities ({worst})"
+    click.echo(f"  u_s differs by {100 * forward:.2g} % from level {against}, {most}")
 
 
 def _record(swimmer: Swimmer) -> dict[str, Any] | None:

@@ -367,3 +367,27 @@ def test_rodenborns_helix_at_all_pitches():
     difference = np.abs(computed / measured - 1)
     assert difference[:4].max() < 0.06
     assert difference[4].max() < 0.13
+
+
+def test_the_coarser_level_is_told_for_all_six_velocities():
+    """As the two gaits differ; where by more than usual, the difference is the error to expect."""
+    from dataclasses import replace
+
+    from microswim.calibration.atlas.expected import LEVELS, expected_error
+
+    design = swimmer(ms.HelicalTail(**BASE))
+    fine = phases.gait(design, estimate_error=True)
+    rough = phases.gait(design, level="coarse")
+    told = fine.info["error"]["velocities"]
+    u, v = fine.mean_velocity, rough.mean_velocity
+    for i in (0, 3):
+        assert told[i] == pytest.approx(abs(v[i] / u[i] - 1.0))
+    for i in (1, 2, 4, 5):
+        assert told[i] == pytest.approx(
+            abs(rough.velocity_amplitude[i] / fine.velocity_amplitude[i] - 1.0), abs=2e-3
+        )
+    assert set(expected_error(design, fine).values()) >= {LEVELS["standard"]}
+    far = {**fine.info["error"], "velocities": np.array([0.0, 0.2, 0.0, 0.0, 0.0, 0.0])}
+    doubtful = replace(fine, info={**fine.info, "error": far})
+    assert expected_error(design, doubtful)["uq"] == 0.2
+    assert expected_error(design, doubtful)["us"] == LEVELS["standard"]

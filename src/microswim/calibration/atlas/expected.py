@@ -167,7 +167,15 @@ def _of_elements(swimmer: Swimmer, gait: Gait) -> tuple[list[Any], str]:
     if swimmer.tail.section is not None:
         how = f"twice the largest difference of level {level} from fine, ribbons up to 5:1"
         return [RIBBONS[level]] * 6, how
-    return [LEVELS[level]] * 6, f"largest difference of level {level} from finer ones"
+    how = f"largest difference of level {level} from finer ones"
+    found = gait.info.get("error")
+    if found is None:
+        return [LEVELS[level]] * 6, how
+    usual = LEVELS[level] + LEVELS[found["against"]]  # as far as levels lie apart
+    errors = [LEVELS[level] if x <= usual else float(x) for x in found["velocities"]]
+    if max(errors) > LEVELS[level]:
+        how += f"; the difference from level {found['against']} where that is larger than usual"
+    return errors, how
 
 
 def _relative(misses: Misses, swimmer: Swimmer, gait: Gait) -> list[Any]:

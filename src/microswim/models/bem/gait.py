@@ -21,6 +21,9 @@ from microswim.models.bem.trust import doubts, trusted
 from microswim.numerics.array import Array
 from microswim.swimmer.swimmer import Swimmer
 
+#: Phases at which two levels are compared; share of its largest value from which a mean is told.
+PHASES, STEADY = 24, 0.1
+
 
 def turns_as_a_whole(swimmer: Swimmer) -> bool:
     """Return whether one phase holds the whole gait: helix, body of revolution, no wall; no tail.
@@ -183,6 +186,22 @@ def _framed(swimmer: Swimmer, made: Gait) -> Gait:
     return made
 
 
+def _of_velocities(fine: Gait, rough: Gait) -> Array:
+    """Relative differences (6,): of a mean, or over the period where the mean is next to nothing.
+
+    Components below a thousandth of the largest of their kind count as a thousandth of it.
+    """
+    phases = np.linspace(0.0, 2.0 * np.pi, PHASES, endpoint=False)
+    at, other = (g.velocity(phases) for g in (fine, rough))
+    size, change = np.abs(at).max(axis=0), np.abs(at - other).max(axis=0)
+    mean = np.abs(fine.mean_velocity)
+    off = np.abs(fine.mean_velocity - rough.mean_velocity)
+    steady = mean > STEADY * size
+    size, change = np.where(steady, mean, size), np.where(steady, off, change)
+    least = 1e-3 * np.repeat(size.reshape(2, 3).max(axis=1), 3)
+    return change / np.maximum(np.maximum(size, least), 1e-300)
+
+
 def _difference(fine: Gait, rough: Gait, below: str) -> dict[str, Any]:
     """Differences from the coarser level: of mean velocity and of R and F_p, the latter
     relative.
@@ -194,6 +213,7 @@ def _difference(fine: Gait, rough: Gait, below: str) -> dict[str, Any]:
     return {
         "against": below,
         "mean_velocity": change,
+        "velocities": _of_velocities(fine, rough),
         "relative_forward": float(change[0] / scale[0]) if scale[0] > 0 else float("nan"),
         "resistance": float(np.abs(R - S).max() / np.abs(R).max()),
         "propulsion": float(np.abs(F - H).max() / max(np.abs(F).max(), 1e-300)),

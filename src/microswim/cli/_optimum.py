@@ -8,12 +8,9 @@ from typing import Any
 from rich.console import Console
 from rich.table import Table
 
-from microswim.gait.quantities import QUANTITIES
 from microswim.gait.readable import quantity
-from microswim.gait.units import unit
-from microswim.spec.describe import unit_of
 from microswim.spec.units import NUMBER
-from microswim.studies.optimisation.limits import MEASURED_IN
+from microswim.studies.optimisation.limits import measured_in
 
 SHOWN = ("swimming_speed", "mean_torque", "mean_power", "efficiency", "body_rate")
 ROWS = 15  #: of a front
@@ -35,13 +32,8 @@ class Said:
         """A number of the spec, a quantity or an expression; nothing where there is none."""
         if value is None or isinstance(value, str):
             return value or ""
-        known = unit_of(name, self.units) if "." in name else self._unit(name)
+        known = measured_in(name, self.units)
         return quantity(value, known) if known else f"{value:.4g}"
-
-    def _unit(self, name: str) -> str:
-        if name in QUANTITIES:
-            return unit(self.units, QUANTITIES[name].dimension)
-        return MEASURED_IN.get(name, "") if self.units == "SI" else ""
 
     def limit(self, text: str) -> str:
         """Return a constraint between a quantity and a number, the number with its unit."""

@@ -415,3 +415,26 @@ def test_pictures_show_what_they_are_given():
     )
     bars = plots_design.sensitivity(best).axes[0]
     assert "tail.frequency" in [t.get_text() for t in bars.get_yticklabels()]
+
+
+def test_tables_of_designs_and_their_pictures_have_units():
+    cell = ms.Swimmer.preset("goto/C")
+    made = ms.robustness(cell, {"tail.amplitude": "5%"}, samples=16)
+    front = ms.pareto(
+        cell,
+        {"tail.amplitude": (1e-7, 2e-7)},
+        "swimming_speed",
+        "mean_torque",
+        population=8,
+        generations=2,
+    )
+    for table in (made, front):
+        assert table.swimming_speed.attrs["units"] == "m/s"
+        assert table["tail.amplitude"].attrs["units"] == "m"
+        assert table.mean_torque.attrs["units"] == "N m"
+    assert plots_design.robustness(made).axes[0].get_xlabel() == "swimming speed (µm/s)"
+    over = {"tail.amplitude": (1e-7, 2e-7), "tail.length": (4e-6, 5e-6)}
+    best = ms.design(cell, over, "swimming_speed", samples=16)
+    grid = ms.sweep(cell, {name: list(ends) for name, ends in over.items()})
+    title = plots_design.design_map(grid, optimum=best).axes[1].get_title()
+    assert "µm/s" in title

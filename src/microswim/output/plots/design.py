@@ -12,7 +12,8 @@ import xarray as xr
 
 from microswim import checks
 from microswim.errors import SpecError, nearest
-from microswim.gait.quantities import current
+from microswim.gait.quantities import QUANTITIES, current
+from microswim.gait.readable import quantity
 from microswim.gait.units import unit
 from microswim.output.io.surface import surface
 from microswim.output.plots.drawing import Camera, draw_surface, scale_bar
@@ -126,7 +127,8 @@ def design_map(
         else:
             axes, side = figure.subplots(1, 2, width_ratios=[2.2, 1.0])
             swimmers(side, [optimum.swimmer])
-            words = f"optimum: {optimum.objective} = {optimum.value:.3g}"
+            said = _value(optimum.objective, optimum.value, optimum.swimmer.units)
+            words = f"optimum: {optimum.objective.replace('_', ' ')} = {said}"
             side.set_title(textwrap.fill(words, 26))
         size, colours = _axis(values, label or merit.replace("_", " "))
         (fx, name_x), (fy, name_y) = (_axis(result[n], str(n)) for n in (x, y))
@@ -148,6 +150,13 @@ def design_map(
             axes.legend(loc="best", frameon=True, facecolor="white", framealpha=0.8)
         axes.set(xlabel=name_x, ylabel=name_y)
     return figure
+
+
+def _value(name: str, value: float, units: str) -> str:
+    """A quantity with its unit; a number where it is an expression."""
+    if name not in QUANTITIES:
+        return f"{value:.3g}"
+    return quantity(value, unit(units, QUANTITIES[name].dimension), 3)
 
 
 def _axis(values: xr.DataArray, name: str) -> tuple[float, str]:

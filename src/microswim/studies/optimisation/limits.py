@@ -8,16 +8,20 @@ from __future__ import annotations
 
 import math
 import re
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from microswim.errors import SpecError
 from microswim.gait.driven import DRIVEN
 from microswim.gait.quantities import NUMBERS, OLD, QUANTITIES
 from microswim.gait.units import unit
+from microswim.spec.describe import unit_of
 from microswim.spec.tables import FIELDS
 from microswim.spec.units import NUMBER, has_unit, parse, to_si
 from microswim.studies.optimisation.dimensions import Dimension, Mixed, of_expression, of_unit
 from microswim.swimmer.swimmer import Swimmer
+
+if TYPE_CHECKING:
+    import xarray as xr
 
 #: SI units of the merits that have one, by their names of today and of before.
 MEASURED_IN = {
@@ -28,6 +32,31 @@ MEASURED_IN = {
 MEASURED_IN |= {old: MEASURED_IN[new] for old, new in OLD.items()}
 _SIGNS = re.compile(r"(<=|>=|<|>)")
 _APART = re.compile(r",(?![^(]*\))")  # commas between constraints, not those of min(a, b)
+
+
+def measured_in(name: str, units: str) -> str:
+    """Return the unit of a quantity, a merit or a number of the spec; empty where none is known.
+
+    Examples
+    --------
+    >>> measured_in("swimming_speed", "SI"), measured_in("tail.amplitude", "SI")
+    ('m/s', 'm')
+    """
+    known = QUANTITIES | DRIVEN
+    if name in known:
+        return unit(units, known[name].dimension)
+    if "." in name:
+        return unit_of(name, units)
+    return MEASURED_IN.get(name, "") if units == "SI" else ""
+
+
+def with_units(table: xr.Dataset, units: str) -> xr.Dataset:
+    """Return a table of designs whose variables say their units."""
+    for name, variable in table.variables.items():
+        said = measured_in(str(name), units)
+        if said and variable.dtype.kind == "f":
+            variable.attrs["units"] = said
+    return table
 
 
 def in_si(text: str, swimmer: Swimmer, bare: bool = True) -> str:

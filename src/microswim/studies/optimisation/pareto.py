@@ -11,6 +11,7 @@ from microswim.errors import MicroswimError, SpecError
 from microswim.numerics.array import sealed
 from microswim.numerics.compiled import settled
 from microswim.spec.describe import spec_json
+from microswim.studies.optimisation.limits import with_units
 from microswim.studies.optimisation.merits import MERITS, of_many
 from microswim.studies.optimisation.problem import Problem
 from microswim.swimmer.swimmer import Swimmer
@@ -106,15 +107,14 @@ def pareto(
 
     front: Any = xr.concat(tables, "design", data_vars="all", join="outer", coords="all")
     order = np.argsort(np.asarray(front[problem.objectives[0][0].text]), kind="stable")
-    return sealed(
-        front.isel(design=order).assign_attrs(
-            objectives=[
-                f"{'maximize' if s > 0 else 'minimize'} {o.text}" for o, s in problem.objectives
-            ],
-            spec=spec_json(swimmer),
-            units=swimmer.units,
-        )
+    made = front.isel(design=order).assign_attrs(
+        objectives=[
+            f"{'maximize' if s > 0 else 'minimize'} {o.text}" for o, s in problem.objectives
+        ],
+        spec=spec_json(swimmer),
+        units=swimmer.units,
     )
+    return sealed(with_units(made, swimmer.units))
 
 
 def undominated(F: np.ndarray) -> np.ndarray:

@@ -18,7 +18,7 @@ from microswim.calibration.atlas.everywhere import holding
 from microswim.errors import MicroswimError, SpecError
 from microswim.numerics.array import sealed
 from microswim.studies.optimisation.expressions import constraints, parse
-from microswim.studies.optimisation.limits import in_si
+from microswim.studies.optimisation.limits import in_si, with_units
 from microswim.studies.optimisation.merits import MERITS, known, of_many
 from microswim.swimmer.fields import both_of_the_wave
 from microswim.swimmer.geometry.tails import WaveTail
@@ -169,17 +169,13 @@ def robustness(
     share = float(good.mean())
     data = {name: ("sample", merits[name]) for name in MERITS if name in merits}
     data["good"] = ("sample", good)
-    return sealed(
-        xr.Dataset(
-            data,
-            {name: ("sample", v) for name, v in numbers.items()},
-            {
-                "yield": share,
-                "yield_error": float(np.sqrt(share * (1.0 - share) / len(good))),
-                "subject_to": text,
-            },
-        )
-    )
+    about = {
+        "yield": share,
+        "yield_error": float(np.sqrt(share * (1.0 - share) / len(good))),
+        "subject_to": text,
+    }
+    varied = {name: ("sample", v) for name, v in numbers.items()}
+    return sealed(with_units(xr.Dataset(data, varied, about), swimmer.units))
 
 
 def _by(model: str, swimmer: Swimmer, numbers: Mapping[str, Any]) -> Swimmer:

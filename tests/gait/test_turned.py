@@ -26,6 +26,14 @@ def test_one_phase_gives_what_all_give(hand):
         assert getattr(gait, name) == pytest.approx(getattr(other, name), rel=1e-12, abs=1e-15)
 
 
+@pytest.mark.parametrize(("hand", "rate"), [("left", 1.0), ("right", 1.0), ("left", -0.5)])
+def test_the_closed_screw_is_the_one_that_steps_find(hand, rate):
+    gait = HELIX.with_({"tail.handedness": hand}).gait().at_rate(rate)
+    closed, stepped = ms.screw(gait), ms.screw(gait, steps=512)
+    assert closed.displacement == pytest.approx(stepped.displacement, abs=1e-9)
+    assert closed.quaternion == pytest.approx(stepped.quaternion, abs=1e-9)
+
+
 @pytest.mark.parametrize(
     "changes",
     [

@@ -254,13 +254,13 @@ class Gait:
     @cached_property
     def _phases(self) -> np.ndarray:
         """Uniform phases over the period, `samples` of them; one where all are alike."""
-        n = 1 if self._turned else self.samples
+        n = 1 if self.turned else self.samples
         return 2.0 * np.pi * np.arange(n) / n
 
     @cached_property
-    def _turned(self) -> float:
-        series = self.resistance_series, self.propulsion_series, self.activity_series
-        return sense(*series, self.free)
+    def turned(self) -> float:
+        """Sign with which phase 0, turned about s with the phase, is every phase; 0.0 if none."""
+        return sense(self)
 
     @cached_property
     def _velocities(self) -> np.ndarray:
@@ -271,7 +271,7 @@ class Gait:
     def velocity_series(self) -> np.ndarray:
         """Series of the velocity at the gait's own rate, shape (1 + 2 H, 6)."""
         V = self._velocities
-        return kept(rotate(V[0], self._turned) if self._turned else series_of(V))
+        return kept(rotate(V[0], self.turned) if self.turned else series_of(V))
 
     @property
     def mean_velocity(self) -> np.ndarray:

@@ -8,7 +8,7 @@ from microswim import checks
 from microswim.gait.gait import Gait
 from microswim.gait.stepping import WORK, integrate, pack, step
 from microswim.numerics.compiled import pays
-from microswim.numerics.rigid_motion import ScrewMotion, multiply, rotation_matrix
+from microswim.numerics.rigid_motion import ScrewMotion, along_twist, multiply, rotation_matrix
 
 #: Seconds of a step as Python, side by side with the others.
 ONE_STEP = 1e-5
@@ -23,8 +23,9 @@ def screw(gait: Gait, steps: int | None = None) -> ScrewMotion:
     gait
         Any gait; its series may be complex (complex-step derivatives).
     steps
-        Steps per period; by default 256, or four for each term of the gait's series if that is
-        more: good to about 1e-9 of the displacement.
+        Steps per period; by default none for a rigid helix on a round body, whose motion has a
+        closed form, else 256, or four for each term of the gait's series if that is more: good to
+        about 1e-9 of the displacement.
 
     Returns
     -------
@@ -40,10 +41,12 @@ def screw(gait: Gait, steps: int | None = None) -> ScrewMotion:
     """
     if gait.one_pose:
         return ScrewMotion(np.full(3, np.nan), np.full(4, np.nan), gait.period)
+    forward = 1.0 if np.real(gait.rate) >= 0 else -1.0
+    if gait.turned and steps is None:
+        return ScrewMotion(*_of_one_phase(gait, forward), gait.period)
     packed, free = pack(gait), np.array(gait.free)
     steps = steps or max(256, 4 * len(packed))
     kind = packed.dtype
-    forward = 1.0 if np.real(gait.rate) >= 0 else -1.0
     rates, loads = np.array([forward], dtype=kind), np.zeros((1, 5, 3), dtype=kind)
     if pays(steps * ONE_STEP):
         x, q, phase = (np.array(v, dtype=kind) for v in ([0, 0, 0], [1, 0, 0, 0], 0))
@@ -56,6 +59,18 @@ def screw(gait: Gait, steps: int | None = None) -> ScrewMotion:
     phases = (forward * h * np.arange(steps)).astype(kind)
     step.written(packed, free, x, q, phases, h, rates, loads, work)
     return ScrewMotion(*_joined(x.T, q.T), gait.period)
+
+
+def _of_one_phase(gait: Gait, forward: float) -> tuple[np.ndarray, np.ndarray]:
+    """Displacement and quaternion of a gait that phase 0 tells.
+
+    Seen from axes that turn with the tail the twist is constant, ``[U, w + sign e_s]`` per unit of
+    phase; after a period these axes are the body's again, one turn ahead.
+    """
+    twist = 2.0 * np.pi * gait.velocity(0.0, forward)
+    twist[3] += 2.0 * np.pi * forward * gait.turned
+    x, q = along_twist(twist)
+    return x, -q
 
 
 def _joined(x: np.ndarray, q: np.ndarray) -> tuple[np.ndarray, np.ndarray]:

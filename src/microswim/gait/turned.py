@@ -7,21 +7,26 @@ so ``V(phi) = Q V(0)``: one phase tells all.
 
 from __future__ import annotations
 
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from microswim.numerics.fourier import rotate
 
+if TYPE_CHECKING:
+    from microswim.gait.gait import Gait
+
 ROUNDING = 1e-13
 
 
-def sense(R: np.ndarray, F: np.ndarray, G: np.ndarray, free: tuple[bool, ...]) -> float:
-    """Return the sign of the rotation for series of R, F_p and G; 0.0 of any other gait.
+def sense(gait: Gait) -> float:
+    """Return the sign of the rotation; 0.0 of any other gait.
 
     The imaginary parts of a complex step are held to the same, or a derivative would be lost.
     """
-    if len(R) != 5 or len(F) != 3 or len(G) != 1 or free[1] != free[2] or free[4] != free[5]:
+    R, F, free = gait.resistance_series, gait.propulsion_series, gait.free
+    terms = len(R), len(F), len(gait.activity_series)
+    if terms != (5, 3, 1) or free[1] != free[2] or free[4] != free[5]:
         return 0.0
     R0, F0 = R[0] + R[1] + R[3], F[0] + F[1]
     for sign in (1.0, -1.0):

@@ -52,6 +52,19 @@ def rotation_matrix(q: Any) -> np.ndarray:
     return np.moveaxis(np.array(rows), (0, 1), (-2, -1))
 
 
+def along_twist(twist: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Return displacement (3,) and quaternion (4,) after unit time of a constant body twist (6,).
+
+    ``x = v + (1 - cos t)/t^2 w x v + (t - sin t)/t^3 w x (w x v)``, t the size of w.
+    """
+    v, w = twist[:3], twist[3:]
+    t2 = np.sum(w * w) + 1e-40  # never 0/0
+    t = np.sqrt(t2)
+    across = np.cross(w, v)
+    x = v + (1.0 - np.cos(t)) / t2 * across + (t - np.sin(t)) / (t * t2) * np.cross(w, across)
+    return x, np.concatenate([[np.cos(0.5 * t)], np.sin(0.5 * t) / t * w])
+
+
 def multiply(a: np.ndarray, b: np.ndarray) -> np.ndarray:
     """Return the product of arrays of quaternions that broadcast."""
     aw, av = a[..., :1], a[..., 1:]

@@ -81,7 +81,7 @@ def without_other_names(given: Iterable[str]) -> set[str]:
     """Return the fields that say in another way what `given` says already, and must be cleared."""
     given = set(given)
     cleared = {ALTERNATIVES[name] for name in given if name in ALTERNATIVES}
-    if any(name.startswith("tail.section") for name in given):
+    if any(name.partition("[")[0] == "tail.section" for name in given):
         cleared.add("tail.radius")  # the section says it
     return cleared - given
 

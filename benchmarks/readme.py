@@ -63,9 +63,9 @@ def accurate():
         ),
         (
             "as it comes, helical tails (`--model auto`: the atlas)",
-            "461 designs drawn afterwards over its range",
-            f"u_s {speed[1]} median, {speed[4]} at 99 % ({usual[4]} where the body is not "
-            f"smaller than the helix); body rate {turning[1]}, {turning[4]}; "
+            "boundary elements, 461 designs drawn afterwards over its range",
+            f"u_s {speed[1]} median, {speed[4]} at 99 % ({usual[4]} where they know it "
+            f"to 1 % themselves); body rate {turning[1]}, {turning[4]}; "
             "[where](docs/accuracy-atlas.md)",
         ),
         (

@@ -157,6 +157,18 @@ def test_a_tail_without_a_wave_is_not_said_to_be_known():
     assert error["us"] is error["os"] is None
 
 
+def test_boundary_elements_say_what_their_asymmetry_makes_of_a_velocity_that_cancels():
+    """A filament on a head that is hardly thicker: its next order gives half the forward speed."""
+    small = campaign.design([0.934, 0.027, 0.503, 2.18, 3.954, 0.433])
+    assert small is not None
+    found = small.gait("bem")
+    error = expected_error(small, found)
+    assert found.info["asymmetry"] > 1e-3
+    assert error["us"] > 0.5
+    assert "symmetry" in error["how"]
+    assert expected_error(ROBOT, ROBOT.gait("bem"))["us"] == pytest.approx(0.002)
+
+
 def test_held_directions_have_no_error():
     held = replace(ROBOT, motion=ms.Motion(free=("us", "os")))
     error = expected_error(held, held.gait("auto"))

@@ -166,16 +166,36 @@ def _of_elements(swimmer: Swimmer, gait: Gait) -> tuple[list[Any], str]:
         return [None] * 6, "not known for a level of one's own"
     if swimmer.tail.section is not None:
         how = f"twice the largest difference of level {level} from fine, ribbons up to 5:1"
-        return [RIBBONS[level]] * 6, how
+        return np.maximum(doubt(gait), RIBBONS[level]).tolist(), how
     how = f"largest difference of level {level} from finer ones"
-    found = gait.info.get("error")
-    if found is None:
-        return [LEVELS[level]] * 6, how
-    usual = LEVELS[level] + LEVELS[found["against"]]  # as far as levels lie apart
-    errors = [LEVELS[level] if x <= usual else float(x) for x in found["velocities"]]
-    if max(errors) > LEVELS[level]:
-        how += f"; the difference from level {found['against']} where that is larger than usual"
-    return errors, how
+    errors, found = [LEVELS[level]] * 6, gait.info.get("error")
+    if found is not None:
+        usual = LEVELS[level] + LEVELS[found["against"]]  # as far as levels lie apart
+        errors = [LEVELS[level] if x <= usual else float(x) for x in found["velocities"]]
+        if max(errors) > LEVELS[level]:
+            how += f"; the difference from level {found['against']} where that is larger than usual"
+    own = doubt(gait)
+    if np.any(own > errors):
+        how += "; where larger, what its resistance lacks in symmetry makes of the velocities"
+    return np.maximum(own, errors).tolist(), how
+
+
+def doubt(gait: Gait) -> np.ndarray:
+    """Return relative errors (6,) of the velocities, from what R of a reference lacks in symmetry.
+
+    Entries of R and ``F_p`` are taken to be off by the asymmetry times ``sqrt(R_ii R_jj)`` and
+    ``sqrt(R_ii G)``, independently: ``|dV_i|^2 = a^2 G sum_j (R^-1)_ij^2 R_jj``. A velocity that
+    nearly cancels, that of a small body on a large helix, is then off by far more than R is.
+    """
+    R, G = np.real(gait.resistance(0.0)), float(np.real(gait.activity(0.0)))
+    free = np.ix_(gait.free, gait.free)
+    mobility = np.zeros((6, 6))
+    mobility[free] = np.linalg.inv(R[free])
+    size = float(gait.info.get("asymmetry") or 0.0) * abs(float(np.real(gait.rate)))
+    off = size * np.sqrt(mobility**2 @ (np.diag(R) * max(G, 0.0)))
+    axial = np.array(_ENTRY) % 2 == 0
+    over = np.abs(np.where(axial, gait.mean_velocity, gait.velocity_amplitude))
+    return np.divide(off, over, out=np.zeros(6), where=over > 0.0)
 
 
 def _relative(misses: Misses, swimmer: Swimmer, gait: Gait) -> list[Any]:

@@ -41,6 +41,8 @@ HELD = {
 }
 #: Of finite elements in a channel, against boundary elements (docs/accuracy-fem.md).
 CHANNEL = 0.005
+#: Share of the largest velocity below which one is nothing but rounding.
+VANISHED = 1e-9
 #: Entry of `QUANTITIES` of each degree of freedom.
 _ENTRY = (0, 1, 1, 2, 3, 3)
 
@@ -195,7 +197,8 @@ def doubt(gait: Gait) -> np.ndarray:
     off = size * np.sqrt(mobility**2 @ (np.diag(R) * max(G, 0.0)))
     axial = np.array(_ENTRY) % 2 == 0
     over = np.abs(np.where(axial, gait.mean_velocity, gait.velocity_amplitude))
-    return np.divide(off, over, out=np.zeros(6), where=over > 0.0)
+    sizes = np.repeat([over[:3].max(), over[3:].max()], 3)  # what vanishes by symmetry is not off
+    return np.divide(off, over, out=np.zeros(6), where=over > VANISHED * sizes)
 
 
 def _relative(misses: Misses, swimmer: Swimmer, gait: Gait) -> list[Any]:

@@ -80,6 +80,9 @@ def _front(report: dict[str, Any], said: Said, console: Console) -> None:
         table.add_row(*(said(k, report["front"][k][i]) for k in shown))
     console.print(table)
     console.print(f"{n} designs; --json or --out has them all")
+    off = [100.0 * e for e in report["front"].get("expected_error", ()) if e is not None and e == e]
+    if off:
+        console.print(f"expected error of u_s {min(off):.2g} to {max(off):.2g} %")
 
 
 def _held(report: dict[str, Any]) -> list[str]:

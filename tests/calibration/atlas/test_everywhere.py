@@ -129,6 +129,12 @@ def test_where_the_atlas_holds_nowhere_the_surrogate_searches():
         )
 
 
+def test_choices_that_two_models_answer_say_so():
+    over = {"tail.amplitude": (0.05, 0.2), "tail.kind": ["helix", "plane_wave"]}
+    best = ms.design(ROBOT, over, maximize="swimming_speed", samples=16)
+    assert "the atlas for helix" in best.remarks[-1]
+
+
 def test_robots_that_differ_by_chance_are_those_of_the_atlas():
     made = ms.robustness(ROBOT, {"tail.amplitude": "2%"}, samples=8)
     one = ROBOT.with_({"tail.amplitude": float(made["tail.amplitude"][0])})

@@ -17,6 +17,7 @@ from scipy.stats import qmc
 
 from microswim import checks
 from microswim.calibration.atlas import coordinates
+from microswim.calibration.atlas.everywhere import Everywhere
 from microswim.calibration.atlas.expected import expected_error
 from microswim.errors import MicroswimError, SpecError
 from microswim.gait.gait import Gait
@@ -138,7 +139,8 @@ def search(
                 found.append((*candidate, picked, variant))
     for _, x, picked, variant in sorted(found, key=lambda f: -f[0]):
         try:
-            return outcome(variant, x, picked, count, time.perf_counter() - begun)
+            best = outcome(variant, x, picked, count, time.perf_counter() - begun)
+            return replace(best, remarks=(*best.remarks, *_of_choices(tried)))
         except SpecError:  # the checks of construction know more than the constraints
             continue
     if problem.model == "auto" and any(variant.covered < 1.0 for _, variant in tried):
@@ -147,6 +149,18 @@ def search(
         "design: no design in these ranges meets the constraints; widen the ranges or relax "
         + (", ".join(c.text for c in problem.limits) or "what must hold")
     )
+
+
+def _of_choices(tried: list[tuple[dict[str, Any], Problem]]) -> list[str]:
+    """Say which choices were answered by the atlas, where others were not."""
+    by_atlas = [isinstance(variant.swimmer.region, Everywhere) for _, variant in tried]
+    if all(by_atlas) or not any(by_atlas):
+        return []
+    known = [" ".join(map(str, picked.values())) for (picked, _), by in zip(tried, by_atlas) if by]
+    return [
+        f"compared by two models: the atlas for {', '.join(known)}, rft for the others, whose "
+        "error may decide; --reference bem judges the best, --model rft compares by one"
+    ]
 
 
 def _screen(problem: Problem, seed: int, samples: int | None) -> tuple[list[np.ndarray], int]:

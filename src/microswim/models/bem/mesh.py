@@ -15,7 +15,8 @@ import numpy as np
 from microswim.models import swimmer_surface as geometry
 from microswim.models.bem.surface import Surface, grid_boxes, sample_adapted, sampled, still
 from microswim.models.bem.triangles import surface_of
-from microswim.models.joint import Joint, check_clear, trace_joint
+from microswim.models.joint import Joint
+from microswim.models.rooting import root
 from microswim.numerics.array import Array
 from microswim.swimmer.geometry.body import Body
 from microswim.swimmer.geometry.solids.spheres import half_sphere
@@ -285,13 +286,12 @@ def swimmer_surface(body: Body, tail: Tail, phase: float, r: Resolution) -> Surf
         return body_surface(body, r)
     alone = body.is_absent
     length = tail.apparent_length
-    joint = None if alone else trace_joint(body, tail, phase)
+    joint = None if alone else root(body, tail, phase)
     start = 0.0 if joint is None else joint.s
-    root = None
+    first = None
     if joint is not None:
-        check_clear(body, tail, joint, phase)
-        root = r.root * min(1.0, STEEP * tail.radius / max(joint.depth, 1e-3 * tail.radius))
-    edges = tube_edges(tail, phase, start, r, root)
+        first = r.root * min(1.0, STEEP * tail.radius / max(joint.depth, 1e-3 * tail.radius))
+    edges = tube_edges(tail, phase, start, r, first)
     around = r.around + int(_flatness(tail, phase, edges).max() > FLAT)
     is_flat = max(tail.half_axes) > FLAT * min(tail.half_axes)
     if tail.section is not None:  # panels meet where the section bends most and least

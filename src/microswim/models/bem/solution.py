@@ -21,7 +21,7 @@ from typing import Any
 
 import numpy as np
 
-from microswim.models import swimmer_surface as geometry
+from microswim.models import rooting
 from microswim.models.bem import output as flow
 from microswim.models.bem.levels import Level, get_level
 from microswim.models.bem.mesh import swimmer_surface
@@ -292,7 +292,7 @@ def solve(
     chosen = get_level(level, order) if isinstance(level, str) else level
     start = time.perf_counter()
     body, tail = swimmer.body, swimmer.tail
-    remarks = [] if tail.is_absent else geometry.check(body, tail, phase)
+    remarks = [] if tail.is_absent else rooting.check(body, tail, phase)
     surface = swimmer_surface(body, tail, phase, chosen.resolution)
     centre = np.asarray(body.centre, float)
     plane = _wall_beside(swimmer, surface, centre)

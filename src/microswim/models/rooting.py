@@ -1,0 +1,78 @@
+"""Where a tail grows out of its body: the joint, or a refusal with the nearest ramp that would do.
+
+Most blunt heads meet the helix of the designer's first guess where the tube lies along them.
+"""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+
+from microswim.errors import SpecError
+from microswim.models import swimmer_surface as geometry
+from microswim.models.joint import Joint, check_clear, trace_joint
+from microswim.swimmer.geometry.body import Body
+from microswim.swimmer.geometry.tails import Tail, WaveTail
+
+#: Ramps that are tried; a sweep meets many refusals, so they are few.
+RAMPS = (0.02, 0.05, 0.1, 0.15, 0.2, 0.3, 0.4, 0.5, 0.7, 1.0)
+
+
+def check(body: Body, tail: Tail, phase: float) -> list[str]:
+    """Return remarks on the shape of a swimmer, see `swimmer_surface.check`.
+
+    Raises
+    ------
+    SpecError
+        If it cannot be built; with the nearest ramp of a wave that can.
+    """
+    try:
+        return geometry.check(body, tail, phase)
+    except SpecError as error:
+        raise _with_nearest(error, body, tail, phase) from None
+
+
+def root(body: Body, tail: Tail, phase: float) -> Joint:
+    """Return the joint of a tail that leaves its body once, in a smooth closed curve.
+
+    Raises
+    ------
+    SpecError
+        If it does not; with the nearest ramp of a wave that does.
+    """
+    try:
+        return _joint(body, tail, phase)
+    except SpecError as error:
+        raise _with_nearest(error, body, tail, phase) from None
+
+
+def _with_nearest(error: SpecError, body: Body, tail: Tail, phase: float) -> SpecError:
+    nearest = _nearest_ramp(body, tail, phase)
+    if nearest is None:
+        return error
+    return SpecError(f"{error}; nearest that works here: tail.ramp = {nearest:g}")
+
+
+def _joint(body: Body, tail: Tail, phase: float) -> Joint:
+    joint = trace_joint(body, tail, phase)
+    check_clear(body, tail, joint, phase)
+    around = np.linspace(0.0, 2.0 * np.pi, 64)
+    body.opening(joint.pole, joint.first, float(joint.angle(around).max()))
+    return joint
+
+
+def _nearest_ramp(body: Body, tail: Tail, phase: float) -> float | None:
+    if not isinstance(tail, WaveTail):
+        return None
+    for ramp in sorted(RAMPS, key=lambda x: abs(x - tail.ramp)):
+        try:
+            other = replace(tail, ramp=ramp)
+            geometry.check(body, other, phase)
+            if not body.is_absent:
+                _joint(body, other, phase)
+        except (SpecError, ValueError, FloatingPointError):
+            continue
+        if ramp != tail.ramp:
+            return ramp
+    return None

@@ -145,16 +145,12 @@ def _far(far: FarField) -> str:
     from microswim.gait.readable import with_error
 
     told = far.as_dict()
-    parts = [
-        f"{words} {with_error(told[name], _share(told[name], told['error'][name]), unit)}"
-        for name, words in (("force_dipole", "force dipole"), ("rotlet_dipole", "rotlet dipole"))
-        for unit in (told["units"][name],)
-    ]
-    return f"{far.kind}, {', '.join(parts)}"
-
-
-def _share(value: float, error: float) -> float | None:
-    return abs(error / value) if value else None
+    parts = []
+    for name, words in (("force_dipole", "force dipole"), ("rotlet_dipole", "rotlet dipole")):
+        value, error = told[name], told["error"][name]
+        if abs(value) > error:
+            parts.append(f"{words} {with_error(value, abs(error / value), told['units'][name])}")
+    return ", ".join([far.kind, *parts])
 
 
 def _write(found: GroupMotion, numbers: dict[str, Any], out: Path, force: bool) -> None:

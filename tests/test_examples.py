@@ -101,6 +101,14 @@ def step_out(r):
     assert r["velocity"] == pytest.approx(law, rel=0.03)
 
 
+def screws_from_a_formula(r):
+    """Right-handed threads go ahead along s, their mirror image back by as much; all slip."""
+    assert (r["chirality"] > 0.0).all()
+    assert r["advance of the mirror image"] == pytest.approx(-r["advance"][1], rel=0.06)
+    assert (r["advance"] < 0.06 * 2.0).all()
+    assert r["advance"][1] == r["advance"].max()
+
+
 def cells_in_noise(r):
     """The theorem of Einstein and the active particle, within what forty cells allow."""
     _, square, active = module(ROOT / "cells_in_noise.py").displacement(r)
@@ -148,6 +156,7 @@ KNOWN = {
             seven_cells,
         ),
         *(one_point_calibration, beside_a_wall, step_out, made_robots_differ, cells_in_noise),
+        screws_from_a_formula,
         *(follow_path, learn_to_steer, receding_horizon),
     )
 }

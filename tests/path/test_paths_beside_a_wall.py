@@ -91,7 +91,7 @@ def test_the_start_is_that_of_the_wall_and_far_away_is_free():
 def test_noise_beside_a_wall_keeps_boltzmanns_distribution():
     """Gaps that start as ``exp(-f gap / k_B T)`` stay so, though the mobility falls to nothing.
 
-    Without the drift k_B T div M their mean would fall by 0.06 in this time.
+    Without the drift k_B T div M their mean would fall by 0.024, eight sigma.
     """
     energy, force, n, steps, time = 1.0, 2.0, 3000, 60, 200.0
     loads = loads_of(STILL, HELD.gait, (0, 0, -force), (0, 0, 0), 0.005)

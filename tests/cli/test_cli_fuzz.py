@@ -221,7 +221,7 @@ OPTIONS = {
     "export": ["--format", "--moment", "--resolution", "--steps"],
     "identify": ["--sigma", "--sigma-attitude", "--starts", "--unknown", "--fps", "--pixel"],
     "regimes": ["--frequency", "--strength", "--over", "--level"],
-    "swim": ["--level", "--periods", "--steps-per-period"],
+    "swim": ["--level"],
 }
 
 

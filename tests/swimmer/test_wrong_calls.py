@@ -91,3 +91,38 @@ def test_both_calibrations_hold_a_swimmer():
         assert over.gait().mean_velocity == pytest.approx(over.swimmer.gait().mean_velocity)
     with pytest.raises(AttributeError):
         over.colour  # noqa: B018
+
+
+WRONG_BY_MEANING = {
+    "evaluate of no design": (lambda: ms.evaluate(HELIX, {"tail.amplitude": []}), "amplitude"),
+    "sweep at no level": (lambda: ms.sweep(HELIX, {"tail.waves": [2]}, "bem", level="x"), "level"),
+    "force that is a word": (
+        lambda: ms.trajectory(HELIX.gait(), [0, 1], force=lambda t: "x"),
+        "force",
+    ),
+    "start that is a word": (
+        lambda: ms.calibrate(
+            HELIX, {"mean.us": -0.03}, ["translation.s"], start={"translation.s": "x"}
+        ),
+        "start",
+    ),
+    "start of nothing": (
+        lambda: ms.calibrate(HELIX, {"mean.us": -0.03}, ["translation.s"], start={"tail.n": 1.0}),
+        "start",
+    ),
+    "bounds of nothing": (
+        lambda: ms.calibrate(HELIX, {"mean.us": -0.03}, ["tail.n"], bounds={"tail.t": (0.5, 2)}),
+        "bounds",
+    ),
+    "region of nothing": (lambda: ms.calibrate_region(HELIX, {}, "rft"), "region"),
+    "mobility of five": (lambda: ms.mobility(5), "what"),
+    "tracks of five": (lambda: ms.read_tracks(5), "path"),
+}
+
+
+@pytest.mark.parametrize("case", WRONG_BY_MEANING)
+def test_what_means_nothing_is_refused_in_a_sentence(case):
+    call, words = WRONG_BY_MEANING[case]
+    with pytest.raises(ms.SpecError, match=words) as caught:
+        call()
+    assert "\n" not in str(caught.value)

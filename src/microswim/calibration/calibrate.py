@@ -214,7 +214,12 @@ class _Problem:
 
     def solve(self, start: dict, bounds: dict) -> np.ndarray:
         """Return values at the minimum."""
-        own = self.swimmer.numbers
+        own, names = self.swimmer.numbers, [u.name for u in self.unknowns]
+        for what, given in (("start", start), ("bounds", bounds)):
+            for name in given:
+                checks.choice(f"name in {what}", name, names)
+        for name, value in start.items():
+            checks.number(f"start of {name}", value, "a finite number")
         first = np.array([start.get(u.name, u.value(own)) for u in self.unknowns], dtype=float)
         for name, pair in bounds.items():
             checks.numbers(f"bound {name}", pair, 2, "a lower and an upper number, LOW:HIGH")

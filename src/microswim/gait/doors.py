@@ -23,6 +23,9 @@ Level = Literal["coarse", "standard", "fine", "paper"]
 Told = Callable[[int, int], None]
 
 
+LEVELS = ("coarse", "standard", "fine")  #: of every solver that has levels
+
+
 class ModelOptions(TypedDict, total=False):
     """What the models take, each some of these; `check_options` refuses what one does not take."""
 
@@ -97,6 +100,8 @@ def check_options(model: str, options: Mapping[str, Any]) -> None:
     checks.choice("model", model, MODELS)
     if not options:
         return
+    if isinstance(options.get("level"), str):  # before a thousand designs fail of it
+        checks.choice("level", options["level"], (*LEVELS, *(("paper",) if model == "fem" else ())))
     takes = signature(_behind(MODELS[model])).parameters
     if any(p.kind is Parameter.VAR_KEYWORD for p in takes.values()):
         return  # it passes them on, and asks here again

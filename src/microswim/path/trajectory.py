@@ -188,7 +188,7 @@ def _load(name: str, load: Any, times: np.ndarray) -> np.ndarray:
     """Values of a load at the times, (n, 3); (1, 3) if it is constant."""
     if load is None:
         return np.zeros((1, 3))
-    values = np.asarray(load(times) if callable(load) else load, dtype=float)
+    values = checks.reals(name, load(times) if callable(load) else load)
     shape = (times.size, 3) if callable(load) else (3,)
     if values.shape != shape or not (np.abs(values) <= checks.LARGEST).all():
         raise SpecError(name, load, "finite, a vector (3,) or a function of times (n,) to (n, 3)")
@@ -263,7 +263,7 @@ def _counts(t: np.ndarray, h: float) -> np.ndarray:
 
 
 def _rate(rate: Any, times: np.ndarray) -> np.ndarray:
-    values = np.asarray(rate(times) if callable(rate) else [rate], dtype=float)
+    values = checks.reals("rate", rate(times) if callable(rate) else [rate])
     shape = (times.size,) if callable(rate) else (1,)
     if values.shape != shape or not (np.abs(values) <= checks.LARGEST).all():
         raise SpecError("rate", rate, "a finite number or a function of times (n,) to (n,)")

@@ -211,6 +211,8 @@ def _doubt(gait: Gait | str) -> str:
 
 
 def _check(swimmer: Swimmer, region: Region, solves: int) -> None:
+    if not region:
+        raise SpecError("region: empty; name what varies, such as tail.amplitude, and its bounds")
     if not swimmer.tail.in_batches or swimmer.body.is_absent:
         raise SpecError("region: a body and a helix or a plane wave are needed")
     if not swimmer.body.is_ellipsoid:

@@ -210,6 +210,8 @@ def _of(what: Any, scale: Any, level: str, viscosity: float | None, phase: float
         if what.is_absent:
             raise SpecError("body.shape", "none", "a body here", "it has no surface")
         return _of_body(what, level, mu, "dimensionless")
+    if not isinstance(what, (str, PathLike)):
+        raise SpecError("what", what, "a surface file, a spec file, a Swimmer or a body")
     if Path(fspath(what)).suffix.lower() == ".toml":
         return _of_swimmer(doors.go(doors.READ, what), level, viscosity, phase)
     unit, units = _unit(scale)

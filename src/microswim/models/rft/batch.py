@@ -103,6 +103,8 @@ def evaluate(swimmer: Swimmer, values: dict[str, Any], tolerance: float = 1e-8) 
     arrays = {k: checks.reals(k, v).reshape(-1) for k, v in values.items()}
     n = max((a.size for a in arrays.values()), default=1)
     for name, array in arrays.items():
+        if not array.size:
+            raise SpecError(f"values {name}", "no values", "one value or more")
         if array.size not in (1, n):
             raise SpecError(
                 f"values {name}", f"{array.size} values", f"one value, or {n} as others"

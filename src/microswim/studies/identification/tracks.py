@@ -125,6 +125,7 @@ def read_tracks(
     >>> round(float(ms.read_tracks(file, pixel="0.11um")["0"].position[1, 0]) * 1e6, 3)
     0.165
     """
+    checks.place("path", path)
     checks.choice("units", units, ("SI", "dimensionless"))
     pixel_size = film.given("--pixel", pixel, "length", units)
     rate = film.given("--fps", fps, "frequency", units)

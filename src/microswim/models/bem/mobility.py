@@ -215,7 +215,7 @@ def _of(what: Any, scale: Any, level: str, viscosity: float | None, phase: float
     if Path(fspath(what)).suffix.lower() == ".toml":
         return _of_swimmer(doors.go(doors.READ, what), level, viscosity, phase)
     unit, units = _unit(scale)
-    found = reading.read(what)
+    found = reading.read(Path(what))
     placed = Triangles(found.surface.points * unit, found.surface.faces)
     mu = WATER[units] if viscosity is None else viscosity
     return _of_triangles(placed, placed.centroid, level, mu, units, found.remarks)

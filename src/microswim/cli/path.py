@@ -146,7 +146,7 @@ def _gait(given: Given, model: str, level: str | None) -> dict[str, Any]:
         from microswim.cli._progress import bar
 
         with bar(f"poses of {given.name} beside the wall") as progress:
-            return {"poses": beside_wall(given.swimmer, level=level or "coarse", progress=progress)}
+            return {"poses": beside_wall(given.swimmer, level=level, progress=progress)}
     return {"gait": _print.timed_gait(given.swimmer, model, level)[0]}
 
 

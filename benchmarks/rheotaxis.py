@@ -29,9 +29,8 @@ UM = 1e6
 
 def in_shear(rate, poses):
     """Path of the cell at a shear rate, along x."""
-    flow = {"flow": ms.ShearFlow(rate=rate)} if rate else {}
-    parts = {part: getattr(CELL, part) for part in CELL.parts}
-    return ms.path(ms.Swimmer(units="SI", **parts, **flow), TIME, poses=poses, samples=SAMPLES)
+    cell = replace(CELL, flow=ms.ShearFlow(rate=rate) if rate else None)
+    return ms.path(cell, TIME, poses=poses, samples=SAMPLES)
 
 
 def row(rate, found):

@@ -5,6 +5,7 @@ is like E. coli: a spheroid of 2.5 um by 0.9 um, a left-handed flagellum of 6.5 
 """
 
 import sys
+from dataclasses import replace
 
 from matplotlib.figure import Figure
 

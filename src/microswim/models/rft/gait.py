@@ -225,7 +225,7 @@ def with_mirror_image(R: np.ndarray, F: np.ndarray, G: np.ndarray) -> tuple[np.n
 
 def _any_samples(swimmer: Swimmer, nodes: int | None, phases: np.ndarray) -> tuple[np.ndarray, ...]:
     tail: Any = swimmer.tail
-    edges, waves = tail.edges, tail.number_of_waves
+    edges, waves = tail.edges, float(np.real(tail.number_of_waves))
     along_s = []
     for a, b in zip(edges, edges[1:]):
         x, w = panels(nodes or int(24 + 24 * waves * (b - a)))

@@ -214,14 +214,14 @@ class WaveTail(Tail, ABC):
     def arc_length(self) -> Any:
         """Length along the filament of the full-amplitude wave (the ramp left out)."""
         if self.amplitude_end is not None:
-            return self.apparent_length * np.mean(self._speeds())
+            return self.apparent_length * np.mean(self._speeds(), axis=(0, 1))
         return self.apparent_length * self.stretch(self.amplitude * self.wavenumber)
 
     @property
     def alpha(self) -> Any:
         """Apparent over actual length of the full-amplitude wave, averaged along it."""
         if self.amplitude_end is not None:
-            return np.mean(1.0 / self._speeds())
+            return np.mean(1.0 / self._speeds(), axis=(0, 1))
         return self.alpha_of(self.amplitude * self.wavenumber)
 
     @abstractmethod
@@ -229,13 +229,18 @@ class WaveTail(Tail, ABC):
         """Return the apparent over actual length of a wave of amplitude x wavenumber `bk`."""
 
     def _speeds(self) -> Any:
-        """``|dP/ds|`` of a conical wave, its ramp left out, alike over the tail and the period."""
-        n = 64 * int(np.ceil(max(1.0, float(np.real(self.number_of_waves)))))
-        s = self.apparent_length * (np.arange(n)[:, None] + 0.5) / n
+        """``|dP/ds|`` of a conical wave, its ramp left out, alike over the tail and the period.
+
+        Shape (n, 32, ...), the last axes those of the numbers of many designs.
+        """
+        waves, k, L = self.number_of_waves, self.wavenumber, self.apparent_length
+        more = (1,) * np.ndim(L + k + self.amplitude + self.amplitude_end)
+        n = 64 * int(np.ceil(max(1.0, float(np.max(np.real(waves))))))
+        s = L * ((np.arange(n) + 0.5) / n).reshape(n, 1, *more)
+        angle = (2.0 * np.pi * np.arange(32) / 32).reshape(32, *more)
         b, db = self.taper(s)
-        angle = 2.0 * np.pi * np.arange(32) / 32
-        q = db * np.cos(angle) - b * self.wavenumber * np.sin(angle)
-        r = self.out_of_plane * (db * np.sin(angle) + b * self.wavenumber * np.cos(angle))
+        q = db * np.cos(angle) - b * k * np.sin(angle)
+        r = self.out_of_plane * (db * np.sin(angle) + b * k * np.cos(angle))
         return np.sqrt(1.0 + q * q + r * r)
 
     def taper(self, s: Any) -> tuple[Any, Any]:

@@ -149,7 +149,7 @@ function models(): HTMLElement {
     store.tell("answer", "rest");
     if (model === "bem") tabs.open("judge");
   } }, text));
-  for (const event of ["answer", "designs"] as const) store.on(event, () => (buttons[1].textContent = store.method));
+  for (const event of ["answer", "designs"] as const) store.on(event, () => buttons.forEach((b, i) => (b.textContent = i ? store.method : store.ours)));
   return el("div", { class: "segments", "aria-label": "Model" }, ...buttons);
 }
 

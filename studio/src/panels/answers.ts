@@ -100,7 +100,7 @@ export class Answers {
       return el("div", { class: `trust ${fresh ? "good" : "open"}`, id: "trust" }, el("i"), text);
     }
     const { around, expected_error: error, how, region, calibration: made } = design.answer;
-    const who = design.answer.gait.model === "atlas" ? "Atlas" : "Surrogate";
+    const who = this.store.ours;
     if (around && !made?.here) {
       const what = around.kind === "wall" ? "wall" : "channel";
       const title = "Local resistance is that of free fluid; ask the judge, then calibrate here.";

@@ -64,6 +64,11 @@ export class Store {
     return this.designs[this.active];
   }
 
+  /** What answers the active design where the reference does not. */
+  get ours(): string {
+    return this.design?.answer.gait.model === "atlas" ? "Atlas" : "Surrogate";
+  }
+
   /** The reference's method for the active design. */
   get method(): string {
     return this.design?.answer.around && this.design.answer.around.kind !== "wall" ? METHODS.fem : METHODS.bem;

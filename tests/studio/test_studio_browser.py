@@ -260,8 +260,10 @@ def test_it_stops_at_the_end_of_its_channel_and_starts_again(page, tmp_path):
     assert page.evaluate("() => studio.view.paused")
     page.click("#play")
     page.wait_for_function("() => !studio.view.paused && studio.actors()[0].pose.time < 20")
-    page.click("#flow")  # boundary elements know no channel
-    page.wait_for_selector(".notice.error:has-text('[channel]')")
+    page.click("[data-field='channel.shape'][data-value=box]")
+    page.wait_for_function("() => studio.store.design.answer.around?.kind === 'box'")
+    page.click("#flow")  # boundary elements know tubes, no boxes
+    page.wait_for_selector(".notice.error:has-text('channel.shape')")
     page.click("[data-field=bounds][data-value='']")
     page.wait_for_function("() => !studio.store.design.answer.around")
     settled(page)

@@ -141,3 +141,14 @@ def test_the_commands_take_it(tmp_path):
     told = json.loads(CliRunner().invoke(main, ["run", str(spec), "--json"]).stdout)
     assert told["expected_error"]["us"] == 0.0
     assert "without a tail" in told["expected_error"]["how"]
+
+
+@pytest.mark.parametrize(
+    ("height", "drag"), [(1.5431, 1.5675), (1.1276, 2.1514), (1.0453, 2.6475), (1.005004, 3.7863)]
+)
+def test_a_sphere_slides_beside_a_wall_as_published(height, drag):
+    """Force along the wall over 6 pi mu a U without turning [Goldman et al. 1967], table 1."""
+    robot = alone(ms.Sphere(radius=1.0), wall=ms.Wall(distance=height))
+    R = robot.gait("bem").resistance(0.0)
+    assert R[0, 0] / (6.0 * np.pi * FLUID.viscosity) == pytest.approx(drag, rel=1e-3)
+    assert np.linalg.eigvalsh(R).min() > 0.0

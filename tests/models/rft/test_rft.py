@@ -8,6 +8,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 import microswim as ms
+from microswim.models.rft import gait as rft_gait
 from microswim.numerics.fourier import rotate
 from microswim.swimmer.fields import lifted
 
@@ -234,3 +235,19 @@ def test_a_body_of_no_resistance_and_no_tail_is_refused():
     )
     with pytest.raises(ms.MicroswimError, match="singular"):
         nothing.gait().velocity(0.0)
+
+
+def test_a_helix_of_many_turns_costs_no_more_than_its_turns():
+    """One long Gauss rule took memory by the square of the turns; the answers agree across."""
+    helix = ms.Swimmer.preset("tabak/helix")
+    long = helix.with_({"tail.length": 400.0, "tail.waves": 200.0})
+    few, many = (rft_gait._helix(True, rft_gait.parameters(long), n, long) for n in (None, 4000))
+    for a, b in zip(few, many):
+        assert np.allclose(a, b, rtol=1e-8, atol=1e-8 * np.abs(b).max())
+    for waves in (1e5, 3e22):
+        changes = {"tail.length": waves, "tail.waves": waves}
+        with pytest.raises(ms.SpecError, match="at most"):
+            helix.with_(changes).gait()
+        batch = ms.evaluate(helix, {name: [value, 3.0] for name, value in changes.items()})
+        assert np.isnan(batch["swimming_speed"][0])
+        assert np.isfinite(batch["swimming_speed"][1])

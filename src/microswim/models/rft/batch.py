@@ -41,7 +41,7 @@ from microswim.models.rft.segment import (
     wave_tail,
 )
 from microswim.numerics.compiled import pays, settled
-from microswim.numerics.quadrature import gauss, panels
+from microswim.numerics.quadrature import panels
 from microswim.numerics.solve6 import solve
 from microswim.swimmer.fields import in_terms_of, lifted
 from microswim.swimmer.geometry.tails import as_wave
@@ -164,6 +164,7 @@ def _chunk(
     if swimmer.tail.is_planar:
         good &= (shapes(p)[1] <= STEEPEST) & (_nodes(p).sum(axis=1) <= MOST_NODES)
     if swimmer.tail.is_rigid:
+        good &= np.sum(node_numbers.written(HELIX, *shapes(p)), axis=0) <= MOST_NODES
         how = tolerance, _loops(seconds)
         return of_helices(swimmer, *_solved_helices(swimmer, p, body, good, *how), body, rate)
 
@@ -183,7 +184,7 @@ def _solved_helices(
     V, power = loops.solve_helices(arc, p, body, free, counts)
     for i in np.flatnonzero(good & (counts < 0)):
         rules = node_numbers(HELIX, waves[i], bk[i], ramp[i])
-        R, F, G = wave_tail(HELIX, arc, p[i], 0.0, *map(gauss, rules))
+        R, F, G = wave_tail(HELIX, arc, p[i], 0.0, *map(panels, rules))
         V[i] = -F
         solve(R + body[i], V[i], free)
         power[i] = G + F @ V[i]

@@ -48,6 +48,7 @@ from microswim.swimmer.swimmer import SURROUNDINGS, Swimmer
 
 AXIS = np.array([1.0, 0.0, 0.0])
 #: Phases over half a period that resolve the steepest plane wave.
+MOST_ON_ONE_RULE = 1000  #: nodes of one Gauss rule, whose cost rises with their square
 MOST_PHASES = 768
 #: Seconds of a segment as Python: alone, and at many phases side by side.
 ALONE, TOGETHER = 5e-5, 1.5e-4
@@ -168,12 +169,13 @@ def _helix(arc: bool, p: np.ndarray, nodes: int | None, swimmer: Swimmer) -> tup
     tail: Any = swimmer.tail
     numbers = tail.number_of_waves, tail.amplitude * tail.wavenumber, tail.ramp
     waves, bk, ramp = (x.real for x in numbers)
-    if nodes is not None or waves < FEWEST_WAVES:
+    on_ramp = ramp_nodes(waves * ramp, bk, 12.0)
+    if nodes is not None or waves < FEWEST_WAVES or on_ramp > MOST_ON_ONE_RULE:
         plain = rules(swimmer, nodes)
         much = pays(ALONE * sum(x.size for x, _ in plain))
         run = wave_tail.dispatcher if much else wave_tail.written
         return run(HELIX, arc, p, 0.0, *plain)
-    return helix_tail(arc, p, 0.0, gauss(ramp_nodes(waves * ramp, bk, 12.0)))
+    return helix_tail(arc, p, 0.0, gauss(on_ramp))
 
 
 def _about(swimmer: Swimmer) -> dict[str, Any]:

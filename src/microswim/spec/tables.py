@@ -257,7 +257,7 @@ class WallTable(_Table):
     """[wall]: a plane wall beside the swimmer (boundary elements)."""
 
     distance: Annotated[Length, About("Distance", "of the body's centre from the wall")]
-    tilt: Annotated[Angle, About("Tilt", "nose away from the wall", usual=_TILT)] = 0.0
+    tilt: Annotated[Angle, About("Tilt", "nose towards the wall", usual=_TILT)] = 0.0
     azimuth: Annotated[
         Angle, About("Side, about s", "where about s the wall lies", usual=(-180.0, 180.0))
     ] = 0.0

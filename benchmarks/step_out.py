@@ -13,8 +13,8 @@ import warnings
 import numpy as np
 
 import microswim as ms
-from microswim.gait.steady_turning import SteadyTurning
-from microswim.gait.step_out import mobility_of
+from microswim.gait.turning.steady_turning import SteadyTurning
+from microswim.gait.turning.step_out import mobility_of
 
 ROBOTS, SEED = 14, 5
 

@@ -99,7 +99,7 @@ def test_every_page_is_in_the_navigation():
 @pytest.mark.parametrize("name", sorted(ms.__all__))
 def test_every_public_name_has_an_example(name):
     thing = getattr(ms, name)
-    if name == "path":  # a package that is called: docs/decisions/path-is-called.md
+    if name == "path":  # a package that is called: docs/decisions/0018-path-is-called.md
         thing = importlib.import_module("microswim.path.following").path
     things = [thing]
     if inspect.ismodule(thing):  # its own functions and classes are the names

@@ -12,7 +12,7 @@ import lazy_loader
 __version__ = "0.1.0"
 
 _public, __dir__, __all__ = lazy_loader.attach_stub(__name__, __file__)
-#: The package `path` is the function of its name as well (docs/decisions/path-is-called.md):
+#: The package `path` is the function of its name as well (docs/decisions/0018-path-is-called.md):
 #: lazy_loader, which would hide a package behind such a function, shall not.
 globals().get("__lazy_shadowed__", set()).discard("path")
 

@@ -13,7 +13,7 @@ from microswim.calibration.atlas.expected import expected_error
 from microswim.cli import main
 from microswim.spec.describe import to_tables
 from microswim.spec.file import from_dict, read
-from microswim.spec.text import toml
+from microswim.spec.readers.text import toml
 from microswim.spec.toml import to_toml
 
 ROBOT = ms.Swimmer.preset("tabak/helix")

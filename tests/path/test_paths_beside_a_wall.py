@@ -9,8 +9,8 @@ import pytest
 import microswim as ms
 from microswim.calibration.poses import fit, layout
 from microswim.calibration.poses.wall import WallPoses, start_of
-from microswim.gait import beside_wall
-from microswim.gait.pose_table import WALL, PoseTable
+from microswim.gait.poses import beside_wall
+from microswim.gait.poses.table import WALL, PoseTable
 from microswim.gait.stepping import pack
 from microswim.path.brownian import NORMALS, scatter
 from microswim.path.loads import loads_of

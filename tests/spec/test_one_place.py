@@ -14,7 +14,7 @@ IN_THE_PART = "    dye: float = 0.0\n"
 SEEN = """
 from microswim.cli._over import axes, bounds
 from microswim.cli.new import spec_text
-from microswim.spec import text
+from microswim.spec.readers import text
 from microswim.spec.file import from_dict
 from microswim.spec.toml import to_toml
 from microswim.studies.sweeps.layout import said

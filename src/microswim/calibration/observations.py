@@ -11,10 +11,10 @@ import numpy as np
 
 from microswim import checks
 from microswim.errors import RenamedWarning, SpecError
-from microswim.gait.driven import DRIVEN
 from microswim.gait.gait import DEGREES_OF_FREEDOM, Gait
 from microswim.gait.observed import observed, parse
 from microswim.gait.quantities import NUMBERS, OLD
+from microswim.gait.turning.driven import DRIVEN
 from microswim.numerics.array import read_only
 from microswim.swimmer.magnetism.drive import drive_of
 from microswim.swimmer.swimmer import Swimmer

@@ -163,7 +163,7 @@ def read(
     from microswim.spec.describe import to_text
     from microswim.spec.file import from_dict, override
     from microswim.spec.named_files import beside
-    from microswim.spec.text import read_text, toml
+    from microswim.spec.readers.text import read_text, toml
     from microswim.spec.toml import to_toml
 
     if (spec is None) == (preset is None):
@@ -211,7 +211,7 @@ def change(text: str) -> tuple[str, Any]:
     SpecError
         If there is no equals sign.
     """
-    from microswim.spec.text import toml
+    from microswim.spec.readers.text import toml
 
     field, equals, value = text.partition("=")
     if not equals or not field.strip():

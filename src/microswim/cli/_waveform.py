@@ -19,7 +19,7 @@ def identify(
 ) -> None:
     """Fit the beat, tell what was found, draw it and write it as the tail of a spec."""
     from microswim.cli._progress import bar
-    from microswim.spec.beat import read_waveform
+    from microswim.spec.readers.beat import read_waveform
 
     if out is not None:
         _files.check_files("--out", out, [PICTURE, MODES], force)

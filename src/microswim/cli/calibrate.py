@@ -22,7 +22,7 @@ from microswim.cli._options import (
 )
 from microswim.errors import SpecError
 from microswim.numerics.files import write
-from microswim.spec.delimited import is_number
+from microswim.spec.readers.delimited import is_number
 from microswim.spec.toml import to_toml
 
 
@@ -212,7 +212,7 @@ def _measured(given: Given, text: str) -> Any:
 
 def _table(given: Given, path: Path) -> list[Any]:
     from microswim.calibration.observations import Observation
-    from microswim.spec.delimited import rows
+    from microswim.spec.readers.delimited import rows
     from microswim.spec.values import from_text
 
     out = []
@@ -236,7 +236,7 @@ def _table(given: Given, path: Path) -> list[Any]:
 
 def _series(given: Given, path: Path) -> list[Any]:
     from microswim.calibration.observations import from_series
-    from microswim.spec.delimited import rows
+    from microswim.spec.readers.delimited import rows
 
     found, columns = [_with_units(row) for row in rows(path)], {}
     for name in found[0]:

@@ -23,7 +23,7 @@ from microswim.cli._options import (
     swimmer_options,
 )
 from microswim.errors import SpecError
-from microswim.gait.one_pose import refusal
+from microswim.gait.poses.one_pose import refusal
 from microswim.gait.readable import origin
 from microswim.numerics.files import scratch
 

@@ -75,7 +75,7 @@ def command(
     """
     from microswim.cli import _folder
     from microswim.cli._progress import bar
-    from microswim.spec.scene import read_scene
+    from microswim.spec.readers.scene import read_scene
 
     if out is not None:
         _folder.check(out, force)

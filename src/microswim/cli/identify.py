@@ -87,7 +87,7 @@ def command(
     A beat that was traced frame by frame, a table with time or frame, s, x, y (or the tangent
     angle) in the frame of the head, is fitted by smooth modes; tail.kind = "waveform" takes it.
     """
-    from microswim.spec.beat import is_beat
+    from microswim.spec.readers.beat import is_beat
     from microswim.studies.identification.tracks import read_tracks
 
     units = "SI" if given is None else given.swimmer.units

@@ -124,7 +124,7 @@ def _over(over: tuple[str, ...], designs: Path | None, units: str) -> Any:
         from microswim.cli._over import axes
 
         return axes(over, units)
-    from microswim.spec.delimited import rows
+    from microswim.spec.readers.delimited import rows
     from microswim.spec.values import from_text
 
     return [

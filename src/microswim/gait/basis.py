@@ -10,7 +10,7 @@ import numpy as np
 from microswim.errors import SpecError
 from microswim.gait.gait import Gait
 from microswim.gait.screw import screw
-from microswim.gait.step_out import Drive, fastest, onset
+from microswim.gait.turning.step_out import Drive, fastest, onset
 from microswim.numerics.rigid_motion import ScrewMotion
 
 

@@ -17,7 +17,7 @@ import numpy as np
 from microswim import checks
 from microswim.errors import MicroswimError
 from microswim.gait import doors, portrait
-from microswim.gait.one_pose import refusal
+from microswim.gait.poses.one_pose import refusal
 from microswim.gait.turned import sense
 from microswim.numerics.array import kept, read_only
 from microswim.numerics.fourier import (

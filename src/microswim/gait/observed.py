@@ -22,9 +22,9 @@ import numpy as np
 from microswim import checks
 from microswim.errors import SpecError
 from microswim.gait.basis import Basis
-from microswim.gait.driven import DRIVEN
 from microswim.gait.gait import DEGREES_OF_FREEDOM, Gait
 from microswim.gait.quantities import QUANTITIES, current
+from microswim.gait.turning.driven import DRIVEN
 from microswim.gait.units import unit
 
 ALL = QUANTITIES | DRIVEN

@@ -2,7 +2,7 @@
 
 A worker that dies is replaced, and the job that it held tried once more; a second death makes that
 job `Lost`, and the others go on. Not a pool of the standard library or of loky, which one dead
-worker breaks: docs/decisions/sweep-store.md.
+worker breaks: docs/decisions/0008-sweep-store.md.
 """
 
 from __future__ import annotations

@@ -20,7 +20,7 @@ from microswim.numerics.array import Array
 from microswim.swimmer.geometry import attachment
 from microswim.swimmer.geometry.body import Body
 from microswim.swimmer.geometry.solids.facets import Opening
-from microswim.swimmer.geometry.tails import Tail
+from microswim.swimmer.geometry.tails.kinds import Tail
 
 
 def _last_crossing(values: Array) -> int:

@@ -13,7 +13,7 @@ from microswim.errors import SpecError
 from microswim.models import swimmer_surface as geometry
 from microswim.models.joint import Joint, check_clear, trace_joint
 from microswim.swimmer.geometry.body import Body
-from microswim.swimmer.geometry.tails import Tail, WaveTail
+from microswim.swimmer.geometry.tails.kinds import Tail, WaveTail
 
 #: Ramps that are tried; a sweep meets many refusals, so they are few.
 RAMPS = (0.02, 0.05, 0.1, 0.15, 0.2, 0.3, 0.4, 0.5, 0.7, 1.0)

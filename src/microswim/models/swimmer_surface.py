@@ -21,7 +21,7 @@ from scipy.spatial.distance import cdist
 from microswim.errors import SpecError
 from microswim.numerics.array import Array
 from microswim.swimmer.geometry.body import Body
-from microswim.swimmer.geometry.tails import Tail, WaveTail
+from microswim.swimmer.geometry.tails.kinds import Tail, WaveTail
 
 # Curvature x radius from which on a bend is refused (it folds into itself at one, and just below it
 # is a crease that no level resolves), and from which on it is nearly a crease.

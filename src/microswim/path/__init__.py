@@ -1,7 +1,7 @@
 """Where a swimmer goes: stepping a gait in time, trajectories, the screw of one period.
 
 Called, ``microswim.path(swimmer, time)`` is `microswim.path.following.path`
-(docs/decisions/path-is-called.md).
+(docs/decisions/0018-path-is-called.md).
 """
 
 import sys

@@ -16,7 +16,7 @@ from typing import Any
 
 import numpy as np
 
-from microswim.gait.pose_table import FREE, resist
+from microswim.gait.poses.table import FREE, resist
 from microswim.numerics.compiled import compiled, prange
 from microswim.numerics.cores import loop
 from microswim.numerics.rigid_motion import turn

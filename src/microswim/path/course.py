@@ -12,7 +12,7 @@ from typing import Any
 import numpy as np
 
 from microswim.errors import MicroswimError, SpecError
-from microswim.gait.pose_table import PoseTable
+from microswim.gait.poses.table import PoseTable
 from microswim.numerics.array import Array
 from microswim.numerics.files import write
 from microswim.path import brownian

@@ -15,8 +15,8 @@ from microswim.errors import SpecError
 from microswim.gait import doors
 from microswim.gait.gait import Gait
 from microswim.gait.held import warn_if_held
-from microswim.gait.pose_table import FREE
-from microswim.gait.poses import FreePoses, Poses
+from microswim.gait.poses.face import FreePoses, Poses
+from microswim.gait.poses.table import FREE
 from microswim.numerics.array import Array
 from microswim.numerics.rigid_motion import multiply
 from microswim.path import outcome

@@ -15,8 +15,8 @@ from typing import Any
 
 import numpy as np
 
-from microswim.gait.pose_table import WORK as POSE_WORK
-from microswim.gait.pose_table import resist
+from microswim.gait.poses.table import WORK as POSE_WORK
+from microswim.gait.poses.table import resist
 from microswim.numerics.compiled import compiled
 from microswim.numerics.rigid_motion import turn
 from microswim.path.velocity import WORK, velocity

@@ -1,7 +1,7 @@
 """Which regime a magnetic robot is in at each frequency of a field that turns.
 
 The robot is rigid: its motor, if it has one, stands still at phase 0. All steady states are those
-of `microswim.gait.steady_turning`; beyond step-out its path is followed in time.
+of `microswim.gait.turning.steady_turning`; beyond step-out its path is followed in time.
 """
 
 from __future__ import annotations
@@ -17,9 +17,9 @@ from microswim import checks
 from microswim.errors import SpecError
 from microswim.gait import doors
 from microswim.gait.gait import Gait
-from microswim.gait.steady_turning import SteadyTurning, Turned
-from microswim.gait.step_out import mobility_of
-from microswim.gait.wobbling import Axisymmetric, closest
+from microswim.gait.turning.steady_turning import SteadyTurning, Turned
+from microswim.gait.turning.step_out import mobility_of
+from microswim.gait.turning.wobbling import Axisymmetric, closest
 from microswim.numerics.array import Array, read_only
 from microswim.path.slipping import drift
 from microswim.swimmer.magnetism.applied_field import RotatingField

@@ -10,8 +10,8 @@ import numpy as np
 from scipy.spatial.transform import Rotation
 
 from microswim.gait.gait import Gait
-from microswim.gait.steady_turning import SteadyTurning
 from microswim.gait.stepping import integrate, pack
+from microswim.gait.turning.steady_turning import SteadyTurning
 from microswim.numerics.array import Array
 
 A_TURN = 64  #: time steps of a turn of the field, at least

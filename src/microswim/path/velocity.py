@@ -5,7 +5,7 @@
 
 W: force and torque, weight in its two middles, torque of the field, contact with a boundary;
 S e: strain of the flow, C c: its curvature (`microswim.path.strain`). R, F_p: at this pose
-(`microswim.gait.pose_table`).
+(`microswim.gait.poses.table`).
 """
 
 from __future__ import annotations
@@ -14,8 +14,8 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from microswim.gait.pose_table import WORK as POSE_WORK
-from microswim.gait.pose_table import resist
+from microswim.gait.poses.table import WORK as POSE_WORK
+from microswim.gait.poses.table import resist
 from microswim.gait.stepping import row
 from microswim.numerics.compiled import compiled
 from microswim.numerics.solve6 import solve

@@ -12,7 +12,7 @@ from microswim.errors import SpecError, nearest
 from microswim.spec.tables import FIELDS, TABLES, TAGS
 from microswim.swimmer.flow import FLOWS
 from microswim.swimmer.geometry.bodies import SHAPES
-from microswim.swimmer.geometry.tails import TAILS
+from microswim.swimmer.geometry.tails.kinds import TAILS
 from microswim.swimmer.magnetism.fields import FIELDS as APPLIED_FIELDS
 
 #: The kinds of the tables that have several.

@@ -17,8 +17,9 @@ from pydantic import BaseModel, ValidationError
 
 from microswim.errors import SpecError
 from microswim.gait import doors
-from microswim.spec import beat, complaint, presets, text
+from microswim.spec import complaint, presets
 from microswim.spec.named_files import beside
+from microswim.spec.readers import beat, text
 from microswim.spec.tables import ALTERNATIVES, FIELDS, SpecTable
 from microswim.spec.trusted import Trusted
 from microswim.spec.units import DIMENSIONS, has_unit, to_si
@@ -27,9 +28,9 @@ from microswim.swimmer.drag.interaction import Interaction
 from microswim.swimmer.flow import FLOWS, Flow
 from microswim.swimmer.fluid import Fluid
 from microswim.swimmer.geometry.bodies import SHAPES
-from microswim.swimmer.geometry.hook import Hook
 from microswim.swimmer.geometry.surroundings import Channel, Wall
-from microswim.swimmer.geometry.tails import TAILS
+from microswim.swimmer.geometry.tails.hook import Hook
+from microswim.swimmer.geometry.tails.kinds import TAILS
 from microswim.swimmer.gravity import Gravity
 from microswim.swimmer.magnetism.fields import FIELDS as APPLIED_FIELDS
 from microswim.swimmer.magnetism.magnet import Magnet

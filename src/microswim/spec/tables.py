@@ -12,10 +12,10 @@ from typing import Annotated, Literal, get_args
 from pydantic import Field, StrictBool
 
 from microswim.spec import fields
-from microswim.spec.body_tables import BodyTable
 from microswim.spec.fields import About
-from microswim.spec.magnetic_tables import FieldTable, MagnetTable
-from microswim.spec.outside_tables import FlowTable, GravityTable, NoiseTable
+from microswim.spec.parts.body import BodyTable
+from microswim.spec.parts.magnetic import FieldTable, MagnetTable
+from microswim.spec.parts.outside import FlowTable, GravityTable, NoiseTable
 from microswim.spec.types import (
     Angle,
     Bending,

@@ -28,7 +28,7 @@ from microswim.spec.toml import to_toml
 from microswim.studio import bounds as around
 from microswim.studio import budget
 from microswim.studio.spec_tables import canonical, swimmer_of, units_of
-from microswim.swimmer.geometry.tails import as_wave
+from microswim.swimmer.geometry.tails.kinds import as_wave
 from microswim.swimmer.magnetism.applied_field import RotatingField
 from microswim.swimmer.magnetism.magnet import vector_of
 from microswim.swimmer.swimmer import Swimmer

@@ -14,7 +14,7 @@ from microswim.gait.gait import Gait
 from microswim.numerics.fourier import MIRROR_Q, series_of
 from microswim.studio import answers
 from microswim.studio.spec_tables import canonical, swimmer_of
-from microswim.swimmer.geometry.tails import as_wave
+from microswim.swimmer.geometry.tails.kinds import as_wave
 from microswim.swimmer.swimmer import Swimmer
 
 Progress = Callable[[int, int], None]

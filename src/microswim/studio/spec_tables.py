@@ -13,10 +13,10 @@ from microswim.errors import SpecError
 from microswim.numerics.plain import plain
 from microswim.spec.describe import describe
 from microswim.spec.file import from_dict
+from microswim.spec.readers.text import toml
 from microswim.spec.tables import FIELDS
-from microswim.spec.text import toml
 from microswim.spec.units import DIMENSIONS, SIZES
-from microswim.swimmer.geometry.tails import WaveTail, as_wave
+from microswim.swimmer.geometry.tails.kinds import WaveTail, as_wave
 from microswim.swimmer.swimmer import Swimmer
 
 LARGEST_SPEC = 256 * 1024  #: bytes; a region calibration is the most of it

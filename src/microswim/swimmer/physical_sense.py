@@ -16,7 +16,7 @@ import numpy as np
 from microswim.errors import SpecError
 from microswim.gait.gait import Gait
 from microswim.swimmer.geometry import attachment
-from microswim.swimmer.geometry.wave_tail import WaveTail
+from microswim.swimmer.geometry.tails.wave_tail import WaveTail
 
 if TYPE_CHECKING:
     from microswim.swimmer.swimmer import Swimmer

@@ -20,9 +20,9 @@ from microswim.swimmer.fields import numbers_of, set_item, without_other_names
 from microswim.swimmer.flow import Flow
 from microswim.swimmer.fluid import Fluid
 from microswim.swimmer.geometry.body import Body
-from microswim.swimmer.geometry.hook import Hook
 from microswim.swimmer.geometry.surroundings import Channel, Wall
-from microswim.swimmer.geometry.tails import Tail
+from microswim.swimmer.geometry.tails.hook import Hook
+from microswim.swimmer.geometry.tails.kinds import Tail
 from microswim.swimmer.gradient import gradient
 from microswim.swimmer.gravity import Gravity
 from microswim.swimmer.magnetism.applied_field import AppliedField

@@ -17,7 +17,7 @@ from microswim.checks import required
 from microswim.errors import SpecError, nearest
 from microswim.swimmer.drag.coefficients import LAWS
 from microswim.swimmer.geometry.bodies import SHAPES
-from microswim.swimmer.geometry.tails import TAILS, WaveTail
+from microswim.swimmer.geometry.tails.kinds import TAILS, WaveTail
 from microswim.swimmer.swimmer import Swimmer
 
 KINDS = {

@@ -12,8 +12,8 @@ import pytest
 import microswim as ms
 from microswim.calibration.poses import fit, layout, wall
 from microswim.errors import SpecError
-from microswim.gait import beside_wall
-from microswim.gait.pose_table import WALL, WORK, PoseTable, resist
+from microswim.gait.poses import beside_wall
+from microswim.gait.poses.table import WALL, WORK, PoseTable, resist
 from microswim.gait.stepping import pack
 from microswim.models import bem
 from microswim.models.bem.surface import positions

@@ -6,9 +6,9 @@ import pytest
 from scipy.special import eval_legendre
 
 import microswim as ms
-from microswim.spec.coils import read_coils
 from microswim.spec.file import from_dict
-from microswim.spec.text import toml
+from microswim.spec.readers.coils import read_coils
+from microswim.spec.readers.text import toml
 from microswim.swimmer.magnetism.multipole import Source
 
 PLACES = np.random.default_rng(3).uniform(-0.05, 0.05, (40, 3))

@@ -26,7 +26,7 @@ from microswim.jobs import references
 from microswim.numerics.sobol import points
 from microswim.swimmer.fluid import Fluid
 from microswim.swimmer.geometry.bodies import Spheroid
-from microswim.swimmer.geometry.tails import HelicalTail
+from microswim.swimmer.geometry.tails.kinds import HelicalTail
 from microswim.swimmer.swimmer import Swimmer
 
 SEED = 17

@@ -11,7 +11,7 @@ from typing import Any
 
 import numpy as np
 
-from microswim.swimmer.geometry.tails import WaveTail, as_wave
+from microswim.swimmer.geometry.tails.kinds import WaveTail, as_wave
 from microswim.swimmer.swimmer import Swimmer
 
 #: Numbers of a design and the range of the atlas, as (words, lowest, highest).

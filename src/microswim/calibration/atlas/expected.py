@@ -13,7 +13,7 @@ from microswim.calibration.atlas.near import QUANTITIES, Misses
 from microswim.gait.gait import DEGREES_OF_FREEDOM, Gait
 from microswim.swimmer.drag.coefficients import Unchosen
 from microswim.swimmer.drag.interaction import Interaction
-from microswim.swimmer.geometry.tails import as_wave
+from microswim.swimmer.geometry.tails.kinds import as_wave
 from microswim.swimmer.provenance import Provenance
 from microswim.swimmer.swimmer import Swimmer
 

@@ -20,7 +20,7 @@ from microswim.calibration.region.positive_definite import REAL
 from microswim.errors import SpecError
 from microswim.models.rft.gait import gait as surrogate
 from microswim.swimmer.drag.coefficients import Cox, GrayHancock, Lighthill
-from microswim.swimmer.geometry.tails import as_wave
+from microswim.swimmer.geometry.tails.kinds import as_wave
 
 ENOUGH = 400  #: designs from which the kernels' lengths are found
 LAWS = (Lighthill, GrayHancock, Cox)

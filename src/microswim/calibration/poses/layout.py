@@ -1,7 +1,7 @@
 """Which poses beside a wall are solved: where the swimmer touches, and a grid over all poses.
 
-The coordinates are those of `microswim.gait.beside_wall`: xi of the gap, sigma of the tilt, psi of
-the tail's phase against the wall.
+The coordinates are those of `microswim.gait.poses.beside_wall`: xi of the gap, sigma of the tilt,
+psi of the tail's phase against the wall.
 """
 
 from __future__ import annotations
@@ -12,7 +12,7 @@ from typing import Any
 import numpy as np
 
 from microswim.errors import SpecError
-from microswim.gait import beside_wall
+from microswim.gait.poses import beside_wall
 from microswim.models.swimmer_surface import smooth_centreline
 from microswim.numerics.array import Array
 from microswim.numerics.compiled import settled

@@ -13,8 +13,8 @@ from microswim.calibration.poses.fit import coefficients, factors
 from microswim.calibration.poses.layout import Shape, shape_of
 from microswim.errors import MicroswimError, SpecError
 from microswim.gait.gait import DEGREES_OF_FREEDOM, Gait
-from microswim.gait.pose_table import WALL, PoseTable
-from microswim.gait.poses import Tabulated
+from microswim.gait.poses.face import Tabulated
+from microswim.gait.poses.table import WALL, PoseTable
 from microswim.gait.stepping import pack
 from microswim.jobs import references
 from microswim.models.bem.levels import get_level

@@ -45,7 +45,7 @@ from microswim.models.rft.segment import (
 from microswim.numerics.compiled import FAST, compiled
 from microswim.numerics.quadrature import PANEL, gauss
 from microswim.swimmer.drag.coefficients import GrayHancock
-from microswim.swimmer.geometry.tails import as_wave
+from microswim.swimmer.geometry.tails.kinds import as_wave
 from microswim.swimmer.swimmer import Swimmer
 
 _LAW = GrayHancock(tip=True)

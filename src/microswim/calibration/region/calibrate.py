@@ -2,7 +2,7 @@
 
 First designs fill the region (scrambled Sobol points), then each batch goes where it lowers the
 doubt over the region most. What is fitted, in which coordinates and why:
-docs/decisions/region-calibration.md.
+docs/decisions/0015-region-calibration.md.
 """
 
 from __future__ import annotations

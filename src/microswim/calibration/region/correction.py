@@ -19,10 +19,10 @@ from microswim.calibration.region.evaluate import matrices, twists
 from microswim.calibration.region.kriging import Surfaces
 from microswim.errors import SpecError
 from microswim.gait.gait import Gait
-from microswim.gait.one_pose import remark
+from microswim.gait.poses.one_pose import remark
 from microswim.numerics.array import read_only
 from microswim.swimmer import physical_sense
-from microswim.swimmer.geometry.tails import as_wave
+from microswim.swimmer.geometry.tails.kinds import as_wave
 from microswim.swimmer.swimmer import Swimmer
 
 NEAR = 0.7  #: spreads of the features over which left-out errors are averaged

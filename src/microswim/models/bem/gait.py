@@ -14,7 +14,7 @@ import numpy as np
 
 from microswim import checks
 from microswim.gait.gait import Gait
-from microswim.gait.one_pose import remark
+from microswim.gait.poses.one_pose import remark
 from microswim.models.bem.levels import Level, coarser, get_level
 from microswim.models.bem.solution import Solution
 from microswim.models.bem.trust import doubts, trusted

@@ -20,7 +20,7 @@ from microswim.models.rooting import root
 from microswim.numerics.array import Array
 from microswim.swimmer.geometry.body import Body
 from microswim.swimmer.geometry.solids.spheres import half_sphere
-from microswim.swimmer.geometry.tails import Tail
+from microswim.swimmer.geometry.tails.kinds import Tail
 
 # A joint that reaches this many filament radii along the tail counts as steep: shorter first rows.
 STEEP = 0.6

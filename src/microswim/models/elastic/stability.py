@@ -19,7 +19,7 @@ from microswim.errors import MicroswimError
 from microswim.models.elastic.plane import Base, Loads, balance
 from microswim.models.elastic.problem import Problem, elastic_tail, problem
 from microswim.models.elastic.rod import rod
-from microswim.swimmer.geometry.elastic_tail import ElasticTail
+from microswim.swimmer.geometry.tails.elastic_tail import ElasticTail
 from microswim.swimmer.swimmer import Swimmer
 
 Pull = Literal["tip", "along", "end", "weight"]

@@ -10,8 +10,8 @@ import numpy as np
 from microswim.models.elastic.rod import integrals
 from microswim.models.elastic.space import AXIS
 from microswim.models.elastic.whirl import Whirl
-from microswim.swimmer.geometry.custom_tail import CustomTail
-from microswim.swimmer.geometry.elastic_tail import ElasticTail
+from microswim.swimmer.geometry.tails.custom_tail import CustomTail
+from microswim.swimmer.geometry.tails.elastic_tail import ElasticTail
 
 
 @dataclass(frozen=True, eq=False)

@@ -22,7 +22,7 @@ import numpy as np
 from microswim import checks
 from microswim.errors import MicroswimError, SpecError
 from microswim.gait.gait import Gait
-from microswim.gait.one_pose import remark
+from microswim.gait.poses.one_pose import remark
 from microswim.models.fem.displacement import Wave
 from microswim.models.fem.mesh import (
     Level,

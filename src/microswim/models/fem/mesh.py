@@ -23,7 +23,7 @@ from microswim.errors import MicroswimError, SpecError
 from microswim.swimmer import physical_sense
 from microswim.swimmer.geometry.body import Body
 from microswim.swimmer.geometry.surroundings import Channel
-from microswim.swimmer.geometry.tails import WaveTail, as_wave
+from microswim.swimmer.geometry.tails.kinds import WaveTail, as_wave
 from microswim.swimmer.swimmer import Swimmer
 
 

@@ -44,7 +44,7 @@ from microswim.numerics.compiled import pays, settled
 from microswim.numerics.quadrature import panels
 from microswim.numerics.solve6 import solve
 from microswim.swimmer.fields import in_terms_of, lifted
-from microswim.swimmer.geometry.tails import as_wave
+from microswim.swimmer.geometry.tails.kinds import as_wave
 from microswim.swimmer.swimmer import Swimmer
 
 CHUNK = 8192

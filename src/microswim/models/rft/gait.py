@@ -25,7 +25,7 @@ import numpy as np
 from microswim import checks
 from microswim.errors import SpecError
 from microswim.gait.gait import Gait
-from microswim.gait.one_pose import remark
+from microswim.gait.poses.one_pose import remark
 from microswim.models.rft import ribbon
 from microswim.models.rft.helix import FEWEST_WAVES, helix_tail, ramp_nodes
 from microswim.models.rft.plane_wave import wave_phases
@@ -43,7 +43,7 @@ from microswim.numerics.fourier import MIRROR_Q, add, rotate, series_of, trimmed
 from microswim.numerics.quadrature import gauss, panels
 from microswim.swimmer import physical_sense
 from microswim.swimmer.drag.ribbon import local as drag_of_ribbon
-from microswim.swimmer.geometry.tails import as_wave
+from microswim.swimmer.geometry.tails.kinds import as_wave
 from microswim.swimmer.swimmer import SURROUNDINGS, Swimmer
 
 AXIS = np.array([1.0, 0.0, 0.0])

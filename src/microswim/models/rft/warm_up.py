@@ -16,8 +16,8 @@ from microswim.numerics.cores import MANY
 from microswim.swimmer.fields import lifted
 from microswim.swimmer.fluid import Fluid
 from microswim.swimmer.geometry.bodies import Sphere
-from microswim.swimmer.geometry.custom_tail import CustomTail
-from microswim.swimmer.geometry.tails import HelicalTail, PlaneWaveTail, Tail
+from microswim.swimmer.geometry.tails.custom_tail import CustomTail
+from microswim.swimmer.geometry.tails.kinds import HelicalTail, PlaneWaveTail, Tail
 from microswim.swimmer.swimmer import Swimmer
 
 

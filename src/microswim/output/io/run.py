@@ -17,9 +17,9 @@ import numpy as np
 from microswim import __version__, checks
 from microswim.errors import SpecError
 from microswim.gait import quantities
-from microswim.gait.driven import driven
 from microswim.gait.gait import DEGREES_OF_FREEDOM, Gait
 from microswim.gait.observed import observed
+from microswim.gait.turning.driven import driven
 from microswim.gait.units import UNITS
 from microswim.gait.units import unit as unit
 from microswim.numerics.array import sealed

@@ -20,7 +20,7 @@ from microswim.swimmer.geometry.body import Body
 from microswim.swimmer.geometry.solids.reading import checked
 from microswim.swimmer.geometry.solids.spheres import closed_grid, sphere_grid
 from microswim.swimmer.geometry.solids.triangles import Triangles
-from microswim.swimmer.geometry.tails import Tail
+from microswim.swimmer.geometry.tails.kinds import Tail
 from microswim.swimmer.swimmer import Swimmer
 
 MILLIMETRE = 1e-3

@@ -138,7 +138,7 @@ def track_and_fit(track: np.ndarray, path: np.ndarray, unit: str) -> Figure:
 
 def _swimmer_of(run: xr.Dataset) -> Swimmer | None:
     from microswim.spec.file import from_dict
-    from microswim.spec.text import toml
+    from microswim.spec.readers.text import toml
 
     tables = toml(run.attrs.get("spec", ""), "the spec of this run")
     custom = tables.get("tail", {}).get("kind") == "custom"  # its function is not trusted here

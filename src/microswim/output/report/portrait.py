@@ -8,7 +8,7 @@ from typing import Any
 from microswim.gait.portrait import Rows
 from microswim.gait.readable import quantity, significant
 from microswim.gait.units import unit
-from microswim.swimmer.geometry.tails import WaveTail
+from microswim.swimmer.geometry.tails.kinds import WaveTail
 from microswim.swimmer.swimmer import Swimmer
 
 

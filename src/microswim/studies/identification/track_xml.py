@@ -7,7 +7,7 @@ from xml.etree import ElementTree
 import numpy as np
 
 from microswim.errors import SpecError
-from microswim.spec.measured import Table
+from microswim.spec.readers.measured import Table
 
 COLUMNS = ("time", "frame", "x", "y", "z")
 

@@ -16,9 +16,9 @@ import numpy as np
 
 from microswim import checks
 from microswim.errors import SpecError, nearest
-from microswim.spec import film, measured
-from microswim.spec.measured import Table
-from microswim.spec.text import LARGEST_TABLE, read_text
+from microswim.spec.readers import film, measured
+from microswim.spec.readers.measured import Table
+from microswim.spec.readers.text import LARGEST_TABLE, read_text
 from microswim.studies.identification.track import FEWEST, Track
 from microswim.studies.identification.track_xml import table_of_xml
 

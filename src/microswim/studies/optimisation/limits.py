@@ -11,8 +11,8 @@ import re
 from typing import TYPE_CHECKING, Any
 
 from microswim.errors import SpecError
-from microswim.gait.driven import DRIVEN
 from microswim.gait.quantities import NUMBERS, OLD, QUANTITIES
+from microswim.gait.turning.driven import DRIVEN
 from microswim.gait.units import unit
 from microswim.spec.describe import unit_of
 from microswim.spec.tables import FIELDS

@@ -13,11 +13,11 @@ from typing import Any
 import numpy as np
 
 from microswim.gait.basis import Basis
-from microswim.gait.driven import DRIVEN
 from microswim.gait.gait import Gait
 from microswim.gait.quantities import NUMBERS, OLD, QUANTITIES
+from microswim.gait.turning.driven import DRIVEN
 from microswim.swimmer.fields import ALTERNATIVES, both_of_the_wave, in_terms_of, lifted
-from microswim.swimmer.geometry.tails import WaveTail
+from microswim.swimmer.geometry.tails.kinds import WaveTail
 from microswim.swimmer.magnetism.drive import drive_of
 from microswim.swimmer.swimmer import Swimmer
 

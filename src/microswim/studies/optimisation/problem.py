@@ -25,7 +25,7 @@ from microswim.studies.optimisation.expressions import Constraint, Expression, c
 from microswim.studies.optimisation.limits import in_si
 from microswim.studies.optimisation.merits import known, of_gait, of_many
 from microswim.swimmer.fields import in_terms_of, lifted
-from microswim.swimmer.geometry.tails import TAILS, WaveTail
+from microswim.swimmer.geometry.tails.kinds import TAILS, WaveTail
 from microswim.swimmer.physical_sense import require_drag
 from microswim.swimmer.swimmer import Swimmer
 from microswim.swimmer.variants import KINDS, check_names, vary

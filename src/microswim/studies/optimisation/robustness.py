@@ -21,7 +21,7 @@ from microswim.studies.optimisation.expressions import constraints, parse
 from microswim.studies.optimisation.limits import in_si, with_units
 from microswim.studies.optimisation.merits import MERITS, known, of_many
 from microswim.swimmer.fields import both_of_the_wave
-from microswim.swimmer.geometry.tails import WaveTail
+from microswim.swimmer.geometry.tails.kinds import WaveTail
 from microswim.swimmer.swimmer import Swimmer
 from microswim.swimmer.variants import check_names
 

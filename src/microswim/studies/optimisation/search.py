@@ -2,7 +2,7 @@
 
 Sobol points over the whole range screen for the best feasible starts, SLSQP with complex-step
 derivatives takes each to a local optimum, the best of these wins
-(docs/decisions/optimisers.md).
+(docs/decisions/0009-optimisers.md).
 """
 
 from __future__ import annotations

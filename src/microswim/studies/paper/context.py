@@ -17,7 +17,7 @@ import numpy as np
 from microswim.gait.gait import Gait
 from microswim.jobs import store
 from microswim.models.rft.batch import evaluate
-from microswim.swimmer.geometry.tails import as_wave
+from microswim.swimmer.geometry.tails.kinds import as_wave
 from microswim.swimmer.motion import Motion
 from microswim.swimmer.swimmer import Swimmer
 

@@ -14,7 +14,7 @@ from matplotlib.figure import Figure
 from microswim.output.plots.style import BLUE, NARROW, ORANGE, look, panels
 from microswim.studies.paper.context import Context, swimmer
 from microswim.swimmer.drag.lighthill import lighthill_integrals
-from microswim.swimmer.geometry.tails import as_wave
+from microswim.swimmer.geometry.tails.kinds import as_wave
 
 THIN = 1e-7  # epsilon of a thin filament; the integrals then differ from their limit by 1e-14
 TITLE = "Fig. 7. Lighthill's integrals"

@@ -17,7 +17,7 @@ from microswim.gait.gait import Gait
 from microswim.output.plots.style import BLUE, GREY, PALE, WIDE, letter, look, panels
 from microswim.studies.paper.context import Context, observed, swimmer
 from microswim.swimmer.drag.coefficients import Constant, closed_form
-from microswim.swimmer.geometry.tails import as_wave
+from microswim.swimmer.geometry.tails.kinds import as_wave
 from microswim.swimmer.swimmer import Swimmer
 
 TITLE = "Table 1. Base case"

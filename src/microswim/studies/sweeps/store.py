@@ -5,7 +5,7 @@ whose status is not written is solved again. Plain ``xarray.open_zarr`` reads th
 moment.
 
 Nothing on disk is believed: every chunk carries a checksum, and every row one over its number and
-all its values. Why so: docs/decisions/sweep-store.md.
+all its values. Why so: docs/decisions/0008-sweep-store.md.
 """
 
 from __future__ import annotations

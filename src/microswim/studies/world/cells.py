@@ -21,7 +21,7 @@ from microswim.output.plots.style import look, panels
 from microswim.swimmer.drag.coefficients import GrayHancock
 from microswim.swimmer.fluid import Fluid
 from microswim.swimmer.geometry.bodies import Spheroid
-from microswim.swimmer.geometry.tails import HelicalTail, PlaneWaveTail
+from microswim.swimmer.geometry.tails.kinds import HelicalTail, PlaneWaveTail
 from microswim.swimmer.motion import Motion
 from microswim.swimmer.swimmer import Swimmer
 

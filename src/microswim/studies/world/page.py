@@ -22,7 +22,7 @@ from microswim.studies.paper.table3 import PRINTED_CFD, printed
 from microswim.studies.world import cells
 from microswim.swimmer.drag.coefficients import Cox, GrayHancock, Lighthill
 from microswim.swimmer.fluid import Fluid
-from microswim.swimmer.geometry.tails import HelicalTail
+from microswim.swimmer.geometry.tails.kinds import HelicalTail
 from microswim.swimmer.swimmer import Swimmer
 
 Row = dict[str, Any]

@@ -17,7 +17,7 @@ import numpy as np
 from microswim import checks
 from microswim.errors import SpecError
 from microswim.swimmer.drag.lighthill import lighthill_integrals
-from microswim.swimmer.geometry.tails import Tail, as_wave
+from microswim.swimmer.geometry.tails.kinds import Tail, as_wave
 
 
 class ValidityWarning(UserWarning):

@@ -23,7 +23,7 @@ import numpy as np
 
 from microswim.swimmer.drag.coefficients import Coefficients
 from microswim.swimmer.fields import replaced
-from microswim.swimmer.geometry.tails import Tail
+from microswim.swimmer.geometry.tails.kinds import Tail
 
 
 def round_radii(tail: Tail) -> tuple[Any, Any, Any]:

@@ -11,7 +11,7 @@ import numpy as np
 
 from microswim.errors import SpecError
 from microswim.swimmer.geometry.body import Body
-from microswim.swimmer.geometry.tails import Tail
+from microswim.swimmer.geometry.tails.kinds import Tail
 
 SAMPLES = 1001
 MEND = "a ramp, such as tail.ramp = 0.1, leads it there; or use a smaller amplitude"

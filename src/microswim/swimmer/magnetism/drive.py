@@ -5,7 +5,7 @@ from __future__ import annotations
 from typing import Any
 
 from microswim.errors import SpecError
-from microswim.gait.step_out import Drive
+from microswim.gait.turning.step_out import Drive
 
 
 def drive_of(swimmer: Any) -> Drive | None:

@@ -1,0 +1,1 @@
+"""A gait as a function of the pose beside a boundary."""

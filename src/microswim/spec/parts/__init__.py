@@ -1,0 +1,1 @@
+"""Tables of the spec, one module for each part of a swimmer."""

@@ -1,0 +1,1 @@
+"""Text that comes from other programs: tables, tracks, beats, coils, scenes."""

@@ -1,0 +1,176 @@
+"""Tables from other programs: the one reader of designs, series, tables, tracks and beats.
+
+Comma, semicolon or tab between the cells, quoted or not; a decimal point or a decimal comma; UTF-8
+with or without its mark, UTF-16, or the Windows code page 1252. Lines that begin with ``#`` and
+empty lines are left out.
+"""
+
+from __future__ import annotations
+
+import csv
+import io
+import math
+import re
+from collections.abc import Iterable, Iterator, Sequence
+from itertools import islice
+from os import PathLike
+
+import numpy as np
+
+from microswim.errors import SpecError
+from microswim.spec.readers.text import LARGEST_TABLE, read_text
+
+BLOCK = 65536  #: rows converted at a time, so that a million of them need not stand as text
+MISSING = {"", "nan", "na", "n/a", "none", "null", "-"}
+_UNSURE = re.compile(r"[+-]?[1-9]\d{0,2},\d{3}")  # 1,234: a decimal comma or a thousand
+
+
+def cells(path: str | PathLike[str]) -> Iterator[list[str]]:
+    """Yield the rows of a table as lists of texts, the header first.
+
+    Raises
+    ------
+    SpecError
+        If the file cannot be read or is no table.
+    """
+    text = read_text(path, LARGEST_TABLE, windows=True)
+    first = next((line for line in io.StringIO(text) if line.strip(" \t\r\n;,")), "")
+    said = re.fullmatch(r"sep=(.)\s*", first.strip().strip('"'))  # Excel's own first line
+    if said:
+        text = text.partition(first)[2]
+        first = first.strip().strip('"')
+    mark = said[1] if said else _between(next(_content(text), ""))
+    try:
+        for row in csv.reader(_content(text), delimiter=mark, skipinitialspace=mark != "\t"):
+            if any(row) and (len(row) > 1 or not row[0].isspace()):
+                yield row
+    except csv.Error as error:
+        raise SpecError(f"{path}: not a CSV: {error}") from None
+
+
+def _content(text: str) -> Iterator[str]:
+    lines = io.StringIO(text, newline="")
+    if "#" not in text:
+        return lines
+    return (line for line in lines if not line.startswith("#"))
+
+
+def _between(header: str) -> str:
+    """What stands between the cells of a header."""
+    bare = re.sub(r'"[^"]*"', "", header)
+    return next((mark for mark in "\t;" if mark in bare), ",")
+
+
+def rows(path: str | PathLike[str]) -> list[dict[str, str]]:
+    """Return the rows of a table with a header, as column to text.
+
+    Raises
+    ------
+    SpecError
+        If it cannot be read, has no row, a row that is not full, or a column twice.
+    """
+    found = cells(path)
+    header = [name.strip() for name in next(found, [])]
+    table = list(found)
+    if not table or any(len(row) != len(header) for row in table):
+        raise SpecError(f"{path}: must be a CSV with a header and full rows")
+    check_header(path, header)
+    return [{name: pointed(cell.strip()) for name, cell in zip(header, row)} for row in table]
+
+
+def check_header(path: str | PathLike[str], header: Sequence[str], unnamed: bool = False) -> None:
+    """Refuse a column without a name (unless `unnamed`) or a name that stands twice.
+
+    Raises
+    ------
+    SpecError
+        One sentence.
+    """
+    named = [name for name in header if name]
+    twice = next((name for name in named if named.count(name) > 1), None)
+    if twice:
+        raise SpecError(
+            f"{path}: must be a CSV whose columns have each their own name; {twice} stands twice"
+        )
+    if len(named) < len(header) and not unnamed:
+        raise SpecError(f"{path}: must be a CSV whose columns have each their own name")
+
+
+def pointed(cell: str) -> str:
+    """Return a number or quantity with a decimal comma as one with a point, other text as it is."""
+    comma = re.fullmatch(r"[+-]?\d*,\d+([eE][+-]?\d+)?(\s*[^\W\d][^,]*)?", cell)
+    return cell.replace(",", ".", 1) if comma else cell
+
+
+def is_number(cell: str) -> bool:
+    """Return whether a cell holds a number, or nothing where one could be."""
+    try:
+        float(cell)
+    except ValueError:
+        return cell.strip().lower() in MISSING or pointed(cell.strip()) != cell.strip()
+    return True
+
+
+def columns(
+    path: str | PathLike[str], table: Iterable[list[str]], wanted: Sequence[int], labels: int | None
+) -> tuple[np.ndarray, list[str]]:
+    """Return the numbers of some columns, NaN where a cell is empty, and the words of another.
+
+    Parameters
+    ----------
+    path
+        Of the file, for errors.
+    table
+        Its rows below the header.
+    wanted
+        Indices of the columns of numbers.
+    labels
+        Index of the column of words, or None.
+
+    Returns
+    -------
+    tuple
+        Numbers (rows, columns) and the words, empty without `labels`.
+
+    Raises
+    ------
+    SpecError
+        If a cell holds something else, or commas may be decimal or group thousands.
+    """
+    blocks, words = [np.empty((0, len(wanted)))], []
+    table = iter(table)
+    while block := list(islice(table, BLOCK)):
+        most = max([*wanted, labels or 0])
+        block = [row if len(row) > most else row + [""] * (most + 1 - len(row)) for row in block]
+        blocks.append(np.stack([_numbers(path, block, i) for i in wanted], axis=-1))
+        words += [] if labels is None else [row[labels] for row in block]
+    return np.concatenate(blocks), words
+
+
+def _numbers(path: str | PathLike[str], block: list[list[str]], i: int) -> np.ndarray:
+    column = [row[i] for row in block]
+    try:
+        return np.fromiter(map(float, column), float, len(column))
+    except ValueError:
+        pass
+    commas = [cell.strip() for cell in column if "," in cell]
+    if commas and all(map(_UNSURE.fullmatch, commas)) and _has_points(block):
+        raise SpecError(
+            f"{path}: {commas[0]} may hold a decimal comma or a thousand; write it with a point"
+        )
+    return np.array([_number(path, row, i) for row in block])
+
+
+def _has_points(block: list[list[str]]) -> bool:
+    """Whether some cells of a table have a decimal point."""
+    return any(re.fullmatch(r"[+-]?\d*\.\d+", cell.strip()) for row in block[:64] for cell in row)
+
+
+def _number(path: str | PathLike[str], row: list[str], i: int) -> float:
+    cell = row[i].strip()
+    if cell.lower() in MISSING:
+        return math.nan
+    try:
+        return float(pointed(cell))
+    except ValueError:
+        raise SpecError(f"{path}: a number is missing in the row {', '.join(row)[:60]}") from None

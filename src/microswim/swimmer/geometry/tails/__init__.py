@@ -1,0 +1,1 @@
+"""Tails: what each states of itself, and every kind of them."""

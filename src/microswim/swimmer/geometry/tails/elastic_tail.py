@@ -1,0 +1,215 @@
+"""A tail that bends: a filament of some stiffness, driven at its base.
+
+Its shape is not given: drag, bending and drive decide it, and `microswim.models.elastic` finds
+what it settles to. Here stands what is known beforehand.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any, ClassVar, Literal, get_args
+
+import numpy as np
+
+from microswim import checks
+from microswim.errors import SpecError
+from microswim.swimmer.geometry.tails.tail import Sections, SurfaceMotion, Tail
+
+Drive = Literal["heave", "pivot", "rotate", "none"]
+Hold = Literal["clamped", "hinged"]
+#: What sets the size of each drive, in the spec and here.
+SIZE = {"heave": "amplitude", "pivot": "angle", "rotate": "angle"}
+STEEPEST = 1.5  #: angle of the base, rad
+TWIST = 2.0 / 3.0  #: twisting over bending stiffness of a round rod of constant volume
+
+
+@checks.by_name
+@dataclass(frozen=True, kw_only=True)
+class ElasticTail(Tail):
+    """Straight elastic filament that cannot stretch, driven at its base.
+
+    Parameters
+    ----------
+    length
+        Length along the filament.
+    radius
+        Radius of the filament (length).
+    bending
+        Bending stiffness ``B = E I`` (force x length^2).
+    frequency
+        Cycles of the drive per time.
+    base
+        ``"clamped"``: the base keeps the direction that the drive gives it. ``"hinged"``: it
+        turns freely.
+    drive
+        ``"heave"``: the base moves across s, ``q = amplitude cos(phase)``. ``"pivot"``: it turns
+        about r, by ``angle cos(phase)``. ``"rotate"``: tilted from s by `angle` it turns about
+        s with the phase, and the tail bends in space. ``"none"``: it stands still.
+    amplitude
+        Of the heave (length).
+    angle
+        Of the pivot, or the tilt of the base that rotates (rad), up to 1.5.
+    twisting
+        Twisting stiffness (force x length^2), for a base that rotates; two thirds of `bending`
+        by default, that of a round rod of constant volume.
+    wavelength
+        For laws of local resistance that need one; Cox's law, which needs none, where the
+        swimmer chooses no law.
+    sections, surface_motion
+        As for `WaveTail`, for the reference solvers.
+
+    Raises
+    ------
+    SpecError
+        If a field is out of range, or the drive lacks its size or has another's.
+
+    Examples
+    --------
+    >>> import microswim as ms
+    >>> tail = ms.ElasticTail(
+    ...     length=1.0, radius=0.01, bending=0.02, base="hinged", drive="heave", amplitude=0.1
+    ... )
+    >>> tail.arc_length
+    1.0
+    """
+
+    length: float
+    radius: float
+    bending: float
+    frequency: float = 1.0
+    base: Hold = "clamped"
+    drive: Drive = "heave"
+    amplitude: float | None = None
+    angle: float | None = None
+    twisting: float | None = None
+    wavelength: float | None = None
+    sections: Sections = "perpendicular"
+    surface_motion: SurfaceMotion = "bending"
+    kind: ClassVar[str] = "elastic"
+    settles: ClassVar[bool] = True
+
+    def __post_init__(self) -> None:
+        checks.positive("tail.length", self.length, "length")
+        checks.positive("tail.bending", self.bending, "stiffness")
+        self._check_filament()
+        if self.surface_motion == "rigid":
+            raise SpecError("tail.surface_motion", "rigid", "translating or bending", "it bends")
+        if self.wavelength is not None:
+            checks.positive("tail.wavelength", self.wavelength, "length")
+        checks.choice("tail.base", self.base, get_args(Hold))
+        checks.choice("tail.drive", self.drive, get_args(Drive))
+        self._check_drive()
+
+    def _check_drive(self) -> None:
+        needed = SIZE.get(self.drive)
+        for name in ("amplitude", "angle"):
+            value = getattr(self, name)
+            if value is None and name == needed:
+                raise SpecError(f"tail.{name}: missing; the drive {self.drive} needs it")
+            if value is not None and name != needed:
+                raise SpecError(f"tail.{name}", value, f'left out with drive = "{self.drive}"')
+        if self.amplitude is not None:
+            checks.number("tail.amplitude", self.amplitude, "a length of zero or more", least=0.0)
+        if self.angle is not None:
+            checks.number("tail.angle", self.angle, f"an angle of 0 to {STEEPEST} rad",
+                          least=0.0, most=STEEPEST)  # fmt: skip
+        if needed == "angle" and self.base == "hinged":
+            raise SpecError(
+                "tail.base",
+                "hinged",
+                '"clamped" where the base turns',
+                "a hinge hands on no turning",
+            )
+        if self.twisting is not None:
+            checks.positive("tail.twisting", self.twisting, "stiffness")
+
+    @property
+    def sign(self) -> float:
+        return 1.0
+
+    @property
+    def apparent_length(self) -> Any:
+        return self.length
+
+    @property
+    def arc_length(self) -> Any:
+        return self.length
+
+    @property
+    def alpha(self) -> float:
+        return 1.0
+
+    @property
+    def number_of_waves(self) -> Any:
+        """Number of waves of the given wavelength; a straight rod has none."""
+        return 0.0 if self.wavelength is None else self.length / self.wavelength
+
+    @property
+    def wavelength_along_s(self) -> float | None:
+        return self.wavelength
+
+    @property
+    def edges(self) -> np.ndarray:
+        return np.array([0.0, 1.0])
+
+    @property
+    def is_planar(self) -> bool:  # type: ignore[override]
+        return not self.turns
+
+    @property
+    def turns(self) -> bool:
+        """Whether its base turns about s, and the tail with it."""
+        return self.drive == "rotate"
+
+    @property
+    def spin(self) -> float:
+        return self.sign if self.turns else 0.0
+
+    @property
+    def twist_ratio(self) -> Any:
+        """Twisting over bending stiffness."""
+        return TWIST if self.twisting is None else self.twisting / self.bending
+
+    @property
+    def starts_on_axis(self) -> bool:
+        return not self.amplitude
+
+    def base_motion(self, phase: Any) -> tuple[Any, Any]:
+        """Return the place across s and angle about r of the base that the drive holds."""
+        c = np.cos(phase)
+        return (self.amplitude or 0.0) * c, (self.angle or 0.0) * c
+
+    def centreline(self, s: Any, phase: Any) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+        """Return the refuse: the shape is not known before it is solved for.
+
+        Raises
+        ------
+        SpecError
+            Always; `Swimmer.settled` has the tail that it settles to.
+        """
+        raise SpecError(
+            "tail.kind", "elastic", "one whose shape is given here",
+            "swimmer.settled has the tail that an elastic one settles to",
+        )  # fmt: skip
+
+    def continued(self, s: Any, phase: Any) -> np.ndarray:
+        """Return the position at s of a tail that does not bend, behind the joint straight on."""
+        return self.stiff(s, phase)[0]
+
+    def stiff(self, s: Any, phase: Any) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+        """Return centreline, slope and velocity per unit phase rate of a tail too stiff to bend."""
+        s, phase = np.broadcast_arrays(s, phase)
+        none, tilt = 0.0 * s * phase, self.angle or 0.0
+        if self.turns:
+            c, d, out = np.cos(tilt), np.sin(tilt) * np.cos(phase), np.sin(tilt) * np.sin(phase)
+            slope = np.stack([c + none, d + none, out + none], axis=-1)
+            turned = np.stack([none, -s * out, s * d], axis=-1)
+            return s[..., None] * slope, slope, turned
+        place, angle = self.base_motion(phase)
+        place_rate, angle_rate = (-(x or 0.0) * np.sin(phase) for x in (self.amplitude, tilt))
+        c, d = np.cos(angle), np.sin(angle)
+        P = np.stack([s * c, place + s * d, none], axis=-1)
+        P_s = np.stack([c + none, d + none, none], axis=-1)
+        turning = s * angle_rate
+        P_phase = np.stack([-turning * d, place_rate + turning * c, none], axis=-1)
+        return P, P_s, P_phase

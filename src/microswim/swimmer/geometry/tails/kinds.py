@@ -1,0 +1,29 @@
+"""Every kind of tail by the word of the spec: a new one is a file and a line here."""
+
+from __future__ import annotations
+
+from microswim.swimmer.geometry.tails.custom_tail import CustomTail
+from microswim.swimmer.geometry.tails.elastic_tail import ElasticTail
+from microswim.swimmer.geometry.tails.helical_tail import HelicalTail
+from microswim.swimmer.geometry.tails.no_tail import NoTail
+from microswim.swimmer.geometry.tails.plane_wave_tail import PlaneWaveTail
+from microswim.swimmer.geometry.tails.tail import Tail
+from microswim.swimmer.geometry.tails.wave_tail import WaveTail, as_wave
+from microswim.swimmer.geometry.tails.waveform_tail import WaveformTail
+
+__all__ = [
+    "TAILS",
+    "CustomTail",
+    "ElasticTail",
+    "HelicalTail",
+    "NoTail",
+    "PlaneWaveTail",
+    "Tail",
+    "WaveTail",
+    "WaveformTail",
+    "as_wave",
+]
+
+TAILS: dict[str, type[Tail]] = {
+    t.kind: t for t in (HelicalTail, PlaneWaveTail, CustomTail, WaveformTail, ElasticTail, NoTail)
+}

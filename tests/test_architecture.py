@@ -117,7 +117,7 @@ def test_the_face_is_lazy():
 
 def test_the_root_holds_the_face_the_errors_and_the_checks_alone():
     modules = {p.name for p in (ROOT / "src" / "microswim").glob("*.py*") if p.is_file()}
-    assert modules == {"__init__.py", "__init__.pyi", "errors.py", "checks.py", "calls.py"}
+    assert modules == {"__init__.py", "__init__.pyi", "errors.py"}
 
 
 def test_modules_do_not_hide_the_functions_of_their_name():

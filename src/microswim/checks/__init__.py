@@ -8,10 +8,10 @@ from collections.abc import Callable, Iterable, Mapping, Set
 from os import PathLike
 from typing import Any
 
-from microswim.calls import by_name as by_name
-from microswim.calls import given as given
-from microswim.calls import keyword_was as keyword_was
-from microswim.calls import required as required
+from microswim.checks.calls import by_name as by_name
+from microswim.checks.calls import given as given
+from microswim.checks.calls import keyword_was as keyword_was
+from microswim.checks.calls import required as required
 from microswim.errors import SpecError
 
 #: No number that is given is larger, and no size that must be positive smaller: with what is

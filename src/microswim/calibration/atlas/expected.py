@@ -158,7 +158,7 @@ def _from_atlas(swimmer: Swimmer, gait: Gait) -> tuple[list[Any], str]:
     doubt = np.array([np.nan if e is None else e for e in own]) * np.where(axial, theirs, other)
     with np.errstate(divide="ignore", invalid="ignore"):
         errors = (off + np.abs(doubt)) / over
-    how = "its difference from the atlas, whose own error is added; --model auto or atlas do better"
+    how = "its difference from the atlas, whose own error is added; --model atlas does better"
     return [float(e) if np.isfinite(e) else None for e in errors], how
 
 

@@ -111,6 +111,23 @@ frequency = "10 Hz"
 TRACK = "time (s),x (px),y (px)\n" + "\n".join(
     f"{0.01 * i:.3f},{0.5 * i + 3 * math.sin(i):.4f},{3 * math.cos(i):.4f}" for i in range(60)
 )
+SCENE = """
+[[swimmer]]
+spec = "ball.toml"
+force = [1.0, 0.0, 0.0]
+[[swimmer]]
+spec = "ball.toml"
+position = [0.0, 4.0, 0.0]
+"""
+BALL = """
+[fluid]
+viscosity = 1.0
+[body]
+shape = "sphere"
+radius = 1.0
+[tail]
+kind = "none"
+"""
 WROTE = (  #: commands that write pictures, and a word of what they have found by then
     (("run", "SPEC", "--model", "rft"), "efficiency"),
     (("design", "SPEC", "--over", "tail.amplitude=0.05:0.15", "--maximize", "swimming_speed"),
@@ -121,6 +138,8 @@ WROTE = (  #: commands that write pictures, and a word of what they have found b
       "--workers", "0"), "median"),
     (("identify", "TRACK", "--pixel", "1 um"), "straight"),
     (("regimes", "MAGNET", "--frequency", "1Hz:5Hz:3"), "precession"),
+    (("path", "SPEC", "--time", "1"), "outcome"),
+    (("group", "SCENE", "--level", "coarse"), "unknowns"),
 )  # fmt: skip
 
 
@@ -135,7 +154,9 @@ def test_numbers_are_printed_though_their_picture_is_not(
     track, magnet, out = (tmp_path / n for n in ("track.csv", "magnet.toml", "out"))
     track.write_text(TRACK)
     magnet.write_text(MAGNET)
-    places = {"SPEC": spec, "TRACK": track, "MAGNET": magnet}
+    (tmp_path / "ball.toml").write_text(BALL)
+    (scene := tmp_path / "scene.toml").write_text(SCENE)
+    places = {"SPEC": spec, "TRACK": track, "MAGNET": magnet, "SCENE": scene}
     monkeypatch.setattr(Figure, "savefig", full)
     flags = ["--json"] if as_json else []
     run = call(*(places.get(word, word) for word in words), *flags, "--out", out)

@@ -3,11 +3,13 @@
 from __future__ import annotations
 
 import json
+from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import click
 
+from microswim.cli import _files
 from microswim.cli._options import (
     change,
     example,
@@ -83,14 +85,17 @@ def command(
     with bar(f"{len(group.members)} swimmers, {level}") as progress:
         found = group.swim(level=level, progress=progress)  # type: ignore[arg-type]
     numbers = {"scene": str(scene), **found.as_dict()}
+    show = partial(print_json, numbers) if as_json else partial(_print, found, scene.stem)
     if out is not None:
-        _write(found, numbers, out, force)
-    if as_json:
-        print_json(numbers)
-        return
+        with _files.or_else(show):
+            _write(found, numbers, out, force)
+    show()
+
+
+def _print(found: GroupMotion, name: str) -> None:
     from microswim.cli._print import print_table
 
-    for table in _tables(found, scene.stem):
+    for table in _tables(found, name):
         print_table(table)
     for n, far in enumerate(found.far_field):
         if far.force_dipole == 0.0:

@@ -3,11 +3,13 @@
 from __future__ import annotations
 
 import time as clock
+from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import click
 
+from microswim.cli import _files
 from microswim.cli._options import (
     Given,
     auto_option,
@@ -103,7 +105,6 @@ def command(
     there to the same numbers. The swimmer heads for -x at the start. With [wall], the plane z = 0,
     it is first solved at some hundred poses beside it, which are kept for the next time.
     """
-    from microswim.cli import _print
     from microswim.cli._progress import bar
     from microswim.path.following import path
 
@@ -122,19 +123,24 @@ def command(
             click.echo("the same command with --resume goes on", err=True)
         raise
     report = _report(given, about, found, clock.perf_counter() - begun)
+    show = partial(print_json, report) if as_json else partial(_show, given.name, report)
     if out is not None:
-        _write(out, given, found)
-    if as_json:
-        print_json(report)
-    else:
-        _print.print_table(_table(given.name, report))
-        for remark in report["remarks"]:
-            click.echo(f"  note: {remark}")
+        with _files.or_else(show):
+            _write(out, given, found)
+    show()
     if out is not None:
         click.echo(f"written to {out}/", err=True)
         for name, meaning in FILES.items():
             if (out / name).exists():
                 click.echo(f"  {name:<14}  {meaning}", err=True)
+
+
+def _show(name: str, report: dict[str, Any]) -> None:
+    from microswim.cli import _print
+
+    _print.print_table(_table(name, report))
+    for remark in report["remarks"]:
+        click.echo(f"  note: {remark}")
 
 
 def _gait(given: Given, model: str, level: str | None) -> dict[str, Any]:

@@ -36,21 +36,25 @@ def prepared() -> Iterator[None]:
         if isinstance(stream, io.TextIOWrapper):
             stream.reconfigure(errors="microswim.plain")
     os.environ["MPLBACKEND"] = "agg"  # pictures go to files; a display may not be there
+    said = False
     try:
         yield
     except OSError as error:
-        _give_up(error)
+        _give_up(error, said)
+    except SystemExit as end:
+        said = bool(end.code)
+        raise
     finally:
         try:
             sys.stdout.flush()
         except OSError as error:
-            _give_up(error)
+            _give_up(error, said)
 
 
-def _give_up(error: OSError) -> None:
-    """Say why nothing can be printed, and end with status 1."""
+def _give_up(error: OSError, said: bool) -> None:
+    """Say why nothing can be printed, unless an error was said already; end with status 1."""
     nothing = os.open(os.devnull, os.O_WRONLY)
     os.dup2(nothing, sys.stdout.fileno())  # the interpreter flushes once more on its way out
-    if not isinstance(error, BrokenPipeError):
+    if not said and not isinstance(error, BrokenPipeError):
         print(f"Error: the output cannot be written: {error.strerror or error}", file=sys.stderr)
     raise SystemExit(1) from None

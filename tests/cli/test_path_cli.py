@@ -59,6 +59,11 @@ def test_files_are_those_that_are_said(tmp_path):
     other = call(*CELL, "--time", "0.2s", "--out", out, "--resume")
     assert other.exit_code == 2
     assert "another path" in other.stderr
+    before = {p.name: p.read_bytes() for p in out.iterdir() if p.is_file()}
+    asked = ("--set", "fluid.viscosity=2 mPa s", "--out", out, "--resume")
+    changed = call(*CELL, "--time", "0.1s", *asked)
+    assert "another path" in changed.stderr, changed.output
+    assert {p.name: p.read_bytes() for p in out.iterdir() if p.is_file()} == before
     assert call(*CELL, "--time", "0.1s", "--out", out, "--resume").exit_code == 0
 
 

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
-from microswim.cli import _files
+from microswim.cli import _files, _kept
 from microswim.cli._options import (
     Given,
     auto_option,
@@ -36,7 +36,7 @@ FILES = {
     "swimmer.pvd": "the swimmer in time, for ParaView (frames in vtk/)",
     "path.vtp": "its path, for ParaView",
     "spec.toml": "the spec it came from",
-    "checkpoint.npz": "what --resume goes on from",
+    _kept.CHECKPOINT: "what --resume goes on from",
 }
 FRAMES = 120  #: of the swimmer for ParaView
 
@@ -113,15 +113,9 @@ def command(
     about = _gait(given, model, level)
     begun = clock.perf_counter()
     if out is not None:
-        write(out / "spec.toml", given.text)
-        asked["keep"] = out / "checkpoint.npz"
-    try:
-        with bar(f"path {given.name}") as progress:
-            found = path(given.swimmer, progress=progress, **about, **asked)
-    except KeyboardInterrupt:
-        if out is not None and (out / "checkpoint.npz").exists():
-            click.echo("the same command with --resume goes on", err=True)
-        raise
+        asked["keep"] = _kept.begin(out, given.text)
+    with _kept.resumable(out), bar(f"path {given.name}") as progress:
+        found = path(given.swimmer, progress=progress, **about, **asked)
     report = _report(given, about, found, clock.perf_counter() - begun)
     show = partial(print_json, report) if as_json else partial(_show, given.name, report)
     if out is not None:
@@ -177,22 +171,10 @@ def _start(given: Given, time: str, start: str | None, tilt: str | None) -> dict
 
 def _check(out: Path | None, resume: bool, force: bool) -> None:
     """Refuse before any work what cannot end well; with --force, clear the way."""
-    import shutil
-
-    from microswim.cli import _folder
-
     if resume and out is None:
         raise SpecError("--resume needs --out DIR")
-    if out is None or resume:
-        return
-    if (out / "checkpoint.npz").exists() and not force:
-        raise SpecError(
-            f"--out = {out}: holds a path; --resume goes on with it, --force replaces it"
-        )
-    _folder.check(out, force)
-    for name in FILES:
-        (out / name).unlink(missing_ok=True)
-    shutil.rmtree(out / "vtk", ignore_errors=True)
+    if out is not None and not resume:
+        _kept.check(out, "path", FILES, "vtk", force)
 
 
 def _report(

@@ -3,14 +3,13 @@
 from __future__ import annotations
 
 import math
-import shutil
 from functools import partial
 from pathlib import Path
 from typing import Any
 
 import click
 
-from microswim.cli import _files
+from microswim.cli import _files, _kept
 from microswim.cli._options import (
     Given,
     example,
@@ -28,7 +27,7 @@ FILES = {
     "swim.nc": "velocities, forces and pose in time, netCDF",
     "swim.csv": "the same as a table",
     "spec.toml": "the spec it came from",
-    "checkpoint.npz": "what --resume goes on from",
+    _kept.CHECKPOINT: "what --resume goes on from",
     "flow.pvd": "the flow in time, for ParaView (files in flow/)",
     "skin.pvd": "the swimmer's surface in time, for ParaView",
     "flow.png": "the last flow as a picture",
@@ -92,9 +91,7 @@ def command(
         options["free"] = (False,) * 6
     _check(given, out, resume, force, flow or film, film)
     if out is not None:
-        if not (out / "checkpoint.npz").exists():  # else it is of the run that goes on
-            write(out / "spec.toml", given.text)
-        options["checkpoint"] = out / "checkpoint.npz"
+        options["checkpoint"] = _kept.begin(out, given.text)
         options["vtk"] = out / "flow" if flow or film else None
     data = _march(given, out, options)
     report = _report(given, data, options)
@@ -112,37 +109,22 @@ def command(
 
 def _check(given: Given, out: Path | None, resume: bool, force: bool, flow: bool, film: bool):
     """Refuse before any work what cannot end well; with --force, clear the way."""
-    from microswim.cli import _folder
-
     if out is None and (resume or flow):
         raise SpecError("--resume, --flow and --film need --out DIR")
     if film:
         from microswim.models.fem import require_viewer
 
         require_viewer()
-    if out is None or resume:
-        return
-    if (out / "checkpoint.npz").exists() and not force:
-        raise SpecError(
-            f"--out = {out}: holds a run; --resume goes on with it, --force replaces it"
-        )
-    _folder.check(out, force)
-    for name in FILES:
-        (out / name).unlink(missing_ok=True)
-    shutil.rmtree(out / "flow", ignore_errors=True)
+    if out is not None and not resume:
+        _kept.check(out, "run", FILES, "flow", force)
 
 
 def _march(given: Given, out: Path | None, options: dict[str, Any]) -> Any:
     from microswim.cli._progress import bar
     from microswim.models import fem
 
-    try:
-        with bar(f"swim {given.name}, {options['level']}") as progress:
-            return fem.swim(given.swimmer.settled, progress=progress, **options)
-    except KeyboardInterrupt:
-        if out is not None and (out / "checkpoint.npz").exists():
-            click.echo("the same command with --resume goes on", err=True)
-        raise
+    with _kept.resumable(out), bar(f"swim {given.name}, {options['level']}") as progress:
+        return fem.swim(given.swimmer.settled, progress=progress, **options)
 
 
 def _report(given: Given, data: Any, options: dict[str, Any]) -> dict[str, Any]:

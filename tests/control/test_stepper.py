@@ -237,7 +237,8 @@ def test_derivatives_are_those_of_the_step():
 
     def ends(values, u):
         inputs = {k: u[part] for k, part in INPUTS.items()}
-        inputs |= {"motor_rate": u[0], "gradient": u[16:].reshape(3, 3)}
+        inputs |= {"motor_rate": u[0]}
+        inputs |= {k: inputs[k].reshape(3, 3) for k in ("gradient", "field_gradient")}
         return one.step(ms.State(values), dt=0.2, **inputs).values
 
     h = 1e-5
@@ -247,8 +248,8 @@ def test_derivatives_are_those_of_the_step():
         d = h * np.eye(8)[k]
         slope = (ends(state.values + d, flat) - ends(state.values - d, flat)) / (2 * h)
         assert A[:, k] == pytest.approx(slope, abs=1e-8)
-    for k in range(16):
-        d = h * np.eye(25)[k]
+    for k in (*range(16), *range(25, 37)):
+        d = h * np.eye(37)[k]
         slope = (ends(state.values, flat + d) - ends(state.values, flat - d)) / (2 * h)
         assert B[:, k] == pytest.approx(slope, abs=1e-7)
 

@@ -26,7 +26,7 @@ def robot(**changes):
 class Elsewhere(RotatingField):
     """A uniform field that is taken for one that depends on place."""
 
-    is_uniform = False
+    is_periodic = False
 
 
 def test_in_a_uniform_field_both_ways_agree():

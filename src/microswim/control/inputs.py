@@ -10,18 +10,18 @@ from microswim.control import motion
 from microswim.errors import SpecError
 
 _SHAPES: dict[str, tuple[int, ...]] = {
-    name: (3, 3) if name == "gradient" else (3,) for name in motion.INPUTS
+    name: (3, 3) if name.endswith("gradient") else (3,) for name in motion.INPUTS
 }
 _SHAPES["motor_rate"] = ()
 
 
 def rows(rest: np.ndarray, n: int, inputs: dict[str, Any], locked: bool) -> np.ndarray:
-    """Return the inputs of n swimmers, one row for all or (n, 25).
+    """Return the inputs of n swimmers, one row for all or (n, 37).
 
     Parameters
     ----------
     rest
-        What holds where nothing is given (1, 25).
+        What holds where nothing is given (1, 37).
     n, inputs
         Swimmers, and what is given by name.
     locked
@@ -53,7 +53,7 @@ def rows(rest: np.ndarray, n: int, inputs: dict[str, Any], locked: bool) -> np.n
         bad = next(k for k, part in motion.INPUTS.items() if not np.isfinite(U[:, part]).all())
         raise SpecError(bad, inputs[bad], "finite")
     if inputs.get("gradient") is not None:
-        _check_gradient(U[:, 16:])
+        _check_gradient(U[:, motion.INPUTS["gradient"]])
     if locked and U[:, 0].any():
         raise SpecError("motor_rate", inputs["motor_rate"], "0 for a swimmer whose motor is locked")
     return U

@@ -1,15 +1,16 @@
 """One control period, compiled: a state and what is held over the period in, the next state out.
 
-The state is ``y = [x (lab), q (wxyz, body to lab), phase]``, the inputs are the 25 numbers of
+The state is ``y = [x (lab), q (wxyz, body to lab), phase]``, the inputs are the 37 numbers of
 `INPUTS`, all vectors in the lab frame. With V from `response`
 
     x' = R_L U + u(x)          u(x) = flow + gradient x
     w  = Omega + R_L' curl(u)/2
-    T  = torque + m x B        B(t) = field, turned with the angular velocity field_rate
+    F  = force + J' m          B(t, x) = field + J (x - field_place), J = field_gradient
+    T  = torque + m x B        field turned with the angular velocity field_rate
 
 integrated by the Runge-Kutta-Munthe-Kaas method of order 4 of trajectory. No allocation; all
 analytic, so that complex-step derivatives run through it. ``twist``, ``strain``: tables of M
-and v, and of K, `response`; ``moment``: magnetic, in the body frame.
+and v, and of K, `response`; ``magnetic``: m_0 and C of the moment ``m = m_0 + C B``, body frame.
 """
 
 from __future__ import annotations
@@ -32,8 +33,11 @@ INPUTS = {
     "field_rate": slice(10, 13),
     "flow": slice(13, 16),
     "gradient": slice(16, 25),
+    "field_gradient": slice(25, 34),
+    "field_place": slice(34, 37),
 }
-STATE, INPUT = 8, 25
+STATE, INPUT = 8, 37
+FLOW_BENDS, FIELD_BENDS = 1, 2  #: what has a gradient
 #: Scratch: a row of the response and ``K e``.
 WORK = 36 + 6
 
@@ -68,16 +72,43 @@ def field_at(u: Any, t: Any) -> Any:
 
 
 @compiled
+def wrench(magnetic: Any, q: Any, x: Any, u: Any, B: Any, bends: int) -> Any:
+    """Return force and torque about the body's centre, body frame: given, and of the field."""
+    f0, f1, f2, B0, B1, B2 = u[1], u[2], u[3], B[0], B[1], B[2]
+    if bends & FIELD_BENDS:
+        d0, d1, d2 = x[0] - u[34], x[1] - u[35], x[2] - u[36]
+        B0 = B0 + u[25] * d0 + u[26] * d1 + u[27] * d2
+        B1 = B1 + u[28] * d0 + u[29] * d1 + u[30] * d2
+        B2 = B2 + u[31] * d0 + u[32] * d1 + u[33] * d2
+    b0, b1, b2 = to_lab(q, B0, B1, B2, -1.0)
+    m0 = magnetic[0] + magnetic[3] * b0 + magnetic[4] * b1 + magnetic[5] * b2
+    m1 = magnetic[1] + magnetic[6] * b0 + magnetic[7] * b1 + magnetic[8] * b2
+    m2 = magnetic[2] + magnetic[9] * b0 + magnetic[10] * b1 + magnetic[11] * b2
+    if bends & FIELD_BENDS:
+        p0, p1, p2 = to_lab(q, m0, m1, m2, 1.0)
+        f0 = f0 + u[25] * p0 + u[28] * p1 + u[31] * p2
+        f1 = f1 + u[26] * p0 + u[29] * p1 + u[32] * p2
+        f2 = f2 + u[27] * p0 + u[30] * p1 + u[33] * p2
+    f0, f1, f2 = to_lab(q, f0, f1, f2, -1.0)
+    t0, t1, t2 = to_lab(q, u[4], u[5], u[6], -1.0)
+    return f0, f1, f2, t0 + m1 * b2 - m2 * b1, t1 + m2 * b0 - m0 * b2, t2 + m0 * b1 - m1 * b0
+
+
+@compiled
 def relative_twist(
-    twist: Any, strain: Any, moment: Any, q: Any, phase: Any, u: Any, B: Any, shear: bool, work: Any
+    twist: Any,
+    strain: Any,
+    magnetic: Any,
+    q: Any,
+    x: Any,
+    phase: Any,
+    u: Any,
+    B: Any,
+    bends: int,
+    work: Any,
 ) -> tuple[Any, Any, Any, Any, Any, Any]:
     """Return the twist v relative to the flow."""
-    w0, w1, w2 = to_lab(q, u[1], u[2], u[3], -1.0)
-    t0, t1, t2 = to_lab(q, u[4], u[5], u[6], -1.0)
-    b0, b1, b2 = to_lab(q, B[0], B[1], B[2], -1.0)
-    w3 = t0 + moment[1] * b2 - moment[2] * b1
-    w4 = t1 + moment[2] * b0 - moment[0] * b2
-    w5 = t2 + moment[0] * b1 - moment[1] * b0
+    w0, w1, w2, w3, w4, w5 = wrench(magnetic, q, x, u, B, bends)
     row(twist, phase, work)
     M, r = work, u[0]  # lower triangle row by row, then v; written out, or memory rules the time
     V0 = M[0] * w0 + M[1] * w1 + M[3] * w2 + M[6] * w3 + M[10] * w4 + M[15] * w5 + M[21] * r
@@ -86,19 +117,20 @@ def relative_twist(
     V3 = M[6] * w0 + M[7] * w1 + M[8] * w2 + M[9] * w3 + M[13] * w4 + M[18] * w5 + M[24] * r
     V4 = M[10] * w0 + M[11] * w1 + M[12] * w2 + M[13] * w3 + M[14] * w4 + M[19] * w5 + M[25] * r
     V5 = M[15] * w0 + M[16] * w1 + M[17] * w2 + M[18] * w3 + M[19] * w4 + M[20] * w5 + M[26] * r
-    if shear:
+    if bends & FLOW_BENDS:
         d0, d1, d2, d3, d4, d5 = strained(strain, q, phase, u, work)
         V0, V1, V2, V3, V4, V5 = V0 + d0, V1 + d1, V2 + d2, V3 + d3, V4 + d4, V5 + d5
     return V0, V1, V2, V3, V4, V5
 
 
 @compiled
-def sheared(u: Any) -> bool:
-    """Return whether the flow has a gradient."""
-    felt = False
+def graded(u: Any) -> int:
+    """Return what has a gradient: the flow, the field, both or none."""
+    flow, field = False, False
     for i in range(16, 25):
-        felt |= u[i] != 0
-    return felt
+        flow |= u[i] != 0
+        field |= u[9 + i] != 0
+    return (FLOW_BENDS if flow else 0) + (FIELD_BENDS if field else 0)
 
 
 @compiled
@@ -158,20 +190,20 @@ def background(q: Any, u: Any, x0: Any, x1: Any, x2: Any) -> tuple[Any, Any, Any
 def velocity(
     twist: Any,
     strain: Any,
-    moment: Any,
+    magnetic: Any,
     q: Any,
     x: Any,
     phase: Any,
     u: Any,
     B: Any,
-    shear: bool,
+    bends: int,
     work: Any,
 ) -> tuple[Any, Any, Any, Any, Any, Any]:
     """Return the velocity of the centre in the lab frame, angular velocity in the body frame."""
-    V0, V1, V2, w0, w1, w2 = relative_twist(twist, strain, moment, q, phase, u, B, shear, work)
+    V0, V1, V2, w0, w1, w2 = relative_twist(twist, strain, magnetic, q, x, phase, u, B, bends, work)
     a, b, c = to_lab(q, V0, V1, V2, 1.0)
     a, b, c = a + u[13], b + u[14], c + u[15]
-    if shear:
+    if bends & FLOW_BENDS:
         d0, d1, d2, o0, o1, o2 = background(q, u, x[0], x[1], x[2])
         a, b, c, w0, w1, w2 = a + d0, b + d1, c + d2, w0 + o0, w1 + o1, w2 + o2
     return a, b, c, w0, w1, w2
@@ -179,7 +211,7 @@ def velocity(
 
 @compiled
 def substep(
-    twist: Any, strain: Any, moment: Any, y: Any, u: Any, t: Any, h: Any, shear: bool, work: Any
+    twist: Any, strain: Any, magnetic: Any, y: Any, u: Any, t: Any, h: Any, bends: int, work: Any
 ) -> None:
     """Step at order 4; `t` is the time since the inputs were set, y is overwritten."""
     q = (y[3], y[4], y[5], y[6])
@@ -194,7 +226,7 @@ def substep(
             B = field_at(u, t + ahead)
         x = (y[0] + ahead * k0, y[1] + ahead * k1, y[2] + ahead * k2)
         p, phase = turned(q, (v0, v1, v2)), y[7] + u[0] * ahead
-        k0, k1, k2, w0, w1, w2 = velocity(twist, strain, moment, p, x, phase, u, B, shear, work)
+        k0, k1, k2, w0, w1, w2 = velocity(twist, strain, magnetic, p, x, phase, u, B, bends, work)
         # v' = w + v x w / 2 + v x (v x w) / 12
         c0, c1, c2 = v1 * w2 - v2 * w1, v2 * w0 - v0 * w2, v0 * w1 - v1 * w0
         s0 = w0 + c0 / 2.0 + (v1 * c2 - v2 * c1) / 12.0
@@ -223,11 +255,13 @@ def size(u: Any, first: int, n: int) -> float:
 def fastest(limits: Any, u: Any) -> float:
     """Return the bound of what turns fastest: tail, field and body (rad per time).
 
-    The body's rotation is bounded by ``limits[1:] = (per motor rate, per force, per torque, by
-    torque of the field per field)``.
+    The body's rotation is bounded by ``limits[1:] = (per motor rate, per force, per torque, size
+    of m_0, of C)``, with the field as it is at ``field_place``.
     """
-    body = limits[1] * abs(u[0].real) + limits[2] * size(u, 1, 3) + limits[3] * size(u, 4, 3)
-    body += limits[4] * size(u, 7, 3) + size(u, 16, 9)
+    B = size(u, 7, 3)
+    moment = limits[4] + limits[5] * B
+    body = limits[1] * abs(u[0].real) + limits[3] * (size(u, 4, 3) + moment * B)
+    body += limits[2] * (size(u, 1, 3) + moment * size(u, 25, 9)) + size(u, 16, 9)
     return max(abs(u[0].real), size(u, 10, 3), body)
 
 
@@ -255,7 +289,7 @@ def internal_steps(limits: Any, u: Any, dt: float) -> int:
 def advance(
     twist: Any,
     strain: Any,
-    moment: Any,
+    magnetic: Any,
     limits: Any,
     y: Any,
     u: Any,
@@ -265,16 +299,16 @@ def advance(
 ) -> None:
     """Advance one state by dt in so many steps, 0 = as many as it takes; y is overwritten."""
     n = steps if steps > 0 else internal_steps(limits, u, dt)
-    h, shear = dt / n, sheared(u)
+    h, bends = dt / n, graded(u)
     for i in range(n):
-        substep(twist, strain, moment, y, u, i * h, h, shear, work)
+        substep(twist, strain, magnetic, y, u, i * h, h, bends, work)
 
 
 @loop(fastmath=FAST, error_model="numpy")
 def advance_all(
     twist: Any,
     strain: Any,
-    moment: Any,
+    magnetic: Any,
     limits: Any,
     Y: Any,
     U: Any,
@@ -287,4 +321,4 @@ def advance_all(
     for b in prange(blocks):
         for i in range(b * n // blocks, (b + 1) * n // blocks):
             u = U[i if U.shape[0] > 1 else 0]
-            advance(twist, strain, moment, limits, Y[i], u, dt, steps, work[b])
+            advance(twist, strain, magnetic, limits, Y[i], u, dt, steps, work[b])

@@ -7,15 +7,16 @@ from typing import Any
 import numpy as np
 
 from microswim.control.motion import (
+    FLOW_BENDS,
     STATE,
     WORK,
     advance,
     body_strain,
     compiled,
+    graded,
     internal_steps,
     relative_twist,
     row,
-    sheared,
     velocity,
 )
 from microswim.numerics.complex_step import STEP
@@ -40,19 +41,19 @@ def body_twist(twist: Any, phase: Any, rate: Any, wrench: Any, work: Any, out: A
 
 @compiled
 def outputs(
-    twist: Any, strain: Any, moment: Any, motor: Any, Y: Any, U: Any, work: Any, out: Any
+    twist: Any, strain: Any, magnetic: Any, motor: Any, Y: Any, U: Any, work: Any, out: Any
 ) -> None:
     """Write twist in the body frame (6) and motor torque (1) of all states into (n, 7)."""
     for i in range(Y.shape[0]):
         u, y = U[i if U.shape[0] > 1 else 0], Y[i]
-        q, B, shear = (y[3], y[4], y[5], y[6]), (u[7], u[8], u[9]), sheared(u)
-        V = relative_twist(twist, strain, moment, q, y[7], u, B, shear, work)
-        v = velocity(twist, strain, moment, q, (y[0], y[1], y[2]), y[7], u, B, shear, work)
+        q, x, B, bends = (y[3], y[4], y[5], y[6]), (y[0], y[1], y[2]), (u[7], u[8], u[9]), graded(u)
+        V = relative_twist(twist, strain, magnetic, q, x, y[7], u, B, bends, work)
+        v = velocity(twist, strain, magnetic, q, x, y[7], u, B, bends, work)
         row(motor, y[7], work)
         torque = work[6] * u[0]
         for k in range(6):
             torque += work[k] * V[k]
-        if shear:
+        if bends & FLOW_BENDS:
             e = body_strain(q, u)
             for k in range(6):
                 torque -= work[7 + k] * e[k]
@@ -63,7 +64,7 @@ def outputs(
 
 @compiled
 def derivatives(
-    twist: Any, strain: Any, moment: Any, limits: Any, y: Any, u: Any, dt: float, steps: int,
+    twist: Any, strain: Any, magnetic: Any, limits: Any, y: Any, u: Any, dt: float, steps: int,
     columns: Any,
 ) -> Any:  # fmt: skip
     """Return ``dy'/dy`` (8, 8) and ``dy'/du`` (8, m) for some inputs, by complex steps."""
@@ -73,12 +74,12 @@ def derivatives(
     J[:, :3] = 0.0
     for k in range(3):
         J[k, k] = 1.0
-    for k in range(0 if sheared(u) else 3, J.shape[1]):  # a uniform flow is the same everywhere
+    for k in range(0 if graded(u) else 3, J.shape[1]):  # else the same everywhere
         z, w = y.astype(np.complex128), u.astype(np.complex128)
         if k < STATE:
             z[k] += 1j * STEP
         else:
             w[columns[k - STATE]] += 1j * STEP
-        advance(twist, strain, moment, limits, z, w, dt, n, work)
+        advance(twist, strain, magnetic, limits, z, w, dt, n, work)
         J[:, k] = z.imag / STEP
     return J[:, :STATE], J[:, STATE:]

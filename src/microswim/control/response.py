@@ -127,8 +127,10 @@ def _trimmed(series: np.ndarray, felt: np.ndarray) -> np.ndarray:
     return np.ascontiguousarray(series[: 1 + 2 * ((last + 1) // 2)])
 
 
-def step_limits(solved: Response, resolution: float, magnet: np.ndarray) -> np.ndarray:
-    """Return the largest turn of a step, and the body's rotation per unit of what drives it."""
+def step_limits(solved: Response, resolution: float, magnetic: np.ndarray) -> np.ndarray:
+    """Return the largest turn of a step, the body's rotation per unit of what drives it, and the
+    sizes of m_0 and C of its moment (12,).
+    """
     n = 1 if len(solved.twist) == 1 else 32
     tables = np.array([solved.at(2.0 * np.pi * i / n).twist[0] for i in range(n)])
     M = np.zeros((n, 6, 6))
@@ -139,4 +141,5 @@ def step_limits(solved: Response, resolution: float, magnet: np.ndarray) -> np.n
         np.linalg.norm(M[:, 3:, :3], 2, axis=(1, 2)).max(),
         np.linalg.norm(M[:, 3:, 3:], 2, axis=(1, 2)).max(),
     ]
-    return np.array([2.0 * np.pi / resolution, *turns, turns[2] * np.linalg.norm(magnet)])
+    sizes = np.linalg.norm(magnetic[:3]), np.linalg.norm(magnetic[3:])
+    return np.array([2.0 * np.pi / resolution, *turns, *sizes])

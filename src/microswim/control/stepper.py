@@ -24,7 +24,7 @@ from microswim.gait.gait import Gait
 from microswim.gait.held import warn_if_held
 from microswim.gait.readable import origin
 from microswim.numerics.array import kept, still_read_only
-from microswim.swimmer.magnetism.magnet import vector_of
+from microswim.swimmer.magnetism.magnet import magnetic_of, vector_of
 from microswim.swimmer.swimmer import Swimmer
 
 _NO_LOAD = np.zeros(6)
@@ -48,8 +48,8 @@ class Stepper:
         The swimmer itself, if it shall feel the strain of a background flow; without it only the
         flow's velocity and rotation at the body's centre count.
     moment
-        Magnetic moment fixed in the body, body frame: three numbers or a `Magnet`; by default that
-        of `swimmer`.
+        Magnetic moment fixed in the body, body frame: three numbers or a `Magnet`, which may be
+        soft; by default that of `swimmer`.
     locked
         Motor locked at the phase of the state's start, which is then 0: a rigid robot.
     resolution
@@ -92,10 +92,12 @@ class Stepper:
             checks.instance("swimmer", self.swimmer, "Swimmer")
         checks.truth("locked", self.locked)
         own = self.swimmer.magnet if self.swimmer is not None else None
-        moment = vector_of(own if self.moment is None else self.moment)
-        checks.numbers("moment", moment, 3, "three finite numbers, in the body frame")
-        object.__setattr__(self, "moment", tuple(float(x) for x in moment))
-        warn_if_held(self.gait, self.moment)
+        magnet = own if self.moment is None else self.moment
+        checks.numbers("moment", vector_of(magnet), 3, "three finite numbers, in the body frame")
+        if not magnetic_of(magnet)[3:].any():
+            magnet = tuple(map(float, vector_of(magnet)))
+        object.__setattr__(self, "moment", magnet)
+        warn_if_held(self.gait, self.magnetic)
         checks.number("resolution", self.resolution, "4 or more steps per turn", least=4)
         allowed = "a whole number from 1 to 10000000"
         for name in ("steps", "most_steps"):
@@ -121,10 +123,15 @@ class Stepper:
             parts = f"{self.resolution:g} internal steps a turn, at most {self.most_steps}"
         return (
             f"Stepper of a {self.gait.model} gait, {self.gait.units}\n"
-            f"  motor {motor}; magnetic moment {tuple(map(float, self.moment))}\n"
+            f"  motor {motor}; magnetic moment {self._magnet}\n"
             f"  {parts}; strain of a flow {felt}"
             + "".join(f"\n  {line}" for line in origin(self.gait))
         )
+
+    @property
+    def _magnet(self) -> str:
+        soft = "that of a soft magnet" if self.magnetic[3:].any() else ""
+        return soft or str(tuple(map(float, self.magnetic[:3])))
 
     @cached_property
     def response(self) -> Response:
@@ -133,18 +140,18 @@ class Stepper:
         return solved.at(0.0) if self.locked else solved
 
     @cached_property
-    def magnet(self) -> np.ndarray:
-        """Moment as an array, body frame (3,)."""
-        return kept(self.moment, float)
+    def magnetic(self) -> np.ndarray:
+        """Moment without a field, then moment per field row by row (12,), body frame."""
+        return kept(magnetic_of(self.moment), float)
 
     @cached_property
     def limits(self) -> np.ndarray:
         """What bounds an internal step, as `motion.internal_steps` reads it."""
-        return kept(step_limits(self.response, self.resolution, self.magnet))
+        return kept(step_limits(self.response, self.resolution, self.magnetic))
 
     @cached_property
     def _model(self) -> tuple[Any, ...]:
-        return self.response.twist, self.response.strain, self.magnet, self.limits
+        return self.response.twist, self.response.strain, self.magnetic, self.limits
 
     @cached_property
     def _work(self) -> np.ndarray:
@@ -170,8 +177,9 @@ class Stepper:
             Held over the step; one for all swimmers or one row each. ``motor_rate`` (rad per
             time, negative = reversed; the gait's own by default), ``force`` and ``torque`` on the
             body about its centre, ``field`` B, ``field_rate`` (angular velocity with which the
-            field turns during the step), ``flow`` and ``gradient`` (3, 3) of the background
-            velocity ``u(x) = flow + gradient x``; all vectors in the lab frame.
+            field turns during the step), ``field_gradient`` (3, 3) ``dB_i/dx_j`` about
+            ``field_place``, at which B is `field`, ``flow`` and ``gradient`` (3, 3) of the
+            background velocity ``u(x) = flow + gradient x``; all vectors in the lab frame.
 
         Returns
         -------
@@ -246,7 +254,7 @@ class Stepper:
 
     @checks.given()
     def held(self, n: int, inputs: dict[str, Any]) -> np.ndarray:
-        """Return the inputs as an array, one row for all or (n, 25); checked."""
+        """Return the inputs as an array, one row for all or (n, 37); checked."""
         return rows(self._rest, n, inputs, self.locked)
 
     @checks.given()
@@ -287,7 +295,7 @@ class Stepper:
     ) -> tuple[np.ndarray, np.ndarray]:
         """Return the exact derivatives of the next state of one swimmer: (8, 8) and (8, m).
 
-        With respect to the state, and to the inputs named in `wrt`, by default all 25 numbers in
+        With respect to the state, and to the inputs named in `wrt`, by default all 37 numbers in
         the order of `motion.INPUTS`; by complex steps through the compiled step.
         """
         _check_state(state)
@@ -300,7 +308,7 @@ class Stepper:
         if not set(wrt) <= set(motion.INPUTS):
             raise SpecError("wrt", wrt, "some of the inputs " + ", ".join(motion.INPUTS))
         self._check_turn(u[None], dt)
-        columns = np.concatenate([np.arange(25)[motion.INPUTS[name]] for name in wrt])
+        columns = np.concatenate([np.arange(motion.INPUT)[motion.INPUTS[name]] for name in wrt])
         return readout.derivatives(*self._model, state.values, u, dt, self.steps or 0, columns)
 
     @checks.given()

@@ -153,7 +153,7 @@ def path(
     poses = _poses(swimmer, model, gait, progress) if poses is None else poses
     made = poses.gait
     if swimmer.field is not None and swimmer.magnet is not None:
-        warn_if_held(made, swimmer.magnet.vector)
+        warn_if_held(made, swimmer.magnet.magnetic)
     noisy = swimmer.noise is not None
     if paths > 1 and not noisy:
         raise SpecError("paths", paths, "1 without [noise]", "all paths would be the same")
@@ -184,9 +184,9 @@ def path(
 
 
 def _in_space(swimmer: Swimmer) -> AppliedField | None:
-    """Return the field if it depends on place and there is something that it acts on."""
+    """Return the field if it is more than a wave in time and there is what it acts on."""
     field = swimmer.field
-    if field is None or field.is_uniform or swimmer.magnet is None:
+    if field is None or field.is_periodic or swimmer.magnet is None:
         return None
     if swimmer.noise is not None:
         raise SpecError("field.kind", field.kind, "uniform, rotating or oscillating with [noise]")

@@ -1,7 +1,8 @@
 """A path in a field that depends on place: the field pulls as well as turns.
 
-Force ``J' m`` and torque ``m x B`` at the body's centre, integrated by an adaptive Runge-Kutta
-method of order 8 (SciPy's DOP853) in position, quaternion and phase.
+Force ``J' m`` and torque ``m x B`` at the body's centre, ``m = m_0 + C B`` in the body frame,
+integrated by an adaptive Runge-Kutta method of order 8 (SciPy's DOP853) in position, quaternion
+and phase.
 """
 
 from __future__ import annotations
@@ -25,7 +26,7 @@ def follow(
     gait: Gait,
     t: Array,
     rate: Callable[[float], float],
-    moment: Array,
+    magnetic: Array,
     field: AppliedField,
     load: Callable[[float], tuple[Array, Array, Array]],
     start: tuple[Array, ...],
@@ -39,8 +40,8 @@ def follow(
         Gait, increasing times, and position, quaternion and phase at the first.
     rate
         Phase rate of the motor at a time.
-    moment, field
-        Magnetic moment, body frame, and the field.
+    magnetic, field
+        m_0, then C row by row (12,), body frame, and the field.
     load
         Further force, torque and flow at a time, lab frame.
     max_step
@@ -56,9 +57,8 @@ def follow(
         place, q, phase = y[:3], y[3:7] / np.linalg.norm(y[3:7]), y[7]
         Q = rotation_matrix(q)
         force, torque, flow = load(time)
-        pull = field.gradient(time, place).T @ (Q @ moment)
-        wrench = np.concatenate([Q.T @ (force + pull), Q.T @ torque])
-        wrench[3:] += np.cross(moment, Q.T @ field.at(time, place))
+        pull, turn = magnetic_wrench(magnetic, field, time, place, Q)
+        wrench = np.concatenate([Q.T @ (force + pull), Q.T @ torque + turn])
         turning = rate(time)
         V = np.real(gait.velocity(phase, turning, wrench))
         spin = multiply(q, np.concatenate([[0.0], V[3:]])) / 2.0
@@ -83,7 +83,7 @@ def follow_loads(
     Parameters
     ----------
     table, loads, field
-        Gait at every pose; loads, whose moment the field acts on.
+        Gait at every pose; loads, whose magnet the field acts on.
     t, start
         Increasing times, and position, quaternion and phase at the first.
     control
@@ -99,8 +99,7 @@ def follow_loads(
 
     def change(time: float, y: Array) -> Array:
         place, q = y[:3].copy(), y[3:7] / np.linalg.norm(y[3:7])
-        moment = rotation_matrix(q) @ loads.moment
-        pull = field.gradient(time, place).T @ moment
+        pull, _ = magnetic_wrench(loads.magnetic, field, time, place, rotation_matrix(q))
         B = np.array([field.at(time, place), np.zeros(3), np.zeros(3)])
         here = loads._replace(force=loads.force + pull, field=B)
         phase = phase0 + loads.rate * (time - t[0])
@@ -117,6 +116,23 @@ def follow_loads(
     y = _integrated(change, t, np.concatenate([x0, q0, np.zeros(2)]), tolerance, scale, longest)
     q = y[:, 3:7]
     return y[:, :3], q / np.linalg.norm(q, axis=1, keepdims=True), y[:, 7:]
+
+
+def magnetic_wrench(
+    magnetic: Array, field: AppliedField, time: float, place: Array, Q: Array
+) -> tuple[Array, Array]:
+    """Return the force (lab frame) and the torque (body frame) of a field on a magnet.
+
+    Parameters
+    ----------
+    magnetic
+        m_0, then C row by row (12,), body frame.
+    field, time, place, Q
+        Field, when and where, and the rotation matrix body to lab (3, 3).
+    """
+    B = Q.T @ field.at(time, place)
+    moment = magnetic[:3] + magnetic[3:].reshape(3, 3) @ B
+    return field.gradient(time, place).T @ (Q @ moment), np.cross(moment, B)
 
 
 def _integrated(

@@ -14,7 +14,7 @@ from microswim.path import strain, weight
 from microswim.path.velocity import CURVED, LINEAR, STILL, Loads
 from microswim.swimmer.flow import Flow, PoiseuilleFlow
 from microswim.swimmer.magnetism.applied_field import AppliedField, unit
-from microswim.swimmer.magnetism.magnet import vector_of
+from microswim.swimmer.magnetism.magnet import magnetic_of
 from microswim.swimmer.swimmer import Swimmer
 
 FINEST = 512
@@ -50,7 +50,7 @@ def loads_of(
         torque=np.array(torque, float),
         gravity=pull,
         arm=periodic(lambda p: weight.arm(swimmer, p), swimmer.gravity is not None, 3),
-        moment=np.array(vector_of(swimmer.magnet) if magnetic else (0.0, 0.0, 0.0)),
+        magnetic=magnetic_of(swimmer.magnet if magnetic else None),
         field=_waves(swimmer.field) if magnetic else np.zeros((3, 3)),
         field_rate=float(swimmer.field.rate) if magnetic else 0.0,  # type: ignore[union-attr]
         flow=np.zeros(3) if flow is None or bends == CURVED else flow.at_origin,
@@ -82,7 +82,7 @@ def periodic(function: Callable[[Array], Array], wanted: Any, width: int) -> Arr
 
 def _waves(field: AppliedField | None) -> Array:
     """Rows B_0, B_1, B_2 of ``B_0 + B_1 cos(w t) + B_2 sin(w t)``."""
-    if field is None or not field.is_uniform:  # the path asks such a field where it is
+    if field is None or not field.is_periodic:  # the path asks such a field where it is
         return np.zeros((3, 3))
     if not field.rate:
         return np.array([field.at(0.0), np.zeros(3), np.zeros(3)])

@@ -215,6 +215,11 @@ def steady_turning(swimmer: Swimmer, gait: Gait) -> SteadyTurning:
     if magnet is None:
         raise SpecError('magnet: missing; give its moment, as moment = ["0 A m^2", "1e-6 A m^2", '
                         '"0 A m^2"], or its remanence and size')  # fmt: skip
+    if magnet.susceptibility is not None:
+        raise SpecError(
+            "magnet.susceptibility: regimes are those of a permanent magnet; follow a soft one in "
+            "time, microswim path"
+        )
     if not isinstance(applied, RotatingField):
         kind = "missing" if applied is None else applied.kind
         raise SpecError("field.kind", kind, '"rotating"', "its frequency is then asked for here")

@@ -21,7 +21,7 @@ from microswim.numerics.array import sealed
 from microswim.numerics.rigid_motion import ScrewMotion, multiply, rotation_matrix
 from microswim.path.in_space import follow
 from microswim.swimmer.magnetism.applied_field import AppliedField
-from microswim.swimmer.magnetism.magnet import Magnet, vector_of
+from microswim.swimmer.magnetism.magnet import Magnet, magnetic_of, vector_of
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -82,8 +82,8 @@ def trajectory(
         External force on the body's centre and torque, lab frame.
     moment, field
         Magnetic moment fixed in the body (body frame, constant) and field B in the lab frame:
-        torque ``m x B``. Also a `Magnet`, and a `RotatingField` or another field of a spec; one
-        that depends on place pulls as well.
+        torque ``m x B``. Also a `Magnet`, which may be soft, and a `RotatingField` or another
+        field of a spec; one that depends on place pulls as well.
     flow
         Uniform background velocity, lab frame.
     position, quaternion, phase
@@ -116,13 +116,20 @@ def trajectory(
     if t.ndim != 1 or not np.isfinite(t).all() or (np.diff(t) <= 0).any():
         raise SpecError("times", times, "finite and increasing")
     start = _start(position, quaternion, phase)
-    moment = None if moment is None else vector_of(moment)
-    if isinstance(field, AppliedField) and not field.is_uniform:
-        _check_moment(moment)
-        warn_if_held(gait, moment)
+    soft = isinstance(moment, Magnet) and bool(moment.softness.any())
+    if soft and not isinstance(field, AppliedField):
+        raise SpecError(
+            "field", field, "a field of a spec, such as ms.UniformField, with a soft magnet"
+        )
+    if isinstance(field, AppliedField) and (soft or not field.is_periodic):
+        checks.numbers("moment", () if moment is None else vector_of(moment), 3,
+                       "three numbers, or a Magnet")  # fmt: skip
+        magnetic = magnetic_of(moment)
+        warn_if_held(gait, magnetic)
         further = {"force": force, "torque": torque, "flow": flow}
-        x, q, angle = _in_space(gait, t, rate, np.array(moment), field, further, start, max_step)
+        x, q, angle = _in_space(gait, t, rate, magnetic, field, further, start, max_step)
         return dataset(gait, t, x, q, angle)
+    moment = None if moment is None else vector_of(moment)
     if isinstance(field, AppliedField):
         field = field.at
     for name, given in (("moment", moment), ("field", field)):
@@ -142,16 +149,11 @@ def trajectory(
     return dataset(gait, t, x, q, angle)
 
 
-def _check_moment(moment: Any) -> None:
-    """Refuse what is no moment; a field that depends on place has nothing to act on without."""
-    checks.numbers("moment", () if moment is None else moment, 3, "three numbers, or a Magnet")
-
-
 def _in_space(
     gait: Gait,
     t: np.ndarray,
     rate: Any,
-    moment: np.ndarray,
+    magnetic: np.ndarray,
     field: AppliedField,
     further: dict[str, Any],
     start: tuple[np.ndarray, ...],
@@ -168,7 +170,7 @@ def _in_space(
 
     fastest = max(field.rate, abs(at(t[0])))
     longest = max_step or (np.pi / 4.0 / fastest if fastest else np.inf)
-    return follow(gait, t, at, moment, field, load, start, longest)
+    return follow(gait, t, at, magnetic, field, load, start, longest)
 
 
 def _start(position: Any, quaternion: Any, phase: Any) -> tuple[np.ndarray, ...]:

@@ -38,8 +38,8 @@ class Loads(NamedTuple):
         Acceleration (3,), times the series `arm` a torque.
     arm
         Series (1 + 2 H, 3) of ``sum (rho_i - rho_f) V_i r_i`` about the body's centre, body frame.
-    moment
-        Magnetic, body frame (3,).
+    magnetic
+        Moment m_0, then C row by row of ``m = m_0 + C B``, body frame (12,).
     field
         Rows of ``B = B_0 + B_1 cos(w t) + B_2 sin(w t)`` (3, 3).
     field_rate
@@ -64,7 +64,7 @@ class Loads(NamedTuple):
     torque: np.ndarray
     gravity: np.ndarray
     arm: np.ndarray
-    moment: np.ndarray
+    magnetic: np.ndarray
     field: np.ndarray
     field_rate: float
     flow: np.ndarray
@@ -122,7 +122,13 @@ def add_loads(loads: Any, t: Any, phase: Any, Q: Any, W: Any, values: Any) -> An
     c, n = np.cos(loads.field_rate * t), np.sin(loads.field_rate * t)
     B, g = loads.field, loads.gravity
     b0, b1, b2 = into_body(Q, B[0] + c * B[1] + n * B[2])
-    cross_to(W, 3, loads.moment, b0, b1, b2)
+    for i in range(3):
+        c = 3 + 3 * i
+        values[i] = loads.magnetic[i]
+        values[i] += (
+            loads.magnetic[c] * b0 + loads.magnetic[c + 1] * b1 + loads.magnetic[c + 2] * b2
+        )
+    cross_to(W, 3, values, b0, b1, b2)
     g0, g1, g2 = into_body(Q, g)
     row(loads.arm, phase, values)
     cross_to(W, 3, values, g0, g1, g2)

@@ -66,8 +66,8 @@ class Library:
         subprocess.run([*cc, "-shared", "-o", target, thing, "-lm"], check=True)
         self.code = ctypes.CDLL(str(target))
         self.code.robot_message.restype = ctypes.c_char_p
-        self.parameters = (self.number * 4)()
-        self.inputs = (self.number * 25)()
+        self.parameters = (self.number * 10)()
+        self.inputs = (self.number * 37)()
         self.state = (self.number * 8)()
         self.code.robot_defaults(self.state, self.inputs, self.parameters)
 
@@ -186,14 +186,14 @@ def test_no_result_is_infinite_with_a_good_status(build, inputs, flags):
 @pytest.mark.parametrize("bad", [np.nan, np.inf, -np.inf])
 def test_what_is_not_finite_is_found_by_its_bits(build, bad, flags):
     library = build(flags=flags)
-    for which, n in (("inputs", 25), ("state", 8), ("parameters", 4)):
+    for which, n in (("inputs", 37), ("state", 8), ("parameters", 10)):
         for i in range(n):
             library.begin(motor_rate=1.0)
-            library.parameters[:] = [0.1, *MOMENT]
+            library.parameters[:] = [0.1, *MOMENT, *np.zeros(6)]
             getattr(library, which)[i] = bad
             assert library.step(1e-3) in range(1, 8), (which, i)
             assert library.outputs()[0] in range(1, 8), (which, i)
-    library.parameters[:] = [0.1, *MOMENT]
+    library.parameters[:] = [0.1, *MOMENT, *np.zeros(6)]
     library.begin(motor_rate=1.0)
     assert library.step(bad) == 8
     assert library.step(1e-3) == 0

@@ -47,11 +47,11 @@ class State(ctypes.Structure):
 
 
 class Inputs(ctypes.Structure):
-    _fields_ = [("values", vector(25))]
+    _fields_ = [("values", vector(37))]
 
 
 class Parameters(ctypes.Structure):
-    _fields_ = [("viscosity", ctypes.c_double), ("moment", vector(3))]
+    _fields_ = [("viscosity", ctypes.c_double), ("moment", vector(3)), ("soft", vector(6))]
 
 
 @pytest.fixture(scope="module")

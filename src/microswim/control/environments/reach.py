@@ -89,7 +89,7 @@ def drive(mem: Any, action: Any, u: Any, work: Any, model: Any, s: Any) -> None:
     n = max(1, int(np.ceil(abs(u[0]) * s.dt / TURN)))
     h = s.dt / n
     for k in range(n):
-        substep(model[0], model[1], model[2], mem, u, k * h, h, False, work)
+        substep(model[0], model[1], model[2], mem, u, k * h, h, 0, work)
     mem[7] = np.mod(mem[7], 2.0 * np.pi)
     mem[ANGLE] = np.mod(mem[ANGLE] + turn * s.dt, 2.0 * np.pi)
 

@@ -123,7 +123,7 @@ def drive(mem: Any, u: Any, work: Any, model: Any, s: Any, keys: Any, i: int) ->
     n = max(1, int(np.ceil(abs(w) * s.dt / TURN)))
     h = s.dt / n
     for k in range(n):
-        substep(model[0], model[1], model[2], mem, u, k * h, h, False, work)
+        substep(model[0], model[1], model[2], mem, u, k * h, h, 0, work)
     b0, b1, b2 = field_at(u, s.dt)
     mem[B], mem[B + 1], mem[B + 2] = b0 / s.field, b1 / s.field, b2 / s.field
 

@@ -52,7 +52,7 @@ class World(ABC):
     def __init__(self, n: int, **options: Any) -> None:
         self.settings = s = self.conditions(**_known(options))
         stepper = self.stepper()
-        self.model = (stepper.response.twist, stepper.response.strain, stepper.magnet)
+        self.model = (stepper.response.twist, stepper.response.strain, stepper.magnetic)
         self.memory = np.zeros((n, self.memory_size))
         self.count = np.zeros((n, self.counts), dtype=np.int64)
         self.ring = np.zeros((n, s.latency // s.interval + 2, FRAME))

@@ -22,6 +22,8 @@ from microswim.errors import SpecError
 from microswim.gait.readable import origin
 from microswim.gait.units import unit
 
+#: Entries ss, qq, rr, sq, sr, qr of the moment per field, in `Stepper.magnetic`.
+SOFT = (3, 7, 11, 4, 5, 8)
 MEASURED = ("length", "time", "force", "torque", "field", "moment", "viscosity")
 BANNER = """\
 /* {name}: a swimmer at low Reynolds number, written by microswim {version}.
@@ -36,7 +38,8 @@ BANNER = """\
    Force and torque act ON the swimmer; R V + F_p rate = W_external, the fluid's is the negative.
    Phase in radians, of the tail relative to the body; a positive motor rate sends the wave away
    from the body{hand}.
-   Torque of a magnetic field: m x B, m fixed in the body. Stokes flow: no inertia.
+   Of a magnetic field: torque m x B and force J' m, J_ij = d B_i / d x_j; m = moment + soft B,
+   both fixed in the body. Stokes flow: no inertia.
    A step takes {steps};
    it calls nothing but libm, allocates nothing, keeps no static state. */"""
 
@@ -164,7 +167,8 @@ def _values(stepper: Stepper, name: str, spec: str) -> dict[str, str]:
         "limits": numbers(stepper.limits[:4]),
         "locked": "1.0" if stepper.locked else "0.0",
         "viscosity_value": repr(viscosity(stepper)),
-        "moment_values": numbers(stepper.magnet),
+        "moment_values": numbers(stepper.magnetic[:3]),
+        "soft_values": numbers(stepper.magnetic[list(SOFT)]),
         "steps": str(stepper.steps or 0),
         "most_steps": str(stepper.most_steps),
         "bound": _about_steps(stepper),

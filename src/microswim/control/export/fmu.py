@@ -30,6 +30,7 @@ SI_UNITS = {
     "m": 'm="1"', "s": 's="1"', "N": 'kg="1" m="1" s="-2"', "N.m": 'kg="1" m="2" s="-2"',
     "T": 'kg="1" s="-2" A="-1"', "A.m2": 'A="1" m="2"', "Pa.s": 'kg="1" m="-1" s="-1"',
     "m/s": 'm="1" s="-1"', "rad/s": 's="-1" rad="1"', "rad": 'rad="1"', "1/s": 's="-1"',
+    "T/m": 'kg="1" m="-1" s="-2" A="-1"', "A.m2/T": 'kg="-1" m="2" s="2" A="2"',
 }  # fmt: skip
 
 
@@ -53,8 +54,11 @@ def variables(stepper: Stepper) -> list[dict[str, Any]]:
         "tunable",
         "A.m2",
         "magnetic moment, body frame",
-        stepper.magnet,
+        stepper.magnetic[:3],
     )
+    add(" ".join(f"soft_{i}" for i in ("ss", "qq", "rr", "sq", "sr", "qr")), "tunable", "A.m2/T",
+        "moment per field of a soft magnet, body frame",
+        stepper.magnetic[list(cmodel.SOFT)])  # fmt: skip
     add("start_x start_y start_z", "fixed", "m", "position of the body's centre at the start, lab")
     add("start_qw start_qx start_qy start_qz", "fixed", "", "attitude at the start, body to lab",
         [1, 0, 0, 0])  # fmt: skip
@@ -71,6 +75,9 @@ def variables(stepper: Stepper) -> list[dict[str, Any]]:
         add(" ".join(f"{name}_{i}" for i in "xyz"), "input", unit, about)
     add(" ".join(f"gradient_{i}{j}" for i in "xyz" for j in "xyz"), "input", "1/s",
         "gradient of the background velocity, d u_i / d x_j, free of trace")  # fmt: skip
+    add(" ".join(f"field_gradient_{i}{j}" for i in "xyz" for j in "xyz"), "input", "T/m",
+        "gradient of the magnetic field, d B_i / d x_j")  # fmt: skip
+    add("field_place_x field_place_y field_place_z", "input", "m", "place where B is field, lab")
     add("x y z", "calculated", "m", "position of the body's centre, lab frame")
     add("qw qx qy qz", "calculated", "", "unit quaternion, body to lab")
     add("phase", "calculated", "rad", "phase of the tail relative to the body")
@@ -195,12 +202,14 @@ def _token(model: cmodel.CModel, wrapper: str, fmi: str) -> str:
 
 def _wrapper(model: cmodel.CModel, known: list[dict[str, Any]], fmi: str) -> str:
     first = {
-        k: next(v["reference"] for v in known if v["kind"] == k) for k in ("input", "calculated")
+        k: next(v["reference"] for v in known if v["kind"] == k)
+        for k in ("fixed", "input", "calculated")
     }
     values = {
         "name": model.name,
         "banner": model.banner,
         "token": "@token@",
+        "first_start": str(first["fixed"]),
         "first_input": str(first["input"]),
         "first_output": str(first["calculated"]),
         "variables": str(len(known)),

@@ -32,7 +32,7 @@ PRECISIONS = {
 }
 #: Values of a template that hold numbers of C.
 FIGURES = (
-    *("limits", "locked", "viscosity_value", "moment_values", "rate_value"),
+    *("limits", "locked", "viscosity_value", "moment_values", "soft_values", "rate_value"),
     *("tables", "small", "trace", "wrap"),
 )
 _LITERAL = re.compile(r"(?<![\w.@])(\d+\.\d*(?:e[-+]?\d+)?|\d+e[-+]?\d+)(?![\w.])")

@@ -19,7 +19,7 @@ from microswim.spec.types import (
 
 
 class MagnetTable(Table):
-    """[magnet]: a permanent magnet, fixed in the body."""
+    """[magnet]: a magnet fixed in the body, permanent or soft."""
 
     moment: Annotated[
         Moment | list[Moment] | None,
@@ -29,6 +29,12 @@ class MagnetTable(Table):
     remanence: Annotated[
         Tesla | None, About("Remanence", "of the magnet, in place of the moment; with its size")
     ] = None
+    susceptibility: Annotated[
+        list[Number] | list[list[Number]] | None,
+        About("Susceptibility", "of a soft magnet as a whole: along s, q, r, or a tensor",
+              entries=("Susceptibility along s", "Susceptibility along q",
+                       "Susceptibility along r")),
+    ] = None  # fmt: skip
     shape: Annotated[
         Literal["block", "cylinder", "sphere"], About("Shape", "block | cylinder | sphere")
     ] = "block"

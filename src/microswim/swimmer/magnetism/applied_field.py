@@ -23,14 +23,14 @@ class AppliedField(ABC):
     ----------
     kind
         Word of the spec.
-    is_uniform
-        Whether it is the same everywhere.
+    is_periodic
+        Whether it is ``B_0 + B_1 cos(w t) + B_2 sin(w t)``, the same everywhere.
     needs_si
         Whether it is one of SI alone, since the vacuum's permeability is in it.
     """
 
     kind: ClassVar[str]
-    is_uniform: ClassVar[bool] = True
+    is_periodic: ClassVar[bool] = True
     needs_si: ClassVar[bool] = False
 
     @abstractmethod

@@ -11,7 +11,7 @@ from microswim.gait.turning.step_out import Drive
 def drive_of(swimmer: Any) -> Drive | None:
     """Return the drive of a swimmer, None if it has no magnet or no field that rotates."""
     magnet, field = swimmer.magnet, swimmer.field
-    if magnet is None or field is None or field.kind != "rotating":
+    if magnet is None or field is None or field.kind != "rotating" or magnet.susceptibility:
         return None
     sense = -1.0 if field.frequency.real < 0 else 1.0
     return Drive(magnet.vector, field.strength, sense * field.cone)
@@ -23,6 +23,7 @@ def check_units(swimmer: Any) -> None:
     if swimmer.units == "SI":
         return
     if magnet is not None and magnet.moment is None:
-        raise SpecError("magnet.remanence: for a swimmer in SI; without units give the moment")
+        way = "remanence" if magnet.susceptibility is None else "susceptibility"
+        raise SpecError(f"magnet.{way}: for a swimmer in SI; without units give the moment")
     if field is not None and field.needs_si:
         raise SpecError("field.kind", field.kind, '"rotating" or "uniform" without units')

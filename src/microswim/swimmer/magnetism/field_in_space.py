@@ -55,7 +55,7 @@ class DipoleField(AppliedField):
     """
 
     kind: ClassVar[str] = "dipole"
-    is_uniform: ClassVar[bool] = False
+    is_periodic: ClassVar[bool] = False
     needs_si: ClassVar[bool] = True
 
     moment: tuple[float, float, float]
@@ -137,7 +137,7 @@ class CoilField(AppliedField):
     """
 
     kind: ClassVar[str] = "coils"
-    is_uniform: ClassVar[bool] = False
+    is_periodic: ClassVar[bool] = False
     needs_si: ClassVar[bool] = True
 
     file: str

@@ -1,6 +1,10 @@
-"""A permanent magnet fixed in the body: its moment, given or from remanence and volume.
+"""A magnet fixed in the body: a permanent one, or a soft one that the field magnetises.
 
 m = B_r V / mu_0      a uniformly magnetised piece of remanence B_r and volume V
+m = chi V B / mu_0    a soft piece of apparent susceptibility chi, a symmetric tensor (3, 3)
+
+chi is that of the piece as a whole, its own demagnetising field in it: ``chi_i / (1 + N chi_i)``
+of a material chi_i in an ellipsoid of demagnetising factor N along an axis.
 """
 
 from __future__ import annotations
@@ -15,15 +19,17 @@ from microswim import checks
 from microswim.errors import SpecError
 
 MU_0 = 1.25663706127e-6  #: N/A^2, vacuum permeability (CODATA 2022)
+WAYS = ("moment", "remanence", "susceptibility")  #: in which a magnet is given, one of them
 SIZES = {"block": 3, "cylinder": 2, "sphere": 1}  #: lengths that say a shape
 
 
 @checks.by_name
 @dataclass(frozen=True, kw_only=True)
 class Magnet:
-    """A permanent magnet, fixed in the body.
+    """A magnet fixed in the body, permanent or soft.
 
-    Either `moment`, or `remanence` with `volume` or with `shape` and `size`.
+    One of `moment`, `remanence` and `susceptibility`; the last two with `volume`, or with `shape`
+    and `size`.
 
     Parameters
     ----------
@@ -32,6 +38,9 @@ class Magnet:
         of a swimmer without units.
     remanence
         Remanence of the material (T); for swimmers in SI.
+    susceptibility
+        Of a soft magnet: apparent susceptibility along s, q and r, or the symmetric tensor (3, 3);
+        above -1. Its moment is this times volume times B over mu_0. For swimmers in SI.
     volume
         Of the magnet (m^3).
     shape
@@ -59,6 +68,7 @@ class Magnet:
 
     moment: float | tuple[float, ...] | None = None
     remanence: float | None = None
+    susceptibility: tuple[Any, ...] | None = None
     volume: float | None = None
     shape: Literal["block", "cylinder", "sphere"] = "block"
     size: tuple[float, ...] | None = None
@@ -67,20 +77,29 @@ class Magnet:
 
     def __post_init__(self) -> None:
         checks.choice("magnet.shape", self.shape, tuple(SIZES))
-        if (self.moment is None) == (self.remanence is None):
-            raise SpecError("magnet: give moment, or remanence with size or volume; one of the two")
+        ways = [w for w in WAYS if getattr(self, w) is not None]
+        if len(ways) != 1:
+            raise SpecError(
+                "magnet: give moment, or remanence or susceptibility with size or volume; one of "
+                "the three"
+            )
         if self.moment is None:
-            self._check_piece()
+            self._check_piece(ways[0])
         else:
             self._check_moment()
-        if np.ndim(self.moment or 0.0) == 0:
+        if self.susceptibility is not None:
+            self._check_soft()
+        elif np.ndim(self.moment or 0.0) == 0:
             self._check_direction()
         checks.number("magnet.azimuth", self.azimuth, "an angle (rad)", least=-7.0, most=7.0)
 
     def _check_moment(self) -> None:
         for name in ("volume", "size"):
             if getattr(self, name) is not None:
-                raise SpecError(f"magnet.{name}: belongs to a remanence; remove it or the moment")
+                raise SpecError(
+                    f"magnet.{name}: belongs to a remanence or a susceptibility; remove it or the "
+                    "moment"
+                )
         if np.ndim(self.moment) == 0:  # type: ignore[arg-type]
             checks.positive("magnet.moment", self.moment)
             return
@@ -92,10 +111,32 @@ class Magnet:
                 f"moment = {float(np.linalg.norm(self.moment)):g}, or leave direction out"  # type: ignore[arg-type]
             )
 
-    def _check_piece(self) -> None:
-        checks.positive("magnet.remanence", self.remanence)
+    def _check_soft(self) -> None:
+        allowed = "three numbers above -1, along s, q and r, or a symmetric tensor (3, 3)"
+        try:
+            given = np.array(self.susceptibility, dtype=float)
+        except (TypeError, ValueError):
+            raise SpecError("magnet.susceptibility", self.susceptibility, allowed) from None
+        whole = np.diag(given) if given.shape == (3,) else given
+        if whole.shape != (3, 3) or not (np.abs(whole) <= checks.LARGEST).all():
+            raise SpecError("magnet.susceptibility", self.susceptibility, allowed)
+        if not np.allclose(whole, whole.T, rtol=1e-9, atol=0.0):
+            raise SpecError("magnet.susceptibility", self.susceptibility, allowed)
+        if np.linalg.eigvalsh(whole).min() <= -1.0:
+            raise SpecError("magnet.susceptibility", self.susceptibility, allowed)
+        if self.direction is not None or self.azimuth:
+            raise SpecError(
+                "magnet.direction: a soft magnet has none, the field magnetises it; leave it out, "
+                "or turn the tensor"
+            )
+        plain = tuple(map(tuple, given.tolist())) if given.ndim == 2 else tuple(given.tolist())
+        object.__setattr__(self, "susceptibility", plain)
+
+    def _check_piece(self, way: str) -> None:
+        if way == "remanence":
+            checks.positive("magnet.remanence", self.remanence)
         if (self.volume is None) == (self.size is None):
-            raise SpecError("magnet.remanence: needs size or volume, one of the two")
+            raise SpecError(f"magnet.{way}: needs size or volume, one of the two")
         if self.volume is not None:
             checks.positive("magnet.volume", self.volume)
             return
@@ -135,7 +176,9 @@ class Magnet:
 
     @property
     def strength(self) -> Any:
-        """Size of the moment."""
+        """Size of the moment; zero of a soft magnet, which has none of its own."""
+        if self.susceptibility is not None:
+            return 0.0
         if self.moment is None:
             return self.remanence * self.piece / MU_0
         if np.ndim(self.moment) == 0 or not isinstance(self.moment, tuple):
@@ -144,13 +187,28 @@ class Magnet:
 
     @property
     def vector(self) -> np.ndarray:
-        """Moment (3,) in the body frame."""
+        """Moment (3,) in the body frame without a field: zero of a soft magnet."""
+        if self.susceptibility is not None:
+            return np.zeros(3)
         if isinstance(self.moment, tuple):
             s, q, r = self.moment
         else:
             s, q, r = (self.strength * x for x in self._unit())
         c, n = np.cos(self.azimuth), np.sin(self.azimuth)
         return np.stack(np.broadcast_arrays(s, c * q - n * r, n * q + c * r), axis=-1)
+
+    @property
+    def softness(self) -> np.ndarray:
+        """Moment per field (3, 3), body frame; zero of a permanent magnet."""
+        if self.susceptibility is None:
+            return np.zeros((3, 3))
+        chi = np.array(self.susceptibility, float)
+        return (np.diag(chi) if chi.ndim == 1 else chi) * (float(self.piece) / MU_0)
+
+    @property
+    def magnetic(self) -> np.ndarray:
+        """Moment without a field, then moment per field row by row (12,), body frame."""
+        return np.concatenate([np.real(self.vector), self.softness.ravel()])
 
     def _unit(self) -> tuple[Any, Any, Any]:
         if isinstance(self.direction, tuple):
@@ -159,6 +217,13 @@ class Magnet:
             return s / size, q / size, r / size
         angle: Any = self.direction
         return np.cos(angle), np.sin(angle), 0.0 * np.sin(angle)
+
+
+def magnetic_of(magnet: Any) -> np.ndarray:
+    """Return moment and moment per field (12,) of a `Magnet`, of a vector (3,), or of None."""
+    if isinstance(magnet, Magnet):
+        return magnet.magnetic
+    return np.concatenate([np.zeros(3) if magnet is None else magnet, np.zeros(9)])
 
 
 def vector_of(magnet: Any) -> Any:

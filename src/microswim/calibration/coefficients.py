@@ -18,8 +18,8 @@ from microswim.numerics.array import kept, read_only
 
 
 @checks.by_name
-@read_only
 @dataclass(frozen=True, kw_only=True, eq=False)
+@read_only
 class CoefficientCalibration(Calibration):
     """Outcome of a calibration at one design, or at several that share their coefficients.
 

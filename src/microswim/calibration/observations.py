@@ -27,8 +27,8 @@ ASSUMED = 0.01
 
 
 @checks.by_name
-@read_only
 @dataclass(frozen=True, kw_only=True, eq=False)
+@read_only
 class Observation:
     """A measured quantity of one swimmer.
 

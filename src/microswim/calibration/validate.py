@@ -45,8 +45,8 @@ LIMITS = (0.05, 0.10)
 
 
 @checks.by_name
-@read_only
 @dataclass(frozen=True, kw_only=True, eq=False)
+@read_only
 class Validation:
     """Errors of a surrogate over a map.
 

@@ -76,7 +76,6 @@ def numbers(field: str, values: Any, length: int, allowed: str, **bounds: float)
 
 def choice(field: str, value: Any, options: Iterable[str]) -> None:
     """Refuse what is not one of the options."""
-    options = tuple(options)
     if not isinstance(value, str) or value not in options:
         raise SpecError(field, value, "one of " + ", ".join(f'"{o}"' for o in options))
 

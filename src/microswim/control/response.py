@@ -26,8 +26,8 @@ from microswim.swimmer.swimmer import Swimmer
 FINEST = 1024
 
 
-@read_only
 @dataclass(frozen=True, eq=False)
+@read_only
 class Response:
     """Fourier series in the phase, rows ``[mean, cos 1, sin 1, ...]``.
 

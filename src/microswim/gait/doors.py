@@ -7,6 +7,7 @@ call, by the name in this one table, so that nothing here depends on models or p
 
 from __future__ import annotations
 
+import sys
 from collections.abc import Callable, Mapping
 from importlib import import_module
 from inspect import Parameter, signature
@@ -85,8 +86,9 @@ def go(door: str, *args: Any, **options: Any) -> Any:
 
 
 def _behind(door: str) -> Any:
-    module, _, function = door.partition(":")
-    return getattr(import_module(module), function)
+    name, _, function = door.partition(":")
+    module = sys.modules.get(name) or import_module(name)
+    return getattr(module, function)
 
 
 def check_options(model: str, options: Mapping[str, Any]) -> None:

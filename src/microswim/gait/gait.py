@@ -38,8 +38,8 @@ SHAPES = {"resistance_series": (6, 6), "propulsion_series": (6,), "activity_seri
 
 
 @checks.by_name
-@read_only
 @dataclass(frozen=True, eq=False, repr=False)
+@read_only
 class Gait:
     """Resistance and propulsion of a swimmer over one period of its tail.
 
@@ -81,11 +81,12 @@ class Gait:
     info: dict[str, Any] = field(default_factory=dict)
 
     def __post_init__(self) -> None:
+        own = self.__dict__
         for name, shape in SHAPES.items():
-            series = getattr(self, name)
-            if getattr(series, "shape", ())[1:] != shape or not series.ndim:
+            series = own[name]
+            if type(series) is not np.ndarray or series.shape[1:] != shape or not series.ndim:
                 checks.shaped(name, series, ("n", *shape))
-                object.__setattr__(self, name, np.asarray(series))
+                own[name] = np.asarray(series)
 
     def __repr__(self) -> str:
         """Return about five lines with units; the numbers are in `microswim.summary`."""

@@ -2,8 +2,7 @@
 
 from __future__ import annotations
 
-import functools
-from dataclasses import fields
+from collections.abc import Callable
 from typing import Any, TypeVar
 
 import numpy as np
@@ -12,33 +11,34 @@ from numpy.typing import NDArray
 Array = NDArray[np.float64]
 Class = TypeVar("Class", bound=type)
 Table = TypeVar("Table")
+Object = TypeVar("Object")
 
 
 def kept(values: Any, kind: Any = None) -> np.ndarray:
     """Return an array of its own that nobody can write into, for a frozen object to hold."""
     own = np.array(values, dtype=kind)
-    own.flags.writeable = False
+    own.setflags(write=False)
     return own
 
 
 def read_only(cls: Class) -> Class:
-    """Decorate a frozen dataclass: the arrays that it holds are its own, and nobody writes to them.
+    """Make the arrays that a frozen dataclass holds its own, so that nobody writes to them.
 
-    Also those in its tuples and dictionaries, and those of `still_read_only`.
+    Also those in its tuples and dictionaries, and those of `still_read_only`. Stands below the
+    ``@dataclass`` that it serves: it is the last step of ``__post_init__``.
     """
-    made = cls.__init__
-    plain = ("float", "int", "str", "bool", "tuple[bool, ...]", "tuple[str, ...]")
-    names = [f.name for f in fields(cls) if f.type not in plain]
+    checked = getattr(cls, "__post_init__", None)
 
-    @functools.wraps(made)
-    def init(self: Any, *args: Any, **named: Any) -> None:
-        made(self, *args, **named)
-        for name in names:
-            value = getattr(self, name)
-            if type(value) in HOLDERS:
-                object.__setattr__(self, name, _frozen(value))
+    def freeze(self: Any) -> None:
+        if checked is not None:
+            checked(self)
+        own = self.__dict__
+        for name, value in own.items():
+            holder = FROZEN.get(type(value))
+            if holder is not None:
+                own[name] = holder(value)
 
-    cls.__init__ = init  # type: ignore[misc]
+    cls.__post_init__ = freeze  # type: ignore[attr-defined]
     return still_read_only(cls)
 
 
@@ -53,15 +53,34 @@ def still_read_only(cls: Class) -> Class:
     return cls
 
 
-HOLDERS = (np.ndarray, tuple, dict)
-
-
 def _frozen(value: Any) -> Any:
-    if type(value) is np.ndarray:
-        return kept(value)
-    if type(value) is tuple:
-        return tuple(_frozen(v) for v in value)
-    return {k: _frozen(v) for k, v in value.items()} if type(value) is dict else value
+    holder = FROZEN.get(type(value))
+    return value if holder is None else holder(value)
+
+
+def _tuple(value: tuple) -> tuple:
+    return value if FROZEN.keys().isdisjoint(map(type, value)) else tuple(map(_frozen, value))
+
+
+def _dict(value: dict) -> dict:
+    return {k: _frozen(v) for k, v in value.items()}
+
+
+#: How each type that is or may hold an array is frozen.
+FROZEN: dict[type, Callable[[Any], Any]] = {np.ndarray: kept, tuple: _tuple, dict: _dict}
+
+
+def owned(cls: type[Object], **values: Any) -> Object:
+    """Return a frozen object of arrays that were just made for it: closed, not copied or checked.
+
+    For what the package makes by the thousand; every field is given.
+    """
+    made = object.__new__(cls)
+    made.__dict__.update(values)
+    for value in values.values():
+        if type(value) is np.ndarray:
+            value.setflags(write=False)
+    return made
 
 
 def sealed(table: Table) -> Table:

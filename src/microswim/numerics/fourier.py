@@ -87,21 +87,19 @@ _R_MAP, _F_MAP = _rotation_terms()
 def rotate(value: np.ndarray, sign: float) -> np.ndarray:
     """Return series of a 6x6 matrix or 6-vector that turns about s with ``sign * phase``."""
     if value.ndim == 2:
-        series = (_R_MAP @ value.reshape(36)).reshape(5, 6, 6)
+        series = _R_MAP.dot(value.reshape(36)).reshape(5, 6, 6)
     else:
-        series = (_F_MAP @ value).reshape(3, 6)
+        series = _F_MAP.dot(value).reshape(3, 6)
     if sign < 0:
         series[2::2] = -series[2::2]
     return series
 
 
-def add(*series: np.ndarray) -> np.ndarray:
-    """Return the sum of series of different lengths."""
-    longest = max(series, key=len)
-    out = longest + (0j if any(s.dtype.kind == "c" for s in series) else 0.0)
-    for s in series:
-        if s is not longest:
-            out[: len(s)] += s
+def add(first: np.ndarray, second: np.ndarray) -> np.ndarray:
+    """Return the sum of two series of any lengths."""
+    short, long = (first, second) if len(first) < len(second) else (second, first)
+    out = long.astype(np.result_type(long, short))
+    out[: len(short)] += short
     return out
 
 

@@ -74,8 +74,8 @@ def multiply(a: np.ndarray, b: np.ndarray) -> np.ndarray:
 
 
 @checks.by_name
-@read_only
 @dataclass(frozen=True, eq=False)
+@read_only
 class ScrewMotion:
     """The rigid motion of a swimmer over one period: a turn about an axis and an advance along it.
 

@@ -40,8 +40,8 @@ ALONE = 0.0025
 
 
 @checks.by_name
-@read_only
 @dataclass(frozen=True, eq=False, kw_only=True)
+@read_only
 class Regimes:
     """What a magnetic robot does at each frequency of the field.
 

@@ -78,6 +78,8 @@ def require_drag(swimmer: Swimmer) -> None:
         If a translation is negative or the coupling larger than the drags that it joins.
     """
     x = swimmer.interaction
+    if x.resists:
+        return
     for i in _negative(x.translation):
         value = float(np.real(x.translation[i]))
         raise SpecError(
@@ -120,8 +122,10 @@ def require_dissipation(swimmer: Swimmer, gait: Gait) -> None:
         If its resistance is not positive definite at some phase.
     """
     x = swimmer.interaction
+    if x.resists or not any(gait.free):
+        return
     negative = _negative(x.rotation)
-    if not (negative or x.is_coupled) or not any(gait.free):
+    if not (negative or x.is_coupled):
         return
     free = np.flatnonzero(gait.free)
     phases = np.linspace(0.0, 2.0 * np.pi, PHASES, endpoint=False)
@@ -211,8 +215,6 @@ def _local(swimmer: Swimmer) -> tuple[float, float]:
 
 
 def _negative(values: Any) -> list[int]:
-    if all(type(v) is float and v >= 0.0 for v in values):  # nearly always, and then quickly
-        return []
     return [i for i, value in enumerate(values) if np.real(value) < 0.0]
 
 

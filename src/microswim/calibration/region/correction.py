@@ -77,8 +77,8 @@ def _number(swimmer: Swimmer, name: str) -> Any:
     return float("nan") if value is None else np.real(value)
 
 
-@read_only
 @dataclass(frozen=True, eq=False)
+@read_only
 class Correction:
     """Smooth corrections of R and F_p over a region of designs.
 

@@ -39,8 +39,8 @@ def covariance(A: Any, NA: Any, B: Any, NB: Any, lengths: Any, phasors: Any, rea
     return matern_of_arrays(r2) * wave
 
 
-@read_only
 @dataclass(frozen=True, eq=False)
+@read_only
 class Kriging:
     """One group of targets.
 

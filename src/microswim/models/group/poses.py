@@ -17,8 +17,8 @@ from microswim.numerics.compiled import numba
 from microswim.swimmer.group import Group
 
 
-@read_only
 @dataclass(frozen=True, eq=False, kw_only=True)
+@read_only
 class GroupPoses:
     """How the same swimmers move at many poses; NaN where a pose was refused.
 

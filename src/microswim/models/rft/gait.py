@@ -38,6 +38,7 @@ from microswim.models.rft.segment import (
     node_numbers,
     wave_tail,
 )
+from microswim.numerics.array import owned
 from microswim.numerics.compiled import pays
 from microswim.numerics.fourier import MIRROR_Q, add, rotate, series_of, trimmed
 from microswim.numerics.quadrature import gauss, panels
@@ -64,9 +65,9 @@ def parameters(swimmer: Swimmer) -> np.ndarray:
         *(swimmer.body.semi_axes3[0], tail.spin),
         swimmer.coefficients.end(tail, swimmer.fluid.viscosity),
     )
-    if any(isinstance(v, np.ndarray) for v in values):
+    if np.ndarray in map(type, values):
         return np.stack(np.broadcast_arrays(*values), axis=-1)
-    return np.array(values) + 0.0
+    return np.array(values)
 
 
 def body_resistance(swimmer: Swimmer) -> np.ndarray:
@@ -151,12 +152,16 @@ def unchecked(swimmer: Swimmer, nodes: int | None = None, phases: int | None = N
         series = rotate(R, tail.sign), rotate(F, tail.sign), np.array([G])
     else:
         series = series_over_period(lambda n: _samples(swimmer, nodes, n), phases)
-    made = Gait(
-        add(series[0], body[None]),
-        *series[1:],
+    made = owned(
+        Gait,
+        resistance_series=add(series[0], body[None]),
+        propulsion_series=series[1],
+        activity_series=series[2],
         rate=tail.rate,
         free=swimmer.motion.mask,
         body_resistance_series=body[None],
+        body_propulsion_series=None,
+        model="rft",
         units=swimmer.units,
         info=_about(swimmer),
     )

@@ -15,8 +15,8 @@ from microswim.swimmer.swimmer import Swimmer
 
 
 @checks.by_name
-@read_only
 @dataclass(frozen=True, kw_only=True, eq=False)
+@read_only
 class Identification:
     """Outcome of `identify_swimmer`.
 

@@ -19,8 +19,8 @@ FEWEST = 12
 
 
 @checks.by_name
-@read_only
 @dataclass(frozen=True, kw_only=True, eq=False)
+@read_only
 class Track:
     """Track of the centre of a swimmer's body.
 

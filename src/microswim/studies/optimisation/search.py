@@ -39,8 +39,8 @@ FEASIBLE = 1e-7  # relative margin that counts as holding
 
 
 @checks.by_name
-@read_only
 @dataclass(frozen=True, kw_only=True, eq=False)
+@read_only
 class Optimum:
     """The best design and what to know about it.
 

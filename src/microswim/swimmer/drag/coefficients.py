@@ -121,8 +121,9 @@ class Lighthill(Coefficients):
         epsilon = 5.2 * tail.radius * alpha / wavelength  # Eq. (26)
         A1, A2 = lighthill_integrals(alpha, epsilon)
         a2 = alpha**2
-        normal = -np.log(epsilon) + (2.0 * a2 - 1.0) * A1 + 2.0 * (1.0 - a2) * A2
-        tangential = -np.log(epsilon) - 0.5 + a2 * A1 + (1.0 - a2) * A2
+        slender = -np.log(epsilon)
+        normal = slender + (2.0 * a2 - 1.0) * A1 + 2.0 * (1.0 - a2) * A2
+        tangential = slender - 0.5 + a2 * A1 + (1.0 - a2) * A2
         meaningless = (normal.real <= 0) | (tangential.real <= 0)
         beyond = (epsilon.real > self.thickest) | meaningless
         if beyond.any() if isinstance(beyond, np.ndarray) else beyond:

@@ -6,6 +6,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import cached_property
 from typing import Any
 
 import numpy as np
@@ -86,6 +87,12 @@ class Interaction:
         rest = isolated - np.diag(diagonal)
         return self.body_resistance(diagonal) + np.multiply.outer(root, root) * rest
 
+    @cached_property
+    def resists(self) -> bool:
+        """Whether no entry can take a drag away: no factor below zero, and no coupling."""
+        factors = (*self.translation, *self.rotation)
+        return not self.is_coupled and all(np.min(np.real(x)) >= 0.0 for x in factors)
+
     @property
     def is_coupled(self) -> bool:
         """Whether the body's rotation and translation are coupled."""
@@ -106,11 +113,11 @@ class Interaction:
         """
         gamma = (*self.translation, *self.rotation)
         scaled = [g * d for g, d in zip(gamma, isolated)]
-        if not self.is_coupled and not any(isinstance(d, np.ndarray) for d in scaled):
+        if not self.is_coupled and np.ndarray not in map(type, scaled):
             values = np.array(scaled)
-            B = np.zeros((6, 6), dtype=values.dtype)
-            B.flat[::7] = values
-            return B
+            B = np.zeros(36, dtype=values.dtype)
+            B[::7] = values
+            return B.reshape(6, 6)
         diagonal = np.stack(np.broadcast_arrays(*scaled), axis=-1)
         B = diagonal[..., None] * np.eye(6)
         if not self.is_coupled:

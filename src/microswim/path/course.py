@@ -75,6 +75,8 @@ class Course:
         for part in (*parts, self.phase, self.length, self.tolerance, self.longest):
             whole.update(np.ascontiguousarray(part).tobytes())
         whole.update(repr((self.energy, self.seed, self.field)).encode())
+        named = getattr(self.field, "file", None)
+        whole.update(Path(named).read_bytes() if named else b"")
         return whole.hexdigest()[:16]
 
 

@@ -4,6 +4,8 @@ from __future__ import annotations
 
 from typing import Annotated, Literal
 
+from pydantic import StrictBool
+
 from microswim.spec.fields import About
 from microswim.spec.types import (
     Angle,
@@ -12,6 +14,7 @@ from microswim.spec.types import (
     Length,
     Moment,
     Number,
+    Speed,
     Table,
     Tesla,
     Volume,
@@ -53,7 +56,7 @@ class MagnetTable(Table):
     ] = 0.0
 
 
-_FIELD = About("Kind", "rotating | uniform | oscillating | dipole | coils")
+_FIELD = About("Kind", "rotating | uniform | oscillating | sequence | dipole | coils")
 _STRENGTH = About("Strength", "of the field", usual=(0.0, 0.02))
 _AXIS = About("Axis", "that the field turns about, lab, [x, y, z]")
 _TURNS = About("Frequency", "turns of the field per time")
@@ -94,18 +97,38 @@ class DipoleFieldTable(Table):
     """[field] of kind "dipole": a permanent magnet beside the swimmer."""
 
     kind: Annotated[Literal["dipole"], _FIELD]
-    moment: Annotated[list[Moment], About("Moment", "of the magnet that makes the field, lab")]
-    position: Annotated[list[Length], About("Place", "of that magnet in the lab, [x, y, z]")]
+    moment: Annotated[
+        list[Moment] | None, About("Moment", "of the magnet that makes the field, lab")
+    ] = None
+    position: Annotated[
+        list[Length] | None, About("Place", "of that magnet in the lab, [x, y, z]")
+    ] = None
     axis: Annotated[list[Number], _AXIS] = [1.0, 0.0, 0.0]
     frequency: Annotated[Frequency, _TURNS] = 0.0
+    velocity: Annotated[
+        list[Speed], About("Velocity", "with which that magnet moves, [x, y, z]")
+    ] = [0.0, 0.0, 0.0]  # fmt: skip
+    file: Annotated[
+        str | None, About("File", "in place of position: t, x, y, z of the magnet, mx, my, mz")
+    ] = None
+
+
+class SequenceFieldTable(Table):
+    """[field] of kind "sequence": a table of B in time."""
+
+    kind: Annotated[Literal["sequence"], _FIELD]
+    file: Annotated[str, About("File", "table of t, Bx, By, Bz with units in the header")]
+    repeat: Annotated[StrictBool, About("Repeat", "begin anew after the last row")] = False
 
 
 class CoilFieldTable(Table):
     """[field] of kind "coils": electromagnets by their calibration."""
 
     kind: Annotated[Literal["coils"], _FIELD]
-    file: Annotated[str, About("File", "calibration of the coils, YAML")]
-    currents: Annotated[list[Current], About("Currents", "one for each coil, in its order")]
+    file: Annotated[str, About("File", "calibration of the coils, YAML, or B on a grid, CSV")]
+    currents: Annotated[
+        list[Current] | None, About("Currents", "one for each coil, in its order")
+    ] = None  # fmt: skip
     frequency: Annotated[Frequency, _TURNS] = 0.0
     phases: Annotated[
         list[Angle] | None, About("Phases", "by which each current is ahead, one for each coil")
@@ -116,6 +139,7 @@ FieldTable = (
     RotatingFieldTable
     | UniformFieldTable
     | OscillatingFieldTable
+    | SequenceFieldTable
     | DipoleFieldTable
     | CoilFieldTable
 )

@@ -1,5 +1,7 @@
 """Calibration files of electromagnet systems: YAML, a list of coils of multipole sources each.
 
+Tables of B on a grid are read by `microswim.spec.readers.magnetic`.
+
 The layout is that of the Multi-Scale Robotics Lab's ``ElectromagnetCalibration``: ``Coil_List``
 names the coils, each coil's ``Source_List`` its sources, each with ``A_Coeff``, ``B_Coeff``,
 ``Source_Position`` and ``Source_Direction``; metres, teslas, amperes.
@@ -7,19 +9,23 @@ names the coils, each coil's ``Source_List`` its sources, each with ``A_Coeff``,
 
 from __future__ import annotations
 
+from pathlib import Path
 from typing import Any
 
 import numpy as np
 
 from microswim.errors import MachineError, SpecError
+from microswim.spec.readers.magnetic import read_grid
 from microswim.spec.readers.text import read_text
+from microswim.swimmer.magnetism.grid import GridCoil
 from microswim.swimmer.magnetism.multipole import Coil, Source
 
 MOST_ORDER = 30
+TABLES = (".csv", ".tsv", ".txt", ".dat")  #: what is no calibration in YAML
 
 
-def read_coils(file: str) -> tuple[Coil, ...]:
-    """Return the coils of a calibration file.
+def read_coils(file: str) -> tuple[Coil | GridCoil, ...]:
+    """Return the coils of a calibration file, or of a table of B on a grid.
 
     Raises
     ------
@@ -28,6 +34,8 @@ def read_coils(file: str) -> tuple[Coil, ...]:
     MachineError
         If PyYAML is not installed.
     """
+    if Path(file).suffix.lower() in TABLES:
+        return read_grid(file)
     text = read_text(file)
     try:
         import yaml

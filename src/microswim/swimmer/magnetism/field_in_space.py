@@ -5,8 +5,8 @@ Field of a dipole p at a distance r, and its gradient ``J_ij = dB_i/dx_j``,
     B = mu_0/(4 pi) (3 r (p . r) / r^5 - p / r^3)
     J = mu_0/(4 pi) 3/r^5 (r p' + p r' + (p . r) (1 - 5 r r'/r^2))
 
-A coil at unit current is a sum of axial multipoles (module `multipole`). A magnetic moment m feels
-the force ``J' m`` and the torque ``m x B``.
+A coil at unit current is a sum of axial multipoles (module `multipole`), or B on a grid (`grid`). A
+magnetic moment m feels the force ``J' m`` and the torque ``m x B``.
 """
 
 from __future__ import annotations
@@ -21,6 +21,8 @@ from microswim import checks
 from microswim.errors import SpecError
 from microswim.gait import doors
 from microswim.swimmer.magnetism.applied_field import AppliedField, unit, vector
+from microswim.swimmer.magnetism.field_in_time import Arm
+from microswim.swimmer.magnetism.grid import GridCoil
 from microswim.swimmer.magnetism.magnet import MU_0
 from microswim.swimmer.magnetism.multipole import Coil
 
@@ -28,18 +30,24 @@ from microswim.swimmer.magnetism.multipole import Coil
 @checks.by_name
 @dataclass(frozen=True, kw_only=True)
 class DipoleField(AppliedField):
-    """Field of a permanent magnet far enough away to be a dipole; it may turn.
+    """Field of a permanent magnet far enough away to be a dipole; it may turn and move.
 
     Parameters
     ----------
     moment
         Its magnetic moment (A m^2), lab frame, at time zero.
     position
-        Its place (m), lab frame.
+        Its place (m), lab frame, at time zero.
     axis
         What it turns about, lab frame, any length.
     frequency
-        Turns per time (Hz); zero: it stands still.
+        Turns per time (Hz); zero: it does not turn.
+    velocity
+        With which it moves (m/s), lab frame.
+    file
+        In place of position and velocity, its way on an arm: a table of t, x, y, z, and mx, my, mz
+        in place of the moment, each with its unit in the header; smooth between the rows, and at
+        rest before the first and after the last.
 
     Raises
     ------
@@ -58,15 +66,26 @@ class DipoleField(AppliedField):
     is_periodic: ClassVar[bool] = False
     needs_si: ClassVar[bool] = True
 
-    moment: tuple[float, float, float]
-    position: tuple[float, float, float]
+    moment: tuple[float, float, float] | None = None
+    position: tuple[float, float, float] | None = None
     axis: tuple[float, float, float] = (1.0, 0.0, 0.0)
     frequency: float = 0.0
+    velocity: tuple[float, float, float] = (0.0, 0.0, 0.0)
+    file: str | None = None
 
     def __post_init__(self) -> None:
-        object.__setattr__(self, "moment", vector("field.moment", self.moment))
-        checks.numbers("field.position", self.position, 3, "three lengths [x, y, z]")
-        object.__setattr__(self, "position", tuple(float(x) for x in self.position))
+        turns = self._check_file() if self.file is not None else False
+        if not turns:
+            if self.moment is None:
+                raise SpecError("field.moment: missing; add [x, y, z]")
+            object.__setattr__(self, "moment", vector("field.moment", self.moment))
+        if self.file is None:
+            if self.position is None:
+                raise SpecError("field.position: missing; add [x, y, z], or a file of its way")
+            checks.numbers("field.position", self.position, 3, "three lengths [x, y, z]")
+            object.__setattr__(self, "position", tuple(float(x) for x in self.position))
+        checks.numbers("field.velocity", self.velocity, 3, "three velocities [x, y, z]")
+        object.__setattr__(self, "velocity", tuple(float(x) for x in self.velocity))
         object.__setattr__(self, "axis", vector("field.axis", self.axis))
         checks.number("field.frequency", self.frequency, "a finite number")
 
@@ -87,19 +106,50 @@ class DipoleField(AppliedField):
 
     def _seen(self, times: Any, places: Any) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
         """Moment, way from the magnet to the places, and its length."""
+        here, p = self.pose(times)
+        p, r = np.broadcast_arrays(p, np.asarray(places, float) - here)
+        return p, r, np.linalg.norm(r, axis=-1, keepdims=True)
+
+    def pose(self, times: Any) -> tuple[np.ndarray, np.ndarray]:
+        """Return place (..., 3) and moment (..., 3) of the magnet at times (...), lab frame."""
         from scipy.spatial.transform import Rotation  # nobody waits for it without such a field
 
-        angle = 2.0 * np.pi * self.frequency * np.asarray(times, float)
-        turns = Rotation.from_rotvec(angle[..., None] * unit(self.axis))
-        p = turns.apply(np.array(self.moment)) if angle.ndim < 2 else turns.apply(self.moment)
-        r = np.asarray(places, float) - np.array(self.position)
-        p, r = np.broadcast_arrays(p, r)
-        return p, r, np.linalg.norm(r, axis=-1, keepdims=True)
+        t = np.asarray(times, float)
+        if self._arm is None:
+            here = np.array(self.position) + t[..., None] * np.array(self.velocity)
+        else:
+            here = self._arm.place(self._arm.within(t))
+        if self._arm is not None and self._arm.moment is not None:
+            return here, self._arm.moment(self._arm.within(t))
+        angle = (2.0 * np.pi * self.frequency * t[..., None]) * unit(self.axis)
+        turns = Rotation.from_rotvec(angle.reshape(-1, 3))
+        return here, turns.apply(np.array(self.moment)).reshape(angle.shape)
+
+    def _check_file(self) -> bool:
+        """Refuse what says the way twice; return whether the file tells the moment."""
+        if not isinstance(self.file, str) or not self.file:
+            raise SpecError("field.file", self.file, "the name of a table")
+        told: dict[str, Any] = {"position": self.position is not None}
+        told["velocity"] = any(self.velocity)
+        turns = self._arm is not None and self._arm.moment is not None
+        if turns:
+            told |= {"moment": self.moment is not None, "frequency": self.frequency != 0}
+        for name, twice in told.items():
+            if twice:
+                raise SpecError(f"field.{name}: the file tells it; remove one of the two")
+        return turns
+
+    @cached_property
+    def _arm(self) -> Arm | None:
+        return None if self.file is None else Arm(self.file)
 
     @property
     def rate(self) -> float:
-        """How fast it turns (rad per time)."""
-        return abs(2.0 * np.pi * self.frequency)
+        """How fast it turns, or goes from row to row of its file (rad per time)."""
+        turning = abs(2.0 * np.pi * self.frequency)
+        if self._arm is None:
+            return turning
+        return max(turning, float(np.pi / 4.0 / np.diff(self._arm.times).min()))
 
 
 @checks.by_name
@@ -112,9 +162,13 @@ class CoilField(AppliedField):
     Parameters
     ----------
     file
-        Calibration in the layout of multipole sources for each coil (YAML; SI).
+        Calibration in the layout of multipole sources for each coil (YAML; SI), or a table of B on
+        a grid (CSV), x, y, z, Bx, By, Bz with units in the header and a column coil where there
+        are several; between its points B is free of sources to rounding (`microswim.swimmer.
+        magnetism.grid`), outside it there is none.
     currents
-        One for each coil of the file (A), in the file's order.
+        One for each coil of the file (A), in the file's order; of a table times the current at
+        which it was measured, 1 by default.
     frequency
         Of all currents (Hz); zero: they are steady.
     phases
@@ -141,7 +195,7 @@ class CoilField(AppliedField):
     needs_si: ClassVar[bool] = True
 
     file: str
-    currents: tuple[float, ...]
+    currents: tuple[float, ...] | None = None
     frequency: float = 0.0
     phases: tuple[float, ...] | None = None
 
@@ -151,15 +205,19 @@ class CoilField(AppliedField):
         n = len(self.coils)
         names = ", ".join(coil.name for coil in self.coils)
         allowed = f"{n} numbers, one for each coil ({names})"
+        if self.currents is None:
+            if not isinstance(self.coils[0], GridCoil):
+                raise SpecError(f"field.currents: missing; give {allowed}")
+            object.__setattr__(self, "currents", (1.0,) * n)
         checks.numbers("field.currents", self.currents, n, allowed)
-        object.__setattr__(self, "currents", tuple(float(x) for x in self.currents))
+        object.__setattr__(self, "currents", tuple(map(float, self.currents)))  # type: ignore[arg-type]
         checks.number("field.frequency", self.frequency, "a finite number")
         if self.phases is not None:
             checks.numbers("field.phases", self.phases, n, allowed)
             object.__setattr__(self, "phases", tuple(float(x) for x in self.phases))
 
     @cached_property
-    def coils(self) -> tuple[Coil, ...]:
+    def coils(self) -> tuple[Coil | GridCoil, ...]:
         """The coils of the file."""
         return doors.go(doors.READ_COILS, self.file)
 
@@ -174,7 +232,7 @@ class CoilField(AppliedField):
         return sum(now[..., i, :, :] * coil.gradient(places) for i, coil in enumerate(self.coils))  # type: ignore[return-value]
 
     def _currents(self, times: Any) -> np.ndarray:
-        phases = np.array(self.phases if self.phases is not None else [0.0] * len(self.currents))
+        phases = np.array(self.phases if self.phases is not None else [0.0] * len(self.coils))
         angle = 2.0 * np.pi * self.frequency * np.asarray(times, float)[..., None]
         return np.array(self.currents) * np.cos(angle + phases)
 

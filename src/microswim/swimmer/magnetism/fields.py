@@ -9,7 +9,7 @@ from microswim.swimmer.magnetism.applied_field import (
     UniformField,
 )
 from microswim.swimmer.magnetism.field_in_space import CoilField, DipoleField
+from microswim.swimmer.magnetism.field_in_time import SequenceField
 
-FIELDS: dict[str, type[AppliedField]] = {
-    f.kind: f for f in (RotatingField, UniformField, OscillatingField, DipoleField, CoilField)
-}
+KINDS = RotatingField, UniformField, OscillatingField, SequenceField, DipoleField, CoilField
+FIELDS: dict[str, type[AppliedField]] = {f.kind: f for f in KINDS}

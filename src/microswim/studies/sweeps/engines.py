@@ -53,7 +53,7 @@ def solved(
     call = partial(solve_rows, job)
     if workers == 0 and client is None:
         for task in tasks:
-            yield task, _rows(task, called(call, (task.columns,)))
+            yield task, _rows(job, task, called(call, (task.columns,)))
         return
     tasks = list(tasks)
     asked = [(task.columns,) for task in tasks]
@@ -62,10 +62,10 @@ def solved(
     else:
         found = cluster.answers(call, asked, client)
     for i, answer in found:
-        yield tasks[i], _rows(tasks[i], answer)
+        yield tasks[i], _rows(job, tasks[i], answer)
 
 
-def _rows(task: Task, answer: Rows | Lost) -> Rows:
+def _rows(job: Job, task: Task, answer: Rows | Lost) -> Rows:
     if isinstance(answer, Lost):
-        return unsolved(task.stop - task.start, answer.reason)
+        return unsolved(job, task.stop - task.start, answer.reason)
     return answer

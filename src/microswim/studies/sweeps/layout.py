@@ -3,9 +3,10 @@
 from __future__ import annotations
 
 import glob
+import json
 import os
 import shutil
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from pathlib import Path
 from typing import Any
 
@@ -13,23 +14,32 @@ import numpy as np
 
 from microswim.gait.gait import DEGREES_OF_FREEDOM
 from microswim.gait.quantities import QUANTITIES
+from microswim.gait.turning.driven import DRIVEN
 from microswim.gait.units import unit
 from microswim.spec.tables import FIELDS
 from microswim.studies.sweeps.space import Space
+from microswim.swimmer.magnetism.drive import drive_of
+from microswim.swimmer.swimmer import Swimmer
 
 VECTORS = ("mean_velocity", "velocity_amplitude")
 NUMBERS = ("swimming_speed", "mean_power", "mean_torque", "efficiency", "expected_error")
 WAITING, DONE, FAILED = 0, 1, 2
-FORMAT = 2
+FORMAT = 3
 MARKS = "checks/rows"  # in a group of its own, so that xarray does not show it
 
 # A row holds every output, NaN where it is not known; a failed row says why.
 LONG_NAMES = {
     **{name: QUANTITIES[name].meaning for name in (*VECTORS, *NUMBERS[:-1])},
     "expected_error": "expected relative error of u_s; NaN if not known",
+    **{name: quantity.meaning for name, quantity in DRIVEN.items()},
     "status": "0 not solved yet, 1 solved, 2 failed",
     "reason": "why a design failed; empty if it did not",
 }
+
+
+def numbers_of(swimmer: Swimmer) -> tuple[str, ...]:
+    """Return the numbers of a row: more of a robot with a magnet in a rotating field."""
+    return (*NUMBERS, *DRIVEN) if drive_of(swimmer) is not None else NUMBERS
 
 
 def said(name: str, units: str) -> dict[str, str]:
@@ -44,7 +54,8 @@ def said(name: str, units: str) -> dict[str, str]:
     """
     if name in LONG_NAMES:
         plain = "number" if name in NUMBERS else ""
-        kind = QUANTITIES[name].dimension if name in QUANTITIES else plain
+        known = QUANTITIES | DRIVEN
+        kind = known[name].dimension if name in known else plain
         told = {"units": unit(units, kind), "long_name": LONG_NAMES[name]}
         return {k: v for k, v in told.items() if v}
     field = FIELDS.get(name.partition("[")[0])
@@ -53,10 +64,10 @@ def said(name: str, units: str) -> dict[str, str]:
     return {"units": unit(units, field.measures or "number"), "long_name": field.about.label}
 
 
-def blank(rows: int) -> dict[str, np.ndarray]:
-    """Return rows that hold nothing yet."""
+def blank(rows: int, numbers: Iterable[str]) -> dict[str, np.ndarray]:
+    """Return rows of these numbers that hold nothing yet."""
     out: dict[str, np.ndarray] = {name: np.full((rows, 6), np.nan) for name in VECTORS}
-    out |= {name: np.full(rows, np.nan) for name in NUMBERS}
+    out |= {name: np.full(rows, np.nan) for name in numbers}
     out["status"] = np.zeros(rows, dtype=np.int8)
     out["reason"] = np.full(rows, "", dtype=object)
     return out
@@ -71,7 +82,7 @@ def built(path: Path, space: Space, attributes: Mapping[str, Any]) -> Path:
     fresh = path.with_name(f"{path.name}.{os.getpid()}.new")
     try:
         group = zarr.create_group(fresh, zarr_format=2, attributes=dict(attributes))
-        _add_arrays(group, space, str(attributes["units"]))
+        _add_arrays(group, space, attributes)
         zarr.consolidate_metadata(fresh)
     except BaseException:
         shutil.rmtree(fresh, ignore_errors=True)
@@ -94,9 +105,9 @@ def mend(path: Path, template: Path) -> None:
         shutil.rmtree(template, ignore_errors=True)
 
 
-def _add_arrays(group: Any, space: Space, units: str) -> None:
-    dims, shape, chunks = space.dims, space.shape, space.chunks
-    for name in LONG_NAMES:
+def _add_arrays(group: Any, space: Space, attributes: Mapping[str, Any]) -> None:
+    dims, shape, chunks, units = space.dims, space.shape, space.chunks, str(attributes["units"])
+    for name in blank(0, json.loads(attributes["outputs"])):
         vector = name in VECTORS
         kind, fill = {"status": ("i1", None), "reason": (str, None)}.get(name, ("f8", np.nan))
         group.create_array(

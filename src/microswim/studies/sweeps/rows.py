@@ -17,9 +17,11 @@ from microswim.calibration.atlas.everywhere import everywhere
 from microswim.errors import MachineError, MicroswimError, SpecError
 from microswim.gait.basis import Basis
 from microswim.gait.quantities import QUANTITIES
+from microswim.gait.turning.driven import driven
 from microswim.jobs.worker import in_words
 from microswim.numerics.compiled import much, settled
-from microswim.studies.sweeps.layout import DONE, FAILED, NUMBERS, VECTORS, blank
+from microswim.studies.sweeps.layout import DONE, FAILED, NUMBERS, VECTORS, blank, numbers_of
+from microswim.swimmer.magnetism.drive import drive_of
 from microswim.swimmer.swimmer import Swimmer
 from microswim.swimmer.variants import vary
 
@@ -65,9 +67,10 @@ def solve_rows(job: Job, columns: Mapping[str, np.ndarray]) -> dict[str, np.ndar
 
 
 def _solved(job: Job, columns: Mapping[str, np.ndarray]) -> dict[str, np.ndarray]:
-    out = blank(len(next(iter(columns.values()))))
+    out = blank(len(next(iter(columns.values()))), numbers_of(job.swimmer))
     left: Iterable[int] = range(len(out["status"]))
-    if job.model in BATCHED and not job.options:
+    alone = drive_of(job.swimmer) is not None  # what a field does is asked of each gait
+    if job.model in BATCHED and not job.options and not alone:
         for choices, rows in groups(columns):
             numbers = {k: v[rows] for k, v in columns.items() if k not in choices}
             _solve_batched(job, choices, numbers, out, rows)
@@ -113,7 +116,9 @@ def _solve_one(job: Job, values: dict[str, Any], out: dict[str, np.ndarray], row
     try:
         with warnings.catch_warnings():
             warnings.simplefilter("ignore")
-            results = outputs(vary(job.swimmer, values).gait(job.model, **job.options))
+            swimmer = vary(job.swimmer, values)
+            gait = swimmer.gait(job.model, **job.options)
+            results = outputs(gait) | driven(gait, drive_of(swimmer))
     except (MachineError, MemoryError, OSError) as error:  # not the design's fault: row unsolved
         out["reason"][row] = in_words(error)
     except (SpecError, MicroswimError) as error:
@@ -128,15 +133,15 @@ def _solve_one(job: Job, values: dict[str, Any], out: dict[str, np.ndarray], row
             _fail(out, row, "the result is not finite")
 
 
-def unsolved(rows: int, why: str) -> dict[str, np.ndarray]:
+def unsolved(job: Job, rows: int, why: str) -> dict[str, np.ndarray]:
     """Return rows that are left for another time, and why."""
-    out = blank(rows)
+    out = blank(rows, numbers_of(job.swimmer))
     out["reason"][:] = why
     return out
 
 
 def _fail(out: dict[str, np.ndarray], row: int, reason: str) -> None:
-    for name in (*VECTORS, *NUMBERS):
+    for name in out.keys() - {"status", "reason"}:
         out[name][row] = np.nan
     out["status"][row] = FAILED
     out["reason"][row] = " ".join(reason.split()) or "failed without a word"

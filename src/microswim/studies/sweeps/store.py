@@ -27,7 +27,6 @@ from microswim.studies.sweeps.layout import (
     FAILED,
     LONG_NAMES,
     MARKS,
-    NUMBERS,
     VECTORS,
     WAITING,
     blank,
@@ -49,7 +48,8 @@ def marks(block: Mapping[str, np.ndarray], first: int) -> np.ndarray:
     that one changed word always changes the result.
     """
     h = (np.arange(len(block["status"]), dtype=np.uint64) + np.uint64(first + 1)) * _PRIME
-    words = [block[name].reshape(len(h), -1).T for name in (*VECTORS, *NUMBERS)]
+    numbers = [name for name in LONG_NAMES if name in block and name not in ("status", "reason")]
+    words = [block[name].reshape(len(h), -1).T for name in numbers]
     for column in np.concatenate(words):
         bits = np.where(np.isnan(column), _NOT_A_NUMBER, column.view(np.uint64))
         h = (h ^ bits) * _PRIME
@@ -75,7 +75,7 @@ class SweepStore:
 
         self.path, self.space = path, space
         group = zarr.open_group(path, mode="r+")
-        self._arrays = {name: group[name] for name in LONG_NAMES}
+        self._arrays = {name: group[name] for name in LONG_NAMES if name in group}
         self._marks: Any = group[MARKS]
 
     @classmethod
@@ -164,17 +164,20 @@ class SweepStore:
             bad = (marked != marks(block, first)) & (block["status"] != WAITING)
             bad |= ~np.isin(block["status"], (WAITING, DONE, FAILED))
         except Exception:  # whatever zarr and its codecs raise for a damaged chunk
-            block, bad = blank(rows), np.ones(rows, dtype=bool)
+            block, bad = self._blank(rows), np.ones(rows, dtype=bool)
             self._forget(place)
         if bad.any():
-            for name, values in blank(rows).items():
+            for name, values in self._blank(rows).items():
                 block[name][bad] = values[bad]
             self.write(place, first, block)
+
+    def _blank(self, rows: int) -> dict[str, np.ndarray]:
+        return blank(rows, [n for n in self._arrays if n not in (*VECTORS, "status", "reason")])
 
     def _forget(self, place: tuple[slice, ...]) -> None:
         """Remove the files of a block, so that nothing damaged is read when it is written."""
         key = ".".join(str(s.start // n) for s, n in zip(place, self.space.chunks))
-        for name in (*LONG_NAMES, MARKS):
+        for name in (*self._arrays, MARKS):
             file = self.path / name / (f"{key}.0" if name in VECTORS else key)
             file.unlink(missing_ok=True)
 

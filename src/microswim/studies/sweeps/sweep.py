@@ -31,10 +31,10 @@ from microswim.spec.values import all_from_python
 from microswim.studies.sweeps.engines import Rows, Task, solved
 from microswim.studies.sweeps.layout import (
     FORMAT,
-    LONG_NAMES,
     VECTORS,
     WAITING,
     blank,
+    numbers_of,
     said,
 )
 from microswim.studies.sweeps.rows import BATCHED, Job
@@ -199,6 +199,7 @@ def _provenance(job: Job, space: Space) -> dict[str, Any]:
         "model": job.model,
         "options": json.dumps(job.options, sort_keys=True, default=str),
         "units": job.swimmer.units,
+        "outputs": json.dumps(numbers_of(job.swimmer)),
         "spec": spec_json(job.swimmer),
         "calibration": _calibration(job.swimmer),
         "over": json.dumps(over | {"digest": _digest(space)}, sort_keys=True),
@@ -305,7 +306,7 @@ def _fill(job: Job, space: Space, engine: Engine, store: SweepStore, progress: A
 def _in_memory(job: Job, space: Space, engine: Engine, attributes: Any, progress: Any) -> Any:
     import xarray as xr
 
-    whole = blank(space.size)
+    whole = blank(space.size, numbers_of(job.swimmer))
     blocks = (np.arange(start, stop) for _, start, stop in space.blocks())
     solved, left = 0, Left()
     for task, results in engine(t for rows in blocks for t in _tasks(job, space, rows)):
@@ -327,7 +328,7 @@ def _in_memory(job: Job, space: Space, engine: Engine, attributes: Any, progress
             whole[name].reshape(*space.shape, *whole[name].shape[1:]),
             said(name, job.swimmer.units),
         )
-        for name in LONG_NAMES
+        for name in whole
     }
     data["reason"] = (data["reason"][0], data["reason"][1].astype(str), data["reason"][2])
     coords: dict[str, Any] = {"component": list(DEGREES_OF_FREEDOM)}

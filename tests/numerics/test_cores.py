@@ -30,8 +30,8 @@ def test_few_cases_wake_no_threads():
 
 def test_one_core_and_all_of_them_give_the_same():
     rng = np.random.default_rng(0)
-    tables = rng.normal(size=(3, 27)), rng.normal(size=(3, 36)), np.ones(3), np.ones(5)
-    Y, U = rng.normal(size=(MANY, 8)), rng.normal(size=(MANY, 25))
+    tables = rng.normal(size=(3, 27)), rng.normal(size=(3, 36)), np.ones(12), np.ones(6)
+    Y, U = rng.normal(size=(MANY, 8)), rng.normal(size=(MANY, motion.INPUT)) / 10.0
     Y[:, 3:7] /= np.linalg.norm(Y[:, 3:7], axis=1)[:, None]
     ends = []
     for run in (motion.advance_all.alone, motion.advance_all.parallel):

@@ -26,7 +26,8 @@ from microswim.models.rft.gait import gait as checked_surrogate
 from microswim.models.rft.gait import unchecked as surrogate
 from microswim.numerics.compiled import pays, settled
 from microswim.numerics.complex_step import STEP, derivative_from
-from microswim.numerics.fourier import half_range, series_of
+from microswim.numerics.extremes import half_range
+from microswim.numerics.fourier import series_of
 from microswim.numerics.gauss_newton import gauss_newton
 from microswim.swimmer import physical_sense
 from microswim.swimmer.fields import lifted

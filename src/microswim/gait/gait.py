@@ -20,9 +20,9 @@ from microswim.gait import doors, portrait
 from microswim.gait.poses.one_pose import refusal
 from microswim.gait.turned import sense
 from microswim.numerics.array import kept, read_only
+from microswim.numerics.extremes import half_range
 from microswim.numerics.fourier import (
     evaluate,
-    half_range,
     rotate,
     series_of,
 )

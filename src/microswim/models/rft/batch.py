@@ -16,6 +16,7 @@ from microswim.errors import MicroswimError, SpecError
 from microswim.gait.quantities import summary
 from microswim.models.rft.batch_numbers import (
     OUTPUTS,
+    beat_series,
     blank,
     of_helices,
     of_plane_waves,
@@ -48,6 +49,7 @@ from microswim.swimmer.geometry.tails.kinds import as_wave
 from microswim.swimmer.swimmer import Swimmer
 
 CHUNK = 8192
+CHUNK_OF_WAVES = 2048  #: their twists at all phases stay in the processor's cache
 PHASES = 16  #: over half a period of a plane wave; more where these do not resolve it
 MARGIN = 1.0  #: digits of the quadrature beyond the tolerance
 ONE_GAIT = 3e-3  #: seconds of a gait and its summary as Python
@@ -160,7 +162,7 @@ def _chunk(
         rate = np.broadcast_to(many.tail.rate, (n,))
     if swimmer.region is not None:
         good &= _nodes(p).sum(axis=1) <= MOST_NODES
-        return _calibrated(swimmer, arrays, good, rate)
+        return _calibrated(swimmer, arrays, good, rate, seconds)
     if swimmer.tail.is_planar:
         good &= (shapes(p)[1] <= STEEPEST) & (_nodes(p).sum(axis=1) <= MOST_NODES)
     if swimmer.tail.is_rigid:
@@ -168,10 +170,10 @@ def _chunk(
         how = tolerance, _loops(seconds)
         return of_helices(swimmer, *_solved_helices(swimmer, p, body, good, *how), body, rate)
 
-    def solved(rows: np.ndarray, phases: int) -> tuple[Any, Any]:
-        return _solved_waves(swimmer, p[rows], body[rows], phases, tolerance, seconds)
+    def solved(rows: np.ndarray, phase: np.ndarray) -> tuple[Any, Any]:
+        return _solved_waves(swimmer, p[rows], body[rows], phase, tolerance, seconds)
 
-    return _plane_waves(solved, good, body, rate)
+    return _plane_waves(solved, good, body, rate, seconds)
 
 
 def _solved_helices(
@@ -208,33 +210,36 @@ def _ramp_counts(waves: Any, bk: Any, ramp: Any, digits: float, good: Any) -> np
 
 
 def _solved_waves(
-    swimmer: Swimmer, p: Any, body: Any, phases: int, tolerance: float, seconds: float
+    swimmer: Swimmer, p: Any, body: Any, phase: np.ndarray, tolerance: float, seconds: float
 ) -> tuple[Any, Any]:
-    """Twists (n, m, 6) and tail powers (n, m) of plane waves over half a period."""
-    phase = np.pi * np.arange(phases) / phases
-    V, power = np.empty((len(p), phases, 6)), np.empty((len(p), phases))
+    """Twists (n, m, 6) and tail powers (n, m) of plane waves at m phases."""
+    V, power = np.empty((len(p), phase.size, 6)), np.empty((len(p), phase.size))
     arc, free = swimmer.motion.line_element == "arc", np.array(swimmer.motion.mask)
-    loops = _loops(max(seconds, phases * _nodes(p).sum() * SEGMENT))
+    loops = _loops(max(seconds, phase.size * _nodes(p).sum() * SEGMENT))
     for rules, group in _groups(p, tolerance):
         own = p[group], body[group]
         V[group], power[group] = loops.solve_waves(arc, *own, phase, free, *rules)
     return V, power
 
 
-def _calibrated(swimmer: Swimmer, arrays: dict, good: np.ndarray, rate: Any) -> dict[str, Any]:
+def _calibrated(
+    swimmer: Swimmer, arrays: dict, good: np.ndarray, rate: Any, seconds: float
+) -> dict[str, Any]:
     """Results of a surrogate that carries a region calibration."""
     region, free, n = swimmer.region, np.array(swimmer.motion.mask), len(good)
     assert region is not None
 
-    def solved(rows: np.ndarray, phases: int) -> Any:
+    def solved(rows: np.ndarray, phase: np.ndarray) -> Any:
         picked = {k: v[rows] if v.size > 1 else v for k, v in arrays.items()}
-        return region.solve(lifted(swimmer, picked), free, phases)
+        first = 1 if phase[0] > 0.0 else 0  # those in between stand at odd places
+        every = region.solve(lifted(swimmer, picked), free, phase.size << first)
+        return [x[:, first :: 1 + first] for x in every]
 
     if not swimmer.tail.is_rigid:
-        return _plane_waves(solved, good, None, rate)
+        return _plane_waves(solved, good, None, rate, seconds)
     V, power, work = np.full((n, 1, 6), np.nan), *np.full((2, n, 1), np.nan)
     if good.any():
-        V[good], power[good], work[good] = solved(np.flatnonzero(good), 1)
+        V[good], power[good], work[good] = solved(np.flatnonzero(good), np.zeros(1))
     out = of_helices(swimmer, V, power, np.zeros((n, 6, 6)), rate)
     return out | {"efficiency": share_of(work[:, 0], power[:, 0])}
 
@@ -303,27 +308,38 @@ def _groups(p: np.ndarray, tolerance: float) -> Any:
         yield rules, np.flatnonzero(keys == key)
 
 
-def _plane_waves(solved: Any, good: np.ndarray, body: Any, rate: Any) -> dict[str, Any]:
+def _plane_waves(
+    solved: Any, good: np.ndarray, body: Any, rate: Any, seconds: float
+) -> dict[str, Any]:
     """Results of plane waves, at as many phases as each takes; NaN where even the most do not do.
 
-    ``solved(rows, phases)`` gives twists, tail powers and, without `body`, drag times speed.
+    ``solved(rows, phase)`` gives twists, tail powers and, without `body`, drag times speed.
     """
-    rows, phases, out = np.flatnonzero(good), PHASES, blank(len(good))
-    while len(rows) and phases <= MOST_PHASES:
-        left = []
-        for some in np.array_split(rows, -(-len(rows) * phases // (CHUNK * PHASES))):
-            V, power, *work = solved(some, phases)
-            fine = resolved(V)
-            left.append(some[~fine])
-            if not fine.any():
-                continue
-            done, own = some[fine], [w[fine] for w in work]
+    out, rows = blank(len(good)), np.flatnonzero(good)
+    for some in np.array_split(rows, max(1, -(-len(rows) // CHUNK_OF_WAVES))):
+        phases, found = PHASES, solved(some, np.pi * np.arange(PHASES) / PHASES)
+        while len(some):
+            series = beat_series(found[0])
+            fine = resolved(series)
+            V, power, *work = (x[fine] for x in found)
+            done = some[fine]
             drag = None if body is None else body[done]
-            results = of_plane_waves(V[fine], power[fine], rate[done], drag, *own)
+            with settled(pays(seconds)):
+                results = of_plane_waves(V, series[:, fine], power, rate[done], drag, *work)
             for name, value in results.items():
                 out[name][done] = value
-        rows, phases = np.concatenate(left), 2 * phases
+            some = some[~fine]
+            if not len(some) or 2 * phases > MOST_PHASES:
+                break
+            between = solved(some, np.pi * (np.arange(phases) + 0.5) / phases)
+            found = [_interleaved(a[~fine], b) for a, b in zip(found, between)]
+            phases *= 2
     return out
+
+
+def _interleaved(a: np.ndarray, b: np.ndarray) -> np.ndarray:
+    """Return what was found at phases (n, m, ...) and in between, in order."""
+    return np.stack([a, b], axis=2).reshape(len(a), -1, *a.shape[2:])
 
 
 def _one_by_one(swimmer: Swimmer, arrays: dict[str, Any], n: int) -> dict[str, Any]:

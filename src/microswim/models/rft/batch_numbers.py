@@ -9,11 +9,11 @@ from typing import Any
 
 import numpy as np
 
-from microswim.numerics.fourier import MIRROR_Q, half_range, series_of
+from microswim.numerics.extremes import half_range
+from microswim.numerics.fourier import MIRROR_Q, evaluate, series_of
 from microswim.swimmer.swimmer import Swimmer
 
 RESOLVED = 1e-9  #: last harmonics of the velocity, relative to the largest
-AT_ONCE = 1 << 14  #: entries of the series whose amplitudes are sought at once
 OUTPUTS = (
     "mean_velocity",
     "velocity_amplitude",
@@ -50,11 +50,20 @@ def of_helices(swimmer: Swimmer, V: Any, power: Any, body: Any, rate: Any) -> di
     return _results(mean, amplitude, speed, total, work, rate)
 
 
-def resolved(V: np.ndarray) -> np.ndarray:
-    """Return whether the last harmonics of twists V (n, m, 6) over half a period are nothing."""
-    hat = np.abs(np.fft.rfft(np.concatenate([V, V * MIRROR_Q], axis=1), axis=1))
-    hat = hat.reshape(*hat.shape[:2], 2, 3).max(axis=3)  # velocities, rates
-    return (hat[:, -4:].max(axis=1) <= RESOLVED * hat.max(axis=1)).all(axis=1)
+def beat_series(V: np.ndarray) -> np.ndarray:
+    """Return series (2 m - 1, n, 6) of twists V (n, m, 6) over half a period of a plane wave."""
+    n, m, _ = V.shape
+    series = np.zeros((2 * m - 1, n, 6))
+    moves = V.any(axis=(0, 1))
+    half = np.moveaxis(V[..., moves], 1, 0)
+    series[..., moves] = series_of(np.concatenate([half, half * MIRROR_Q[moves]]))
+    return series
+
+
+def resolved(series: np.ndarray) -> np.ndarray:
+    """Return whether the last harmonics of the series (2 m - 1, n, 6) of twists are nothing."""
+    size = np.abs(series).reshape(*series.shape[:2], 2, 3).max(axis=3)  # velocities, rates
+    return (size[-6:].max(axis=0) <= RESOLVED * size.max(axis=0)).all(axis=1)
 
 
 def blank(n: int) -> dict[str, np.ndarray]:
@@ -62,38 +71,33 @@ def blank(n: int) -> dict[str, np.ndarray]:
     return {name: np.full((n, 6) if "velocity" in name else n, np.nan) for name in OUTPUTS}
 
 
-def of_plane_waves(V: Any, power: Any, rate: Any, body: Any, work: Any = None) -> dict[str, Any]:
-    """Return results of plane waves from half a period, the other half mirrored in q.
+def of_plane_waves(
+    V: Any, series: Any, power: Any, rate: Any, body: Any, work: Any = None
+) -> dict[str, Any]:
+    """Return results of plane waves from half a period and the series, per unit rate.
 
-    The motion is planar: heading ``int W_r dt``, displacement ``int R(heading) U dt``.
+    The motion is planar: heading ``int W_r dphi``, displacement ``int R(heading) U dphi``, whose
+    mean over the half period is along s, as the other half is its mirror image in q.
     """
-    W = np.concatenate([V, V * MIRROR_Q], axis=1) * rate[:, None, None]
-    m = W.shape[1]
-    mean = W.mean(axis=1)
-    amplitude = _amplitudes(W)
-    h = np.fft.rfftfreq(m, 1.0 / m)
-    hat = np.fft.rfft(W[:, :, 5], axis=1)
-    hat[:, 1:] /= 1j * h[1:]
-    hat[:, 0] = 0.0
-    with np.errstate(invalid="ignore", divide="ignore"):
-        heading = np.fft.irfft(hat, m, axis=1) / rate[:, None]
-    c, s = np.cos(heading), np.sin(heading)
-    ahead, aside = c * W[..., 0] - s * W[..., 1], s * W[..., 0] + c * W[..., 1]
-    speed = np.hypot(ahead.mean(axis=1), aside.mean(axis=1))
+    m = V.shape[1]
+    mean = series[0] * rate[:, None]
+    amplitude = half_range(series) * np.abs(rate)[:, None]
+    heading = _integral_of(series[..., 5], m)
+    ahead = np.cos(heading) * V[..., 0] - np.sin(heading) * V[..., 1]
+    speed = np.abs(ahead.mean(axis=1) * rate)
     total = power.mean(axis=1) * rate**2
-    if work is None:
-        drag = np.einsum("nj,nmj,nm->n", body[:, 0], W, W[..., 0]) / m
-    else:
-        drag = work.mean(axis=1) * rate**2
-    return _results(mean, amplitude, speed, total, drag, rate)
+    drag = np.einsum("nj,nmj,nm->nm", body[:, 0], V, V[..., 0]) if work is None else work
+    return _results(mean, amplitude, speed, total, drag.mean(axis=1) * rate**2, rate)
 
 
-def _amplitudes(W: np.ndarray) -> np.ndarray:
-    """Half of peak to peak over the period of each component, W (n, m, 6); as a gait's."""
-    series = np.moveaxis(series_of(np.moveaxis(W, 1, 0)), 1, 0)
-    each = max(1, AT_ONCE // series[0].size)
-    parts = np.split(series, range(each, len(series), each))
-    return np.concatenate([half_range(np.moveaxis(part, 0, 1)) for part in parts])
+def _integral_of(series: np.ndarray, m: int) -> np.ndarray:
+    """Return the integral over the phase of series (1 + 2 H, n) without their means, (n, m), at m
+    phases over half a period.
+    """
+    h = np.arange(1, len(series) // 2 + 1)[:, None]
+    whole = np.zeros_like(series)
+    whole[1::2], whole[2::2] = -series[2::2] / h, series[1::2] / h
+    return evaluate(whole, np.pi * np.arange(m) / m).T
 
 
 def _results(mean: Any, amplitude: Any, speed: Any, power: Any, work: Any, rate: Any) -> dict:

@@ -100,7 +100,7 @@ def test_singular_rule_on_a_slanting_patch(angle):
     controls = u[:, None, None] * edges[0] + u[None, :, None] * edges[1]
     patch = bem.Surface(controls[None], np.zeros((1, *controls.shape)), np.zeros(1, bool), 2)
     layer = bem.Layer(patch, 1.0, EXACT_RULE)
-    [(_, points, areas, _)] = layer._own_points()
+    [(_, points, areas, _)] = layer._own_points
     corners = [a * edges[0] + b * edges[1] for a, b in ((-1, -1), (1, -1), (1, 1), (-1, 1))]
     for n, x in enumerate(patch.nodes[0]):
         exact = 0.0

@@ -46,6 +46,7 @@ def layer_blocks(
     K = np.empty((9, g * g))
     stack = np.empty((256, 4), dtype=np.int64)
     acc = np.empty((p2, 9))
+    none = np.empty((0, 3))
     y = np.empty(3)
     for e in range(start, patches, step):
         known[:] = 0
@@ -64,7 +65,7 @@ def layer_blocks(
                     add_nodal(x, nodes[e], areas[e], acc)
                 else:
                     add_patch(
-                        x, x, wall, free, near, C, V, D, M, S, B, W, half,
+                        x, x, wall, free, near, C, V, D, M, S, B, W, half, none,
                         frames, points, known, K, stack, acc,
                     )  # fmt: skip
                 for b in range(p2):
@@ -90,7 +91,7 @@ def layer_blocks(
                     add_nodal_image(x, wall, nodes[e], areas[e], acc)
                 else:
                     add_patch(
-                        x, y, wall, mode, near, C, V, D, M, S, B, W, half,
+                        x, y, wall, mode, near, C, V, D, M, S, B, W, half, none,
                         frames, points, known, K, stack, acc,
                     )  # fmt: skip
                 for b in range(p2):
@@ -100,18 +101,22 @@ def layer_blocks(
 
 
 @njit(cache=True, fastmath=True)
-def own_blocks(patches, nodes, points, areas, basis, p2, out):
+def own_blocks(patches, rows, nodes, points, areas, basis, p2, out):
     """Fill the blocks of each node on its own patch by the singular rule.
 
     Parameters
     ----------
-    patches : (n,) indices of the patches; nodes : (n, p*p, 3) their collocation points.
+    patches : (n,) indices of the patches; rows : place of each node's rows, -1 if it has none;
+    nodes : (n, p*p, 3) their collocation points.
     points : (n, p*p, m, 3), areas : (n, p*p, m) the rule's points and weighted areas.
     basis : (p*p, m, p*p) densities at the points.
     """
     acc = np.empty((p2, 6))
     for n in range(patches.size):
         for i in range(p2):
+            row = 3 * rows[patches[n] * p2 + i]
+            if row < 0:
+                continue
             x = nodes[n, i]
             acc[:] = 0.0
             for k in range(points.shape[2]):
@@ -131,7 +136,6 @@ def own_blocks(patches, nodes, points, areas, basis, p2, out):
                     acc[b, 3] += phi * k3
                     acc[b, 4] += phi * k4
                     acc[b, 5] += phi * k5
-            row = 3 * (patches[n] * p2 + i)
             for b in range(p2):
                 col = 3 * (patches[n] * p2 + b)
                 for j in range(3):
@@ -152,40 +156,31 @@ def stress_sums(
     patches, p2 = density.shape[:2]
     g = V.shape[1]
     frames = np.empty((CELLS * CELLS, 5))
-    points = np.empty((CELLS * CELLS, 4, g * g))
+    points = np.empty((CELLS * CELLS, 7, g * g))
     known = np.empty(CELLS * CELLS, dtype=np.uint8)
-    K = np.empty((9, g * g))
     stack = np.empty((256, 4), dtype=np.int64)
-    acc = np.empty((p2, 9))
-    plane = np.zeros(6)
+    K, acc = np.empty((0, 0)), np.empty((1, 3))
+    plane, node = np.zeros(6), np.empty((7, p2))
     mode = np.int64(2)
-    one = np.ones((1, 1))
-    node = np.empty((4, 1))
     for e in range(start, patches, step):
         known[:] = 0
         frame_cell(controls[e], M, S, half, 0 * mode, 0 * mode, frames[0])
         known[0] = 1
-        f0 = frames[0].copy()
-        reach = far * max(f0[3], f0[4])
+        f = frames[0].copy()
+        reach = far * max(f[3], f[4])
+        node[:3], node[3], node[4:] = nodes[e].T, areas[e], density[e].T
         for i in range(targets.shape[0]):
             if own[i] == e:
                 continue
             x = targets[i]
             acc[:] = 0.0
             plane[3:] = normals[i]
-            d0, d1, d2 = x[0] - f0[0], x[1] - f0[1], x[2] - f0[2]
+            d0, d1, d2 = x[0] - f[0], x[1] - f[1], x[2] - f[2]
             if d0 * d0 + d1 * d1 + d2 * d2 > reach * reach:
-                for b in range(p2):
-                    node[:3, 0] = nodes[e, b]
-                    node[3, 0] = areas[e, b]
-                    add_stress(x, plane, node, one, one, acc[b : b + 1])
+                add_stress(x, plane[3], plane[4], plane[5], node, acc[0])
             else:
                 add_patch(
-                    x, x, plane, mode, near, controls[e], V, D, M, S, B, W, half,
+                    x, x, plane, mode, near, controls[e], V, D, M, S, B, W, half, density[e],
                     frames, points, known, K, stack, acc,
                 )  # fmt: skip
-            for b in range(p2):
-                f, a = density[e, b], acc[b]
-                out[i, 0] += a[0] * f[0] + a[1] * f[1] + a[2] * f[2]
-                out[i, 1] += a[1] * f[0] + a[3] * f[1] + a[4] * f[2]
-                out[i, 2] += a[2] * f[0] + a[4] * f[1] + a[5] * f[2]
+            out[i] += acc[0]

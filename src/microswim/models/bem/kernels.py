@@ -150,37 +150,47 @@ def add_nodal_image(x, wall, X, A, acc):
 
 
 @njit(cache=True, fastmath=True)
-def add_stress(x, wall, P, Ba, Bb, acc):
-    """Add the integral of r_i r_j (r . n) / r^5 over one cell, n the target's normal in
-    wall[3:6].
-    """
+def evaluate_flow(flow, Ba, Bb, out):
+    """Write the density of a flow with values (p*p, 3) at the nodes to out (3, g*g) of a cell."""
     g, p = Ba.shape
-    for m in range(g):
-        for q in range(g):
-            k = m * g + q
-            d0, d1, d2 = x[0] - P[0, k], x[1] - P[1, k], x[2] - P[2, k]
-            i2 = 1.0 / (d0 * d0 + d1 * d1 + d2 * d2)
-            along = d0 * wall[3] + d1 * wall[4] + d2 * wall[5]
-            w = P[3, k] * along * i2 * i2 * np.sqrt(i2)
-            for bu in range(p):
-                for bv in range(p):
-                    phi = w * Ba[m, bu] * Bb[q, bv]
-                    row = acc[bu * p + bv]
-                    row[0] += phi * d0 * d0
-                    row[1] += phi * d0 * d1
-                    row[2] += phi * d0 * d2
-                    row[3] += phi * d1 * d1
-                    row[4] += phi * d1 * d2
-                    row[5] += phi * d2 * d2
+    for c in range(3):
+        for m in range(g):
+            for q in range(g):
+                value = 0.0
+                for bu in range(p):
+                    for bv in range(p):
+                        value += Ba[m, bu] * Bb[q, bv] * flow[bu * p + bv, c]
+                out[c, m * g + q] = value
+
+
+@njit(cache=True, fastmath=True)
+def add_stress(x, n0, n1, n2, P, acc):
+    """Add sum_k w r (r . f) (r . n) / r^5 to acc (3,), r = x - y, n the target's normal.
+
+    P : (7, m), rows y, w, f of the points.
+    """
+    s0, s1, s2 = 0.0, 0.0, 0.0
+    for k in range(P.shape[1]):
+        d0, d1, d2 = x[0] - P[0, k], x[1] - P[1, k], x[2] - P[2, k]
+        i2 = 1.0 / (d0 * d0 + d1 * d1 + d2 * d2)
+        w = P[3, k] * (d0 * n0 + d1 * n1 + d2 * n2) * i2 * i2 * np.sqrt(i2)
+        w *= d0 * P[4, k] + d1 * P[5, k] + d2 * P[6, k]
+        s0 += w * d0
+        s1 += w * d1
+        s2 += w * d2
+    acc[0] += s0
+    acc[1] += s1
+    acc[2] += s2
 
 
 @njit(cache=True, fastmath=True)
 def add_patch(
-    x, y, wall, image, near, C, V, D, M, S, B, W, half, frames, points, known, K, stack, acc
+    x, y, wall, image, near, C, V, D, M, S, B, W, half, flow, frames, points, known, K, stack, acc
 ):
     """Add one patch's integral for the target x; y = x or, for the image, x mirrored at the wall.
 
-    image: 0 free space, 1 Blake's image, 2 stress on the plane through x with normal wall[3:6].
+    image: 0 free space, 1 Blake's image, 2 stress of `flow` (p*p, 3) on the plane through x with
+    normal wall[3:6], then to acc[0].
     """
     top = 1
     stack[0, :] = 0
@@ -200,11 +210,13 @@ def add_patch(
         if not (cut_u or cut_v):
             if known[cell] == 1:
                 evaluate_cell(C, V, D, W, a, b, points[cell])
+                if image == 2:
+                    evaluate_flow(flow, B[a], B[b], points[cell, 4:])
                 known[cell] = 2
             if image == 1:
                 add_image(x, wall, points[cell], B[a], B[b], K, acc)
             elif image == 2:
-                add_stress(x, wall, points[cell], B[a], B[b], acc)
+                add_stress(x, wall[3], wall[4], wall[5], points[cell], acc[0])
             else:
                 add_free(x, points[cell], B[a], B[b], K, acc)
             continue

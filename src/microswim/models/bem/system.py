@@ -12,9 +12,9 @@ of the density.
 from __future__ import annotations
 
 import time
-from collections.abc import Iterator
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass, field
+from functools import cached_property
 
 import numpy as np
 from numpy.typing import NDArray
@@ -23,6 +23,7 @@ from scipy.linalg import lu_factor, lu_solve
 from microswim.models import memory
 from microswim.models.bem.assembly import layer_blocks, own_blocks, stress_sums
 from microswim.models.bem.element import cell_tables, own_rule
+from microswim.models.bem.mirrors import Mirrors, Parity, mirrors
 from microswim.models.bem.near_wall import over, refined
 from microswim.models.bem.surface import Surface
 from microswim.numerics.array import Array
@@ -62,6 +63,11 @@ class Layer:
     rule: Quadrature = field(default_factory=Quadrature)
     wall: Array | None = None
 
+    @cached_property
+    def mirrors(self) -> Mirrors:
+        """Mirrors that leave surface and wall as they are."""
+        return mirrors(self.surface, self.wall)
+
     def _fill(self, targets: Array, own: NDArray[np.int64], out: Array) -> None:
         s, r = self.surface, self.rule
         t = cell_tables(s.order, r.points)
@@ -80,39 +86,42 @@ class Layer:
             for done in work:
                 done.result()
 
-    def matrix(self, border: int = 1) -> Array:
-        """Return the collocation matrix with `border` further rows and columns of zeros, Fortran
-        order.
+    def rows(self, border: int = 1) -> Array:
+        """Return the rows of the collocation matrix of the nodes that stand for all, (3 o, 3 n).
+
+        With `border` further rows and columns of zeros, Fortran order.
         """
-        s = self.surface
-        n = s.unknowns + border
-        A = np.zeros((n, n), order="F")
-        own = np.repeat(np.arange(s.patches), s.order**2)
-        self._fill(s.nodes.reshape(-1, 3), own, A)
-        self._fill_own(A)
+        s, nodes = self.surface, self.mirrors.nodes
+        A = np.zeros((3 * nodes.size + border, s.unknowns + border), order="F")
+        self._fill(s.nodes.reshape(-1, 3)[nodes], nodes // s.order**2, A)
+        row = np.full(s.nodes[..., 0].size, -1)
+        row[nodes] = np.arange(nodes.size)
+        for some, points, areas, basis in self._own_points:
+            own_blocks(some, row, s.nodes[some], points, areas, basis, s.order**2, A)
         A *= 1.0 / (8.0 * np.pi * self.viscosity)
         return A
 
-    def _own_points(self) -> Iterator[tuple[NDArray[np.int64], Array, Array, Array]]:
-        """Singular rules on the own patches: patches, points (n, p*p, m, 3), areas, basis."""
-        s, p2 = self.surface, self.surface.order**2
+    @cached_property
+    def _own_points(self) -> list[tuple[NDArray[np.int64], Array, Array, Array]]:
+        """Singular rules on the own patches: patches, points (n, p*p, m, 3), areas, basis.
+
+        Of the patches with nodes that stand for all.
+        """
+        s, p2, found = self.surface, self.surface.order**2, []
         q2 = s.controls.shape[1] ** 2
-        flat, shapes = s.controls.reshape(s.patches, q2, 3), s.shapes
+        flat, wanted = s.controls.reshape(s.patches, q2, 3), np.unique(self.mirrors.nodes // p2)
+        shapes = s.shapes[wanted]
         for ratio, angle in np.unique(shapes, axis=0).tolist():
             r = own_rule(s.order, (ratio, angle), self.rule.radial, self.rule.angular)
-            alike = np.nonzero(np.all(shapes == (ratio, angle), axis=1))[0]
+            alike = wanted[np.all(shapes == (ratio, angle), axis=1)]
             for some in np.array_split(alike, 1 + alike.size // 64):
                 C = flat[some].transpose(1, 0, 2).reshape(q2, -1)
                 shape = (p2, -1, some.size, 3)
                 X, U, V = ((m @ C).reshape(shape) for m in (r.value, r.along_u, r.along_v))
                 J = np.linalg.norm(np.cross(U, V), axis=-1) * r.weight[:, :, None]
                 points = np.ascontiguousarray(X.transpose(2, 0, 1, 3))
-                yield some, points, np.ascontiguousarray(J.transpose(2, 0, 1)), r.basis
-
-    def _fill_own(self, A: Array) -> None:
-        s = self.surface
-        for some, points, areas, basis in self._own_points():
-            own_blocks(some, s.nodes[some], points, areas, basis, s.order**2, A)
+                found.append((some, points, np.ascontiguousarray(J.transpose(2, 0, 1)), r.basis))
+        return found
 
     def outer_traction(self, density: Array) -> Array:
         """Return the part of a density (e, p*p, 3) that acts on the fluid outside, (e, p*p, 3).
@@ -120,10 +129,21 @@ class Layer:
         f = f_out + f_in, the rest drives the fluid that fills the surface;
         f_out = f/2 + 3/(4 pi) int r (r . f) (r . n) / r^5 dS,  r = x - y     (principal value)
         """
-        s, r = self.surface, self.rule
+        values, out = density.reshape(-1, 3, 1), np.zeros_like(density)
+        for parity in self.mirrors.parities:
+            own = parity.part(values)
+            if np.abs(own).max() > 1e-12 * np.abs(density).max():
+                half = np.ascontiguousarray(parity.spread(own).reshape(density.shape))
+                at = self._outer_traction(half)[parity.own]
+                out += parity.spread(at[:, None]).reshape(density.shape)
+        return out
+
+    def _outer_traction(self, density: Array) -> Array:
+        """Return it at the nodes that stand for all, (o, 3)."""
+        s, r, nodes = self.surface, self.rule, self.mirrors.nodes
         t = cell_tables(s.order, r.points)
-        x, n = s.nodes.reshape(-1, 3), np.ascontiguousarray(s.normals.reshape(-1, 3))
-        owner = np.repeat(np.arange(s.patches), s.order**2)
+        x, n = s.nodes.reshape(-1, 3)[nodes], s.normals.reshape(-1, 3)[nodes]
+        owner = nodes // s.order**2
         threads = min(numba().get_num_threads(), s.patches)
         sums = np.zeros((threads, *x.shape))
         tables = (t.value, t.slope, t.middle, t.middle_slope, t.basis, t.weight, t.half)
@@ -132,14 +152,15 @@ class Layer:
             work = [pool.submit(stress_sums, k, threads, *common, sums[k]) for k in range(threads)]
             for done in work:
                 done.result()
-        total = sums.sum(axis=0).reshape(density.shape)
-        for some, points, areas, basis in self._own_points():
+        own = np.zeros_like(density)
+        for some, points, areas, basis in self._own_points:
             d = s.nodes[some][:, :, None, :] - points
             f = np.einsum("imb,nbc->nimc", basis, density[some], optimize=True)
             weight = areas * np.einsum("nimc,nic->nim", d, s.normals[some]) * np.sum(d * f, axis=-1)
             weight /= np.sum(d * d, axis=-1) ** 2.5
-            total[some] += np.einsum("nim,nimc->nic", weight, d)
-        return 0.5 * density + 3 / (4 * np.pi) * total
+            own[some] += np.einsum("nim,nimc->nic", weight, d)
+        total = sums.sum(axis=0) + own.reshape(-1, 3)[nodes]
+        return 0.5 * density.reshape(-1, 3)[nodes] + 3 / (4 * np.pi) * total
 
     def reach(self, points: Array, image_alone: bool = False) -> Array:
         """Return the velocity (3 t, 3 e p^2) at points (t, 3) of the fluid for each density.
@@ -181,18 +202,28 @@ def rigid_modes(points: Array, centre: Array) -> Array:
 
 @dataclass(frozen=True)
 class Factors:
-    """The bordered system of a layer, factorised: densities for any velocities of its surface."""
+    """The bordered systems of a layer, factorised: densities for any velocities of its surface.
 
-    lu: tuple[Array, NDArray[np.int32]]
+    One system for each parity of the layer's mirrors, with LAPACK's factors.
+    """
+
+    parts: tuple[tuple[Parity, tuple[Array, NDArray[np.int32]]], ...]
     unknowns: int
 
     def solve(self, velocities: Array) -> Array:
         """Return the densities (3 e p^2, k) for velocities (3 e p^2, k) at the nodes."""
-        rhs = np.zeros((len(self.lu[0]), velocities.shape[-1]), order="F")
-        rhs[: self.unknowns] = velocities
-        matrix, pivots = self.lu
-        own = pivots.copy()  # LAPACK's wrapper counts them from one meanwhile: threads would meet
-        return lu_solve((matrix, own), rhs, overwrite_b=True, check_finite=False)[: self.unknowns]
+        values = velocities.reshape(-1, 3, velocities.shape[-1])
+        parts = [p.spread(_solved(lu, p.part(values))) for p, lu in self.parts]
+        return np.sum(parts, axis=0).reshape(velocities.shape)
+
+
+def _solved(lu: tuple[Array, NDArray[np.int32]], own: Array) -> Array:
+    """Return the unknowns but those of the border for right sides (m, k)."""
+    matrix, pivots = lu
+    rhs = np.zeros((len(matrix), own.shape[-1]), order="F")
+    rhs[: len(own)] = own
+    mine = pivots.copy()  # LAPACK's wrapper counts them from one meanwhile: threads would meet
+    return lu_solve((matrix, mine), rhs, overwrite_b=True, check_finite=False)[: len(own)]
 
 
 @dataclass(frozen=True)
@@ -207,9 +238,9 @@ class Densities:
 def solve_density(layer: Layer, velocities: Array) -> Densities:
     """Return densities for surface velocities (e, p*p, 3, k): one factorisation for all k."""
     start = time.perf_counter()
-    A = _bordered(layer)
+    A, pressures = _bordered(layer)
     assembled = time.perf_counter()
-    factors = _factors(A, layer)
+    factors = _factors(layer, A, pressures)
     density = factors.solve(velocities.reshape(factors.unknowns, -1))
     solved = time.perf_counter()
     seconds = {"assembly": assembled - start, "solve": solved - assembled}
@@ -218,25 +249,36 @@ def solve_density(layer: Layer, velocities: Array) -> Densities:
 
 def factorised(layer: Layer) -> Factors:
     """Return the factorised system of a layer."""
-    return _factors(_bordered(layer), layer)
+    return _factors(layer, *_bordered(layer))
 
 
-def _factors(A: Array, layer: Layer) -> Factors:
-    return Factors(lu_factor(A, overwrite_a=True, check_finite=False), layer.surface.unknowns)
+def _factors(layer: Layer, rows: Array, pressures: Array) -> Factors:
+    parts = []
+    for parity in layer.mirrors.parities:
+        column = parity.part(pressures)
+        last = np.abs(column).max(axis=0) > 1e-9 * np.abs(pressures).max()
+        A = parity.folded(rows, last)
+        A[: len(column), len(column) :] = column[:, last]
+        parts.append((parity, lu_factor(A, overwrite_a=True, check_finite=False)))
+    return Factors(tuple(parts), layer.surface.unknowns)
 
 
-def _bordered(layer: Layer) -> Array:
-    """Return the matrix of a layer with the pressures as further columns, their fluxes as rows."""
+def _bordered(layer: Layer) -> tuple[Array, Array]:
+    """Return rows of a layer's matrix with the pressures' fluxes below, and these (n, 3, b).
+
+    The pressures are further columns, which each parity has of its own.
+    """
     s = layer.surface
     require_memory(s.unknowns)
     n, pressures = s.unknowns, s.node_pressures
-    A = layer.matrix(border=len(pressures))
-    scale = np.abs(A.diagonal()[:n]).mean()
+    A = layer.rows(border=len(pressures))
+    nodes = layer.mirrors.nodes
+    own = (3 * nodes[:, None] + np.arange(3)).ravel()
+    scale = np.abs(A[np.arange(own.size), own]).mean()
     flux = s.moments[2] * (scale / np.abs(s.moments[2]).mean())
-    for k, pressure in enumerate(pressures[..., None], start=n):
-        A[:n, k] = (s.normals * pressure).reshape(-1) * scale
-        A[k, :n] = (flux * pressure).reshape(-1)
-    return A
+    A[own.size :, :n] = (flux * pressures[..., None]).reshape(len(pressures), -1)
+    columns = (s.normals * pressures[..., None]).reshape(len(pressures), -1, 3) * scale
+    return A, np.moveaxis(columns, 0, -1)
 
 
 def wrench_rows(surface: Surface, centre: Array, patches: NDArray[np.bool_] | None = None) -> Array:

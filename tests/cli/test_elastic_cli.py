@@ -1,6 +1,7 @@
 """Elastic tails from the command line, as a designer meets them."""
 
 import json
+import math
 
 import pytest
 from click.testing import CliRunner
@@ -73,7 +74,7 @@ def test_a_new_spec_runs(tmp_path):
 
 @pytest.mark.parametrize(("change", "sentence"), [
     ("tail.drive=rotate", "tail.amplitude = 0.02: must be left out"),
-    ("tail.drive=push", '"heave", "pivot", "rotate", "none"'),
+    ("tail.drive=push", '"heave", "pivot", "rotate", "moment", "none"'),
     ("tail.drive=pivot", "tail.amplitude = 0.02: must be left out"),
     ("tail.angle=0.1", "must be left out with drive"),
     ("tail.bending=0", "must be a positive stiffness"),
@@ -100,6 +101,72 @@ def test_a_base_that_turns(spec, tmp_path):
     assert found["info"]["settles"]
     hinged = run("run", spec, "--set", "tail.base=hinged")
     assert "a hinge hands on no turning" in hinged.output
+
+
+TURNED = """
+[fluid]
+viscosity = "1 mPa s"
+[body]
+shape = "sphere"
+radius = "1 um"
+[tail]
+kind = "elastic"
+length = "8 um"
+radius = "0.05 um"
+bending = "4e-24 N m^2"
+drive = "rotate"
+frequency = "20 Hz"
+"""
+
+
+def test_a_helix_at_rest_with_a_hook(tmp_path):
+    """By its radius and pitch, and by a table of points beside the spec: the same speed."""
+    spec, table = tmp_path / "cell.toml", tmp_path / "shape.csv"
+    hook = '[hook]\nstiffness = "4e-25 N m^2"\nlength = "0.1 um"\n'
+    spec.write_text(TURNED + 'rest_radius = "0.2 um"\nrest_pitch = "-2.2 um"\n' + hook)
+    first = json.loads(run("run", spec, "--json").stdout)
+    assert first["info"]["settles"]
+    assert first["mean_velocity"][0] < 0.0
+    x = [0.02 * i for i in range(360)]
+    rows = [
+        f"{s},{0.2 * math.cos(k * s)},{0.2 * math.sin(k * s)}" for k in [-RATE / 2.2] for s in x
+    ]
+    arc = 0.02 * 359 * math.hypot(1.0, 0.2 * RATE / 2.2)
+    table.write_text("x,y,z\n" + "\n".join(rows))
+    spec.write_text(TURNED.replace("8 um", f"{arc:.6f} um") + 'file = "shape.csv"\n' + hook)
+    drawn = run("run", spec, "--json")
+    spec.write_text(
+        TURNED.replace("8 um", f"{arc:.6f} um")
+        + 'rest_radius = "0.2 um"\nrest_pitch = "-2.2 um"\n' + hook
+    )  # fmt: skip
+    told = json.loads(run("run", spec, "--json").stdout)
+    assert json.loads(drawn.stdout)["mean_velocity"] == pytest.approx(
+        told["mean_velocity"], rel=2e-3, abs=1e-12
+    )
+
+
+@pytest.mark.parametrize(("lines", "sentence"), [
+    ('rest_pitch = "1 um"\n', "rest_radius: missing"),
+    ('rest_radius = "1 um"\nrest = [[0, 0, 0]]\n', "one of the two"),
+    ("rest = [[0, 0, 0], [1, 0, 0]]\n", "4 to 2000"),
+    ("rest = [[0, 0, 0], [0, 0, 0], [2, 0, 0], [3, 1, 0]]\n", "the same place"),
+    ('file = "none.csv"\n', "none.csv"),
+    ('moment = "1e-18 N m"\n', "left out with drive"),
+    ("", "tail.angle: missing"),
+])  # fmt: skip
+def test_shapes_at_rest_that_cannot_be(tmp_path, lines, sentence):
+    spec = tmp_path / "cell.toml"
+    spec.write_text(TURNED + lines)
+    found = run("run", spec)
+    assert found.exit_code == 2
+    assert sentence in found.output
+
+
+def test_waves_of_inner_moment(spec):
+    text = spec.read_text().replace('"hinged"', '"clamped"').replace('"heave"', '"moment"')
+    spec.write_text(text.replace("amplitude = 0.02", "moment = 0.5\nwavelength = 1.0"))
+    found = json.loads(run("run", spec, "--set", "motion.free=all", "--json").stdout)
+    assert found["mean_velocity"][0] < 0.0
 
 
 @pytest.mark.parametrize("preset", ["tabak/helix", "tabak/plane_wave"])

@@ -31,6 +31,25 @@ def thrust(sperm_number, base="clamped", drive="heave", hook=None):
     return -float(w @ np.real(Y_x * np.conj(1j * Y)) / 2)
 
 
+def moment_thrust(sperm_number, waves):
+    """The same for a clamped base that stands still, by waves of inner moment, per size squared.
+
+    The size is over ``B / L``, and ``c_n y_t = -(B y_xx - M)_xx`` with ``M = Re exp(i (t - q x))``.
+    """
+    k, q = sperm_number * np.exp(1j * (-np.pi / 8 + np.pi / 2 * np.arange(4))), 2 * np.pi * waves
+    own = -(q**2) / (1j * sperm_number**4 + q**4)  # of exp(-i q x), forced
+    tip, end = np.exp(k), np.exp(-1j * q)
+    rows = [np.ones(4), k, k**2 * tip, k**3 * tip]
+    right = [-own, 1j * q * own, (1 + q**2 * own) * end, -1j * q * (1 + q**2 * own) * end]
+    a = np.linalg.solve(np.array(rows), right)
+    x, w = np.polynomial.legendre.leggauss(80)
+    x, w = (x + 1) / 2, w / 2
+    powers, a = np.append(k, -1j * q), np.append(a, own)
+    waves = np.exp(np.outer(x, powers))
+    Y, Y_x = waves @ a, (waves * powers) @ a
+    return -float(w @ np.real(Y_x * np.conj(1j * Y)) / 2)
+
+
 def chain_thrust(sperm_number, amplitude, ratio, points=30, periods=4):
     """Mean thrust on a clamped base heaved by `amplitude`, by a chain of points.
 

@@ -19,7 +19,7 @@ from microswim.errors import SpecError
 from microswim.gait import doors
 from microswim.spec import complaint, presets
 from microswim.spec.named_files import beside
-from microswim.spec.readers import beat, text
+from microswim.spec.readers import beat, rest, text
 from microswim.spec.tables import ALTERNATIVES, FIELDS, SpecTable
 from microswim.spec.trusted import Trusted
 from microswim.spec.units import DIMENSIONS, has_unit, to_si
@@ -224,6 +224,8 @@ def _build(spec: SpecTable, units: Literal["SI", "dimensionless"], trusted: Trus
         tail["shape"] = trusted.function("tail.shape", tail["shape"])
     elif spec.tail.kind == "waveform":
         tail = beat.tail_fields(tail, units)
+    elif spec.tail.kind == "elastic":
+        tail = rest.with_points(tail)
     applied = _given(spec.field) if spec.field is not None else {}
     chosen = "law" in law
     name = law.pop("law", "lighthill")

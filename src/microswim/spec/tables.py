@@ -24,6 +24,7 @@ from microswim.spec.types import (
     Kinematic,
     Length,
     Number,
+    Torque,
     Viscosity,
 )
 from microswim.spec.types import Table as _Table
@@ -163,9 +164,9 @@ class ElasticTable(_TailTable):
         About("Base", "clamped | hinged: turns freely", start="clamped"),
     ] = "clamped"
     drive: Annotated[
-        Literal["heave", "pivot", "rotate", "none"],
-        About("Drive", "heave: base moves across s | pivot: turns about r | rotate: about s | none",
-              start="heave"),
+        Literal["heave", "pivot", "rotate", "moment", "none"],
+        About("Drive", "heave: base moves across s | pivot: turns about r | rotate: about s | "
+              "moment: waves of inner moment | none", start="heave"),
     ] = "heave"  # fmt: skip
     amplitude: Annotated[Length | None, About("Amplitude", "of the heave", start=0.1)] = None
     angle: Annotated[
@@ -174,6 +175,21 @@ class ElasticTable(_TailTable):
     ] = None
     twisting: Annotated[
         Bending | None, About("Twisting stiffness", "for rotate; two thirds of bending by default")
+    ] = None
+    moment: Annotated[
+        Torque | None, About("Inner moment", "of the waves that bend it, of this wavelength")
+    ] = None
+    rest_radius: Annotated[
+        Length | None, About("Radius at rest", "of a helix that it is at rest; straight by default")
+    ] = None
+    rest_pitch: Annotated[
+        Length | None, About("Pitch at rest", "of that helix; negative: left-handed; none: an arc")
+    ] = None
+    rest: Annotated[
+        list[list[Number]] | None, About("Shape at rest", "points [s, q, r], drawn to the length")
+    ] = None
+    file: Annotated[
+        str | None, About("File", "table of s, q, r (or x, y, z): points of the shape at rest")
     ] = None
 
 

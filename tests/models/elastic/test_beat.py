@@ -12,7 +12,7 @@ from microswim.models.elastic.beat import drive, settled
 from microswim.models.elastic.growth import growth
 from microswim.models.elastic.plane import Loads, balance
 from microswim.models.elastic.problem import problem
-from oracles.elastic_filament import chain_thrust, thrust
+from oracles.elastic_filament import chain_thrust, moment_thrust, thrust
 
 RATE = 2.0 * np.pi
 
@@ -47,6 +47,41 @@ def test_thrust_of_small_amplitude_is_the_closed_form(base, drive, sperm_number)
 def test_small_amplitude_does_not_know_the_tangential_drag(ratio):
     found = held_thrust(swimmer(4.0, 0.002, ratio=ratio), 0.002, ratio)
     assert found == pytest.approx(thrust(4.0), rel=3e-4)
+
+
+def bent_from_within(sperm_number, moment, waves, **parts):
+    """A clamped filament of length 1 that waves of inner moment bend, in units of B / L."""
+    bending = RATE / sperm_number**4
+    tail = ms.ElasticTail(length=1.0, radius=0.01, bending=bending, drive="moment",
+                          moment=moment * bending, wavelength=1.0 / waves)  # fmt: skip
+    parts = {"body": ms.NoBody(), "motion": ms.Motion(free="none")} | parts
+    law = ms.Constant(normal=1.0, tangential=0.5, spin=False)
+    return ms.Swimmer(tail=tail, fluid=ms.Fluid(viscosity=1.0), coefficients=law, **parts)
+
+
+@pytest.mark.parametrize("waves", [0.7, 2.0])
+@pytest.mark.parametrize("sperm_number", [1.5, 4.0])
+def test_waves_of_inner_moment_push_as_the_closed_form_says(sperm_number, waves):
+    found = held_thrust(bent_from_within(sperm_number, 0.01, waves), 0.01)
+    assert found == pytest.approx(moment_thrust(sperm_number, waves), rel=1e-3)
+
+
+def test_inner_moments_give_what_the_fluid_takes():
+    """Their work ``int M theta_st ds`` over a period, on a free body."""
+    one = bent_from_within(3.0, 4.0, 1.3, body=ms.Sphere(radius=0.1), motion=ms.Motion())
+    beat, gait = settled(problem(one)), one.gait()
+    wave = 4.0 * np.cos(beat.phases[:, None] - RATE * 1.3 * beat.rod.s)
+    bent = (beat.velocities[:, -beat.rod.count :] @ beat.rod.curvatures.T * wave) @ beat.rod.weight
+    unit = one.numbers["tail.bending"] * RATE  # B / L per unit phase
+    assert bent.mean() * unit == pytest.approx(gait.mean_power, rel=1e-6)
+
+
+def test_inner_moments_run_towards_the_tip_or_back():
+    """With the motor backwards the wave runs towards the body, and pulls."""
+    parts = {"body": ms.Sphere(radius=0.1), "motion": ms.Motion()}
+    ahead = bent_from_within(3.0, 4.0, 1.3, **parts)
+    back = ahead.with_({"tail.frequency": -1.0})
+    assert ahead.gait().mean_velocity[0] < 0.0 < back.gait().mean_velocity[0]
 
 
 @pytest.mark.parametrize("drive", ["heave", "pivot"])

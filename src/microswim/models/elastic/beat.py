@@ -61,9 +61,9 @@ class Beat:
     @property
     def balance(self) -> Balance:
         """The balance of work at its phases."""
-        base = drive(self.problem, self.phases)
-        q = self.shape
-        return balance(self.rod, self.problem.drag, base, q, self.velocities, Loads(), 0.0 * q[0])
+        base, q, w = drive(self.problem, self.phases), self.shape, self.velocities
+        rest = unstressed(self.problem, self.rod, self.phases)
+        return balance(self.rod, self.problem.drag, base, q, w, Loads(), rest)
 
     @property
     def is_resolved(self) -> tuple[bool, bool]:
@@ -81,6 +81,16 @@ def drive(problem: Problem, phase: np.ndarray) -> Base:
     """Return where the drive holds the base."""
     c, s, y, a = np.cos(phase), np.sin(phase), problem.heave, problem.pivot
     return Base(place=y * c, angle=a * c, place_rate=-y * s, angle_rate=-a * s)
+
+
+def unstressed(problem: Problem, rod: Rod, phase: np.ndarray) -> np.ndarray:
+    """Return the coordinates (T, n) in which inner moments and bending balance.
+
+    An inner moment ``M cos(phi - 2 pi s / lambda)`` bends the filament by ``M / B`` at rest.
+    """
+    k = 2.0 * np.pi * problem.waves
+    wave = problem.moment * np.cos(phase[:, None] - k * rod.s)
+    return (wave * rod.weight) @ rod.curvatures
 
 
 @lru_cache(16)
@@ -104,10 +114,10 @@ def settled(problem: Problem) -> Beat:
     MicroswimError
         If none is found, or it takes too many.
     """
-    if not np.real(problem.drag.normal) > 0.0 or not (problem.heave or problem.pivot):
+    if not np.real(problem.drag.normal) > 0.0 or not problem.is_driven:
         return _still(problem)
     T, n = FIRST
-    n = max(n, int(6 + 2 * problem.sperm_number))
+    n = max(n, int(6 + 2 * problem.sperm_number + 4 * abs(np.real(problem.waves))))
     beat = None
     while T * n <= MOST:
         beat = (beat and _newton(_finer(beat, T, n))) or found(problem, T, n)
@@ -147,9 +157,8 @@ def found(problem: Problem, T: int, n: int) -> Beat:
     done, step = 0.0, 1.0
     while done < 1.0:
         share = min(1.0, done + step)
-        part = replace(problem, heave=share * problem.heave, pivot=share * problem.pivot)
         grown = share / done if done else 0.0
-        start = replace(beat, problem=part, shape=grown * beat.shape)
+        start = replace(beat, problem=problem.share(share), shape=grown * beat.shape)
         found = _newton(start)
         if found is None:
             step /= 2.0

@@ -94,7 +94,7 @@ def _beating(swimmer: Swimmer, phases: int | None) -> tuple[tuple[np.ndarray, ..
 
 def _turning(swimmer: Swimmer, phases: int | None) -> tuple[tuple[np.ndarray, ...], dict]:
     found = whirl(swimmer)
-    R, F, G = _summed(swimmer, whirled_centreline(found), found.rod.weight)
+    R, F, G = _summed(swimmer, *whirled_centreline(found))
     series = rotate(R[0], swimmer.tail.sign), rotate(F[0], swimmer.tail.sign), G
     return series, findings.of_whirl(found)
 

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
@@ -30,12 +30,27 @@ class Problem:
         Sizes of the drive: length over L, and angle.
     turning
         Stiffness of the base's turning, 0 of a hinge, None of a clamp.
+    moment, waves
+        Of the wave of inner moment: its size times ``L / B``, and waves in L, positive towards
+        the tip.
     """
 
     drag: Drag
     heave: float
     pivot: float
     turning: float | None
+    moment: float = 0.0
+    waves: float = 0.0
+
+    @property
+    def is_driven(self) -> bool:
+        """Whether anything moves it."""
+        return bool(self.heave or self.pivot or self.moment)
+
+    def share(self, part: float) -> Problem:
+        """Return the same with a part of its drive."""
+        sizes = {n: part * getattr(self, n) for n in ("heave", "pivot", "moment")}
+        return replace(self, **sizes)
 
     @property
     def sperm_number(self) -> float:
@@ -67,6 +82,13 @@ def problem(swimmer: Swimmer) -> Problem:
     """
     tail = elastic_tail(swimmer)
     check_options(swimmer)
+    if tail.is_bent:
+        raise SpecError(
+            "tail.rest",
+            "bent",
+            f'straight for the drive "{tail.drive}"',
+            'or take the drive "rotate"',
+        )
     if np.any(body_resistance(swimmer)[np.ix_(PLANE, ACROSS)]):
         raise SpecError("interaction.coupling", swimmer.interaction.coupling,
                         "one that keeps the swimmer in the plane s-q, in which its tail beats",
@@ -89,7 +111,9 @@ def problem(swimmer: Swimmer) -> Problem:
     turning = 0.0 if tail.base == "hinged" else None
     if swimmer.hook is not None:
         turning = swimmer.hook.turning * L / tail.bending
-    return Problem(drag, (tail.amplitude or 0.0) / L, tail.angle or 0.0, turning)
+    waves = tail.number_of_waves * float(np.sign(np.real(tail.rate)) or 1.0)
+    moment = (tail.moment or 0.0) * L / tail.bending
+    return Problem(drag, (tail.amplitude or 0.0) / L, tail.angle or 0.0, turning, moment, waves)
 
 
 def check_options(swimmer: Swimmer) -> None:

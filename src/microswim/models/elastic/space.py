@@ -19,7 +19,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from microswim.models.elastic.rod import Rod
+from microswim.models.elastic.filament import Filament
 
 AXIS = np.array([1.0, 0.0, 0.0])
 
@@ -40,8 +40,6 @@ class DragInSpace:
         Of the joint from the body's centre.
     free
         Which of the body's velocities are free.
-    twisting
-        Twisting over bending stiffness.
     """
 
     tangential: float
@@ -51,7 +49,6 @@ class DragInSpace:
     body: np.ndarray
     offset: float
     free: tuple[int, ...]
-    twisting: float
 
 
 @dataclass(frozen=True, eq=False)
@@ -71,21 +68,25 @@ class BalanceInSpace:
     stiffness: np.ndarray
 
 
-def pose(rod: Rod, q: np.ndarray, tilt: float) -> Pose:
-    """Return directors and places for the coordinates (3, n), the base tilted from s to q."""
+def pose(rod: Filament, q: np.ndarray, base: np.ndarray | None = None) -> Pose:
+    """Return directors and places for the coordinates (3, n); base directors as at rest, or so."""
     m, strain = len(rod.s), rod.curvatures @ q.T
     K = np.zeros((m, 3, 3), dtype=strain.dtype)  # rows of directors: D' = K D
     K[:, 0, 1], K[:, 0, 2], K[:, 1, 2] = strain[:, 2], -strain[:, 1], strain[:, 0]
     K = K - np.swapaxes(K, 1, 2)
-    c, s = np.cos(tilt), np.sin(tilt)
-    base = np.array([[-s, c, 0.0], [0.0, 0.0, 1.0], [c, s, 0.0]])
-    system = np.eye(3 * m) - np.einsum("ij,jab->iajb", rod.along, K).reshape(3 * m, 3 * m)
-    directors = np.linalg.solve(system, np.tile(base, (m, 1))).reshape(m, 3, 3)
-    return Pose(directors, rod.along @ directors[:, 2])
+    system = np.eye(3 * m) - np.einsum("ij,jab->iajb", rod.turns, K).reshape(3 * m, 3 * m)
+    given = np.tile(rod.base if base is None else base, (m, 1))
+    directors = np.linalg.solve(system, given).reshape(m, 3, 3)
+    return Pose(directors, rod.along @ heading(rod, directors))
+
+
+def heading(rod: Filament, directors: np.ndarray) -> np.ndarray:
+    """Return where the filament goes on from each node, (m, 3): along its tangent, but an arm."""
+    return np.einsum("mi,mij->mj", rod.heading, directors)
 
 
 def balance_in_space(
-    rod: Rod, drag: DragInSpace, at: Pose, q: np.ndarray, V: np.ndarray, rate: float
+    rod: Filament, drag: DragInSpace, at: Pose, q: np.ndarray, V: np.ndarray, rate: float
 ) -> BalanceInSpace:
     """Return the balance of a rod at rest in axes that turn about s.
 
@@ -99,9 +100,10 @@ def balance_in_space(
         Of the turning relative to the body, in units of the phase rate.
     """
     given = (drag.normal, drag.tangential, drag.spin, drag.tip, drag.body, drag.offset)
-    q = q.astype(np.result_type(q, V, at.place, drag.twisting, *given))
+    q = q.astype(np.result_type(q, V, at.place, rod.stiffness, rod.rest, *given))
     at = Pose(at.directors.astype(q.dtype), at.place.astype(q.dtype))
-    S, t, n = rod.along, at.directors[:, 2], rod.count
+    t, n = at.directors[:, 2], rod.count
+    ahead = heading(rod, at.directors)
     X = at.place + drag.offset * AXIS
     phi, moved = _coordinates(rod, at)  # (m, 3, 3 n) each
     rigid_phi, rigid = _rigid(X, drag.free)
@@ -117,9 +119,9 @@ def balance_in_space(
     residual = _flat(shift).T @ f.ravel() + _flat(turn).T @ m.ravel()
     free, count = list(drag.free), len(drag.free)
     own = drag.body[free]
-    K = np.repeat(np.array([1.0, 1.0, drag.twisting]), n)
+    K = rod.stiffness.ravel()
     residual[:count] += own @ V
-    residual[count:] += K * q.ravel()
+    residual[count:] += K * (q - rod.rest).ravel()
 
     tangent, spun = (_dot(t[..., None], c) for c in (shift, turn))  # (m, f + 3 n)
     R = _flat(shift).T @ _flat(W_n[:, None, None] * shift)
@@ -135,9 +137,10 @@ def balance_in_space(
     d_spin = _dot(dt, np.broadcast_to(whole[:, None], dt.shape))
     dm = (W_r[:, None] * d_spin)[:, None] * t[..., None] + (W_r * spin)[:, None, None] * dt
     G = _flat(shift).T @ _flat(df) + _flat(turn).T @ _flat(dm)
-    N = S.T @ f
-    M = S.T @ (np.cross(t, N) + m)
-    G[count:] += _flat(phi).T @ _flat(_cross(dt, N[..., None]))
+    N = rod.along.T @ f
+    M = rod.turns.T @ (np.cross(ahead, N) + m)
+    d_ahead = _cross(phi, ahead[..., None])
+    G[count:] += _flat(phi).T @ _flat(_cross(d_ahead, N[..., None]))
     for i in range(3):  # phi_k . (d_i x M) p_i
         bent = _dot(np.cross(at.directors[:, i], M)[..., None], phi)
         G[count + i * n : count + (i + 1) * n] += rod.curvatures.T @ bent
@@ -148,13 +151,13 @@ def balance_in_space(
     return BalanceInSpace(residual, R, G)
 
 
-def _coordinates(rod: Rod, at: Pose) -> tuple[np.ndarray, np.ndarray]:
+def _coordinates(rod: Filament, at: Pose) -> tuple[np.ndarray, np.ndarray]:
     """``phi_k`` and ``X_k`` of each coordinate at the nodes, (m, 3, 3 n)."""
     m, n = rod.curvatures.shape
     directors = np.swapaxes(at.directors, 1, 2)[..., None]  # (m, 3, director, 1)
     integrand = (directors * rod.curvatures[:, None, None]).reshape(m, 3, 3 * n)
-    phi = (rod.along @ integrand.reshape(m, -1)).reshape(m, 3, 3 * n)
-    speed = _cross(phi, at.directors[:, 2, :, None])
+    phi = (rod.turns @ integrand.reshape(m, -1)).reshape(m, 3, 3 * n)
+    speed = _cross(phi, heading(rod, at.directors)[..., None])
     return phi, (rod.along @ speed.reshape(m, -1)).reshape(m, 3, 3 * n)
 
 

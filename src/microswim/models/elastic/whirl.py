@@ -12,8 +12,8 @@ import numpy as np
 
 from microswim.errors import MicroswimError, SpecError
 from microswim.gait.quantities import magnitude
+from microswim.models.elastic.filament import Filament, filament
 from microswim.models.elastic.problem import check_options, elastic_tail
-from microswim.models.elastic.rod import Rod, rod
 from microswim.models.elastic.space import (
     BalanceInSpace,
     DragInSpace,
@@ -37,8 +37,8 @@ class Whirl:
 
     Parameters
     ----------
-    drag, rod, tilt
-        What was solved, with which shapes; angle of the base from s.
+    drag, rod
+        What was solved, with which strains.
     rate
         1 or -1, the sense of the motor.
     shape
@@ -50,8 +50,7 @@ class Whirl:
     """
 
     drag: DragInSpace
-    rod: Rod
-    tilt: float
+    rod: Filament
     rate: float
     shape: np.ndarray
     velocity: np.ndarray
@@ -60,7 +59,7 @@ class Whirl:
     @property
     def pose(self) -> Pose:
         """Directors and places at its nodes."""
-        return pose(self.rod, self.shape, self.tilt)
+        return pose(self.rod, self.shape)
 
     @property
     def balance(self) -> BalanceInSpace:
@@ -107,7 +106,6 @@ def drag_in_space(swimmer: Swimmer) -> DragInSpace:
         body=per_force * body / np.outer(lengths, lengths) / L,
         offset=swimmer.body.semi_axes3[0] / L,
         free=tuple(np.flatnonzero(mask).tolist()),
-        twisting=tail.twist_ratio,
     )
 
 
@@ -135,17 +133,32 @@ def whirl(swimmer: Swimmer) -> Whirl:
         If it settles to none, or to one that takes too many strains.
     """
     drag, tail = drag_in_space(swimmer), elastic_tail(swimmer)
-    rate, n = float(np.sign(np.real(tail.rate))), FIRST
-    at = Whirl(drag, rod(n), tail.angle or 0.0, rate, np.zeros((3, n)), np.zeros(6), 0)
+    rate, rest = float(np.sign(np.real(tail.rate))), tail.rest_shape
+    n = max(FIRST, 0 if rest is None else rest.modes() + 2)
+    rod = filament_of(swimmer, n)
+    at = Whirl(drag, rod, rate, rod.rest, np.zeros(6), 0)
     found = _sped_up(at) if rate else at
     while n <= MOST:
-        if np.abs(found.shape[:, -2:]).max() <= TOLERANCE * np.abs(found.shape).max():
+        bent = (found.shape - found.rod.rest)[:, -2:]
+        if np.abs(bent).max() <= TOLERANCE * np.abs(found.shape).max():
             return found
         more = max(6, n // 3)
         n += more
-        at = replace(found, rod=rod(n), shape=np.pad(found.shape, ((0, 0), (0, more))))
-        found = _settled(at) or _sped_up(replace(at, shape=0.0 * at.shape))
+        rod = filament_of(swimmer, n)
+        at = replace(found, rod=rod, shape=np.pad(found.shape, ((0, 0), (0, more))))
+        found = _settled(at) or _sped_up(replace(at, shape=rod.rest))
     raise MicroswimError("the turning tail bends too sharply to be resolved; stiffen it")
+
+
+def filament_of(swimmer: Swimmer, modes: int) -> Filament:
+    """Return the filament of a swimmer with its hook, of so many polynomials a strain."""
+    tail, hook = elastic_tail(swimmer), None
+    if tail.base == "hinged":
+        hook = 0.0
+    elif swimmer.hook is not None:
+        hook = swimmer.hook.turning * tail.length / tail.bending
+    tilt = (tail.angle or 0.0) if tail.turns else 0.0
+    return filament(modes, twisting=tail.twist_ratio, rest=tail.rest_shape, tilt=tilt, hook=hook)
 
 
 def _sped_up(straight: Whirl) -> Whirl:

@@ -16,7 +16,7 @@ from microswim.swimmer.geometry.tails.elastic_tail import ElasticTail
 
 @dataclass(frozen=True, eq=False)
 class TurningCentreline:
-    """Centreline ``Q(phase) P(s)``, P by the Legendre series of its tangent.
+    """Centreline ``Q(phase) P(s)``, P from its root by the Legendre series of its tangent.
 
     Parameters
     ----------
@@ -24,16 +24,20 @@ class TurningCentreline:
         Of the filament.
     tangent
         Coefficients of the unit tangent at phase 0, of Legendre polynomials on [0, 1], (m, 3).
+    root
+        Place of its root at phase 0, over the length, (3,).
     """
 
     length: float
     tangent: np.ndarray
+    root: np.ndarray
 
     def __call__(self, s: Any, phase: Any) -> np.ndarray:
         """Position at s and phase, broadcast(s, phase) + (3,)."""
         s, phase = np.broadcast_arrays(np.asarray(s, float), np.asarray(phase, float))
         at, i = np.unique(s, return_inverse=True)
-        P = self.length * (integrals(at / self.length, len(self.tangent)) @ self.tangent)
+        P = integrals(at / self.length, len(self.tangent)) @ self.tangent
+        P = self.length * (self.root + P)
         x, y, z = P[i.reshape(s.shape)].transpose(-1, *range(s.ndim))
         c, d = np.cos(phase), np.sin(phase)
         return np.stack([x, c * y - d * z, d * y + c * z], axis=-1)
@@ -51,13 +55,14 @@ class WhirledTail(CustomTail):
 
 def whirled_tail(tail: ElasticTail, found: Whirl) -> WhirledTail:
     """Return the tail that turns as an elastic one has settled to."""
-    s, w = found.rod.s[:-1], found.rod.weight[:-1]
+    on = found.rod.weight > 0.0
+    s, w = found.rod.s[on], found.rod.weight[on]
     count = len(s) - 4  # the last few are rounding
     values = np.polynomial.legendre.legvander(2.0 * s - 1.0, count - 1)
-    tangents = found.pose.directors[:-1, 2]
+    tangents = found.pose.directors[on, 2]
     series = (2.0 * np.arange(count) + 1.0)[:, None] * (values.T @ (w[:, None] * tangents))
     return WhirledTail(
-        shape=TurningCentreline(tail.length, series),
+        shape=TurningCentreline(tail.length, series, found.pose.place[-1] - w @ tangents),
         length=tail.length,
         radius=tail.radius,
         frequency=tail.frequency,
@@ -67,9 +72,12 @@ def whirled_tail(tail: ElasticTail, found: Whirl) -> WhirledTail:
     )
 
 
-def whirled_centreline(found: Whirl) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """Return the position, slope and velocity per unit phase over L at the nodes, at phase 0; (1,
-    m, 3).
+def whirled_centreline(
+    found: Whirl,
+) -> tuple[tuple[np.ndarray, np.ndarray, np.ndarray], np.ndarray]:
+    """Return the position, slope and velocity per unit phase over L at the nodes, at phase 0, (1,
+    m, 3) each, and the weights of the nodes.
     """
-    at = found.pose
-    return at.place[None], at.directors[None, :, 2], np.cross(AXIS, at.place)[None]
+    at, on = found.pose, found.rod.on_rod
+    P = at.place[None, on]
+    return (P, at.directors[None, on, 2], np.cross(AXIS, P)), found.rod.weight[on]

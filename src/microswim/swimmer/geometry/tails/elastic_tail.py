@@ -13,12 +13,14 @@ import numpy as np
 
 from microswim import checks
 from microswim.errors import SpecError
+from microswim.swimmer.geometry.tails.rest_shape import RestShape, drawn_at_rest, helix_at_rest
 from microswim.swimmer.geometry.tails.tail import Sections, SurfaceMotion, Tail
 
-Drive = Literal["heave", "pivot", "rotate", "none"]
+Drive = Literal["heave", "pivot", "rotate", "moment", "none"]
 Hold = Literal["clamped", "hinged"]
 #: What sets the size of each drive, in the spec and here.
-SIZE = {"heave": "amplitude", "pivot": "angle", "rotate": "angle"}
+SIZE = {"heave": "amplitude", "pivot": "angle", "rotate": "angle", "moment": "moment"}
+FEWEST, MOST = 4, 2000  #: points of a shape at rest
 STEEPEST = 1.5  #: angle of the base, rad
 TWIST = 2.0 / 3.0  #: twisting over bending stiffness of a round rod of constant volume
 
@@ -26,7 +28,7 @@ TWIST = 2.0 / 3.0  #: twisting over bending stiffness of a round rod of constant
 @checks.by_name
 @dataclass(frozen=True, kw_only=True)
 class ElasticTail(Tail):
-    """Straight elastic filament that cannot stretch, driven at its base.
+    """Elastic filament that cannot stretch, driven at its base or from within.
 
     Parameters
     ----------
@@ -44,7 +46,10 @@ class ElasticTail(Tail):
     drive
         ``"heave"``: the base moves across s, ``q = amplitude cos(phase)``. ``"pivot"``: it turns
         about r, by ``angle cos(phase)``. ``"rotate"``: tilted from s by `angle` it turns about
-        s with the phase, and the tail bends in space. ``"none"``: it stands still.
+        s with the phase, and the tail bends in space (one that is bent at rest needs no angle).
+        ``"moment"``: inner moments bend it about r, a wave ``moment cos(phase - 2 pi s /
+        wavelength)`` as a sperm's axoneme makes it.
+        ``"none"``: it stands still.
     amplitude
         Of the heave (length).
     angle
@@ -52,9 +57,18 @@ class ElasticTail(Tail):
     twisting
         Twisting stiffness (force x length^2), for a base that rotates; two thirds of `bending`
         by default, that of a round rod of constant volume.
+    moment
+        Size of the wave of inner moment (force x length).
+    rest_radius, rest_pitch
+        Of the helix about s that it is at rest (length); a negative pitch is left-handed, and
+        without pitch it is an arc of a circle in the plane s-q. It begins at ``q = rest_radius``,
+        the arc at the joint. Straight by default.
+    rest
+        Points ``(s, q, r)`` along the filament at rest, from the joint on, in place of the helix;
+        the curve through them is drawn to the length.
     wavelength
-        For laws of local resistance that need one; Cox's law, which needs none, where the
-        swimmer chooses no law.
+        Of the inner moments, along the filament. Else for laws of local resistance that need
+        one; Cox's law, which needs none, where the swimmer chooses no law.
     sections, surface_motion
         As for `WaveTail`, for the reference solvers.
 
@@ -82,6 +96,10 @@ class ElasticTail(Tail):
     amplitude: float | None = None
     angle: float | None = None
     twisting: float | None = None
+    moment: float | None = None
+    rest_radius: float | None = None
+    rest_pitch: float | None = None
+    rest: Any = None
     wavelength: float | None = None
     sections: Sections = "perpendicular"
     surface_motion: SurfaceMotion = "bending"
@@ -98,16 +116,23 @@ class ElasticTail(Tail):
             checks.positive("tail.wavelength", self.wavelength, "length")
         checks.choice("tail.base", self.base, get_args(Hold))
         checks.choice("tail.drive", self.drive, get_args(Drive))
+        self._check_rest()
         self._check_drive()
 
     def _check_drive(self) -> None:
         needed = SIZE.get(self.drive)
-        for name in ("amplitude", "angle"):
-            value = getattr(self, name)
-            if value is None and name == needed:
-                raise SpecError(f"tail.{name}: missing; the drive {self.drive} needs it")
-            if value is not None and name != needed:
-                raise SpecError(f"tail.{name}", value, f'left out with drive = "{self.drive}"')
+        for name in ("amplitude", "angle", "moment"):
+            if getattr(self, name) is not None and name != needed:
+                raise SpecError(
+                    f"tail.{name}", getattr(self, name), f'left out with drive = "{self.drive}"'
+                )
+        optional = self.turns and self.is_bent
+        if needed is not None and getattr(self, needed) is None and not optional:
+            raise SpecError(f"tail.{needed}: missing; the drive {self.drive} needs it")
+        if self.moment is not None:
+            checks.number("tail.moment", self.moment, "a torque of zero or more", least=0.0)
+            if self.wavelength is None:
+                raise SpecError("tail.wavelength: missing; the drive moment needs it")
         if self.amplitude is not None:
             checks.number("tail.amplitude", self.amplitude, "a length of zero or more", least=0.0)
         if self.angle is not None:
@@ -122,6 +147,43 @@ class ElasticTail(Tail):
             )
         if self.twisting is not None:
             checks.positive("tail.twisting", self.twisting, "stiffness")
+
+    def _check_rest(self) -> None:
+        if self.rest_radius is not None:
+            checks.positive("tail.rest_radius", self.rest_radius, "length")
+        if self.rest_pitch is not None:
+            checks.number("tail.rest_pitch", self.rest_pitch, "a length, negative for a left hand")
+            if self.rest_radius is None:
+                raise SpecError("tail.rest_radius: missing; a rest_pitch needs it")
+        if self.rest is None:
+            return
+        if self.rest_radius is not None:
+            raise SpecError("tail.rest, tail.rest_radius: give one of the two")
+        allowed = f"points [s, q, r] along the filament, {FEWEST} to {MOST}, none twice in a row"
+        try:
+            points = np.array(self.rest, float)
+        except (TypeError, ValueError):
+            raise SpecError("tail.rest", self.rest, allowed) from None
+        whole = points.ndim == 2 and points.shape[1] == 3 and FEWEST <= len(points) <= MOST
+        if not whole or not (np.abs(points) <= checks.LARGEST).all():
+            raise SpecError("tail.rest", f"an array of shape {points.shape}", allowed)
+        if not np.linalg.norm(np.diff(points, axis=0), axis=1).all():
+            raise SpecError("tail.rest", "two points in the same place", allowed)
+        object.__setattr__(self, "rest", tuple(map(tuple, points.tolist())))
+
+    @property
+    def is_bent(self) -> bool:
+        """Whether it is bent at rest."""
+        return self.rest is not None or self.rest_radius is not None
+
+    @property
+    def rest_shape(self) -> RestShape | None:
+        """Shape at rest; None where that is straight."""
+        if self.rest is not None:
+            return drawn_at_rest(self.rest)
+        if self.rest_radius is None:
+            return None
+        return helix_at_rest(self.rest_radius / self.length, (self.rest_pitch or 0.0) / self.length)
 
     @property
     def sign(self) -> float:
@@ -172,7 +234,7 @@ class ElasticTail(Tail):
 
     @property
     def starts_on_axis(self) -> bool:
-        return not self.amplitude
+        return not (self.amplitude or self.rest_pitch or np.any((self.rest or [0.0])[0]))
 
     def base_motion(self, phase: Any) -> tuple[Any, Any]:
         """Return the place across s and angle about r of the base that the drive holds."""

@@ -58,13 +58,12 @@ class Hook:
         Raises
         ------
         SpecError
-            If the tail does not bend, bends in space, is hinged, or is not long against the hook.
+            If the tail does not bend, is hinged, or is not long against the hook.
         """
-        if not isinstance(tail, ElasticTail) or tail.turns:
-            kind = getattr(tail, "drive", tail.kind)
+        if not isinstance(tail, ElasticTail):
             raise SpecError(
-                "hook", kind, "between the body and an elastic tail that bends in a plane",
-                "remove [hook], or take tail.kind = elastic with the drive heave or pivot",
+                "hook", tail.kind, "between the body and an elastic tail",
+                "remove [hook], or take tail.kind = elastic",
             )  # fmt: skip
         if tail.base == "hinged":
             raise SpecError("tail.base", "hinged", '"clamped" with a hook', "the hook is the hinge")

@@ -60,6 +60,11 @@ class Filament:
         return self.curvatures.shape[1]
 
     @property
+    def hooks(self) -> int:
+        """Coordinates of each strain that are the hook's turn: 1 with one, else 0."""
+        return 0 if self.curvatures[self.on_rod, 0].any() else 1
+
+    @property
     def on_rod(self) -> np.ndarray:
         """Which nodes are the rod's, (m,)."""
         return (self.weight > 0.0) | (self.end > 0.0)

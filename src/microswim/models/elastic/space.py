@@ -105,8 +105,8 @@ def balance_in_space(
     t, n = at.directors[:, 2], rod.count
     ahead = heading(rod, at.directors)
     X = at.place + drag.offset * AXIS
-    phi, moved = _coordinates(rod, at)  # (m, 3, 3 n) each
-    rigid_phi, rigid = _rigid(X, drag.free)
+    phi, moved = shapes_of(rod, at)  # (m, 3, 3 n) each
+    rigid_phi, rigid = rigid_motions(X, drag.free)
     turn, shift = np.concatenate([rigid_phi, phi], 2), np.concatenate([rigid, moved], 2)
 
     whole = V[3:] + rate * AXIS
@@ -151,7 +151,7 @@ def balance_in_space(
     return BalanceInSpace(residual, R, G)
 
 
-def _coordinates(rod: Filament, at: Pose) -> tuple[np.ndarray, np.ndarray]:
+def shapes_of(rod: Filament, at: Pose) -> tuple[np.ndarray, np.ndarray]:
     """``phi_k`` and ``X_k`` of each coordinate at the nodes, (m, 3, 3 n)."""
     m, n = rod.curvatures.shape
     directors = np.swapaxes(at.directors, 1, 2)[..., None]  # (m, 3, director, 1)
@@ -161,7 +161,7 @@ def _coordinates(rod: Filament, at: Pose) -> tuple[np.ndarray, np.ndarray]:
     return phi, (rod.along @ speed.reshape(m, -1)).reshape(m, 3, 3 * n)
 
 
-def _rigid(X: np.ndarray, free: tuple[int, ...]) -> tuple[np.ndarray, np.ndarray]:
+def rigid_motions(X: np.ndarray, free: tuple[int, ...]) -> tuple[np.ndarray, np.ndarray]:
     """The same of the body's free velocities, (m, 3, f)."""
     m = len(X)
     turn, shift = np.zeros((2, m, 3, 6), dtype=X.dtype)

@@ -83,29 +83,39 @@ class Whirl:
 
 
 def drag_in_space(swimmer: Swimmer) -> DragInSpace:
-    """Return the numbers of an elastic swimmer whose base turns about s.
+    """Return the resistances of an elastic swimmer whose base turns about s.
 
     Raises
     ------
     SpecError
         If the body has no symmetry about s, so that the tail would meet another body as it turns.
     """
+    _check_symmetry(body_resistance(swimmer), swimmer.motion.mask)
+    return resistances(swimmer, magnitude(elastic_tail(swimmer).rate))
+
+
+def resistances(swimmer: Swimmer, rate: float) -> DragInSpace:
+    """Return the resistances of an elastic swimmer, time over a unit of rate.
+
+    Raises
+    ------
+    SpecError
+        If the swimmer has readings or corrections that an elastic tail has not.
+    """
     tail = elastic_tail(swimmer)
     check_options(swimmer)
     L, mu, law = tail.length, swimmer.fluid.viscosity, swimmer.coefficients
-    per_force = magnitude(tail.rate) * L**4 / tail.bending
+    per_force = rate * L**4 / tail.bending
     c = [x * c for x, c in zip(swimmer.interaction.tail, law.local(tail, mu))]
-    body, mask = body_resistance(swimmer), swimmer.motion.mask
-    _check_symmetry(body, mask)
     lengths = np.array([1.0, 1.0, 1.0, L, L, L])
     return DragInSpace(
         tangential=per_force * c[0],
         normal=per_force * c[1],
         spin=max(per_force * c[2] / L**2, LEAST_SPIN * per_force * c[1], key=np.real),
         tip=per_force * law.end(tail, mu) / L,
-        body=per_force * body / np.outer(lengths, lengths) / L,
+        body=per_force * body_resistance(swimmer) / np.outer(lengths, lengths) / L,
         offset=swimmer.body.semi_axes3[0] / L,
-        free=tuple(np.flatnonzero(mask).tolist()),
+        free=tuple(np.flatnonzero(swimmer.motion.mask).tolist()),
     )
 
 

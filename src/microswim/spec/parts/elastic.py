@@ -1,0 +1,53 @@
+"""What a spec file may say of a tail that bends and of the hook before it."""
+
+from __future__ import annotations
+
+from typing import Annotated, Literal
+
+from microswim.spec.fields import About
+from microswim.spec.types import Angle, Bending, Length, Number, Table, Torque
+
+
+class ElasticFields(Table):
+    """What an elastic tail has beside what any tail has."""
+
+    bending: Annotated[Bending, About("Bending stiffness", "of the filament, E I", start=400.0)]
+    base: Annotated[
+        Literal["clamped", "hinged"],
+        About("Base", "clamped | hinged: turns freely", start="clamped"),
+    ] = "clamped"
+    drive: Annotated[
+        Literal["heave", "pivot", "rotate", "moment", "none"],
+        About("Drive", "heave: base moves across s | pivot: turns about r | rotate: about s | "
+              "moment: waves of inner moment | none", start="heave"),
+    ] = "heave"  # fmt: skip
+    amplitude: Annotated[Length | None, About("Amplitude", "of the heave", start=0.1)] = None
+    angle: Annotated[
+        Angle | None,
+        About("Angle", "of the pivot, or the tilt of a base that rotates", usual=(0.0, 60.0)),
+    ] = None
+    twisting: Annotated[
+        Bending | None, About("Twisting stiffness", "for rotate; two thirds of bending by default")
+    ] = None
+    moment: Annotated[
+        Torque | None, About("Inner moment", "of the waves that bend it, of this wavelength")
+    ] = None
+    rest_radius: Annotated[
+        Length | None, About("Radius at rest", "of a helix that it is at rest; straight by default")
+    ] = None
+    rest_pitch: Annotated[
+        Length | None, About("Pitch at rest", "of that helix; negative: left-handed; none: an arc")
+    ] = None
+    rest: Annotated[
+        list[list[Number]] | None, About("Shape at rest", "points [s, q, r], drawn to the length")
+    ] = None
+    file: Annotated[
+        str | None, About("File", "table of s, q, r (or x, y, z): points of the shape at rest")
+    ] = None
+
+
+class HookTable(Table):
+    """[hook]: between body and elastic tail."""
+
+    stiffness: Annotated[Bending, About("Hook's stiffness", "bending stiffness of the hook, E I")]
+    length: Annotated[Length, About("Hook's length", "short against the tail")]

@@ -16,6 +16,7 @@ from typing import Any, Literal
 import numpy as np
 
 from microswim import __version__, checks
+from microswim.control.export.actuators import actuators_of
 from microswim.control.export.precision import FIGURES, PRECISIONS, check_range, single
 from microswim.control.stepper import Stepper
 from microswim.errors import SpecError
@@ -124,6 +125,8 @@ def c_model(
         check_range(stepper, viscosity(stepper))
         header, source = single(header), single(source)
         values |= {k: single(values[k]) for k in FIGURES}
+    values |= {"actuate": filled(values["actuate"], values)}
+    values |= {"declared": filled(values["declared"], values)}
     return CModel(name, filled(header, values), filled(source, values), values["banner"])
 
 
@@ -158,6 +161,7 @@ def _values(stepper: Stepper, name: str, spec: str) -> dict[str, str]:
     digest = sha256(spec.encode() or repr(stepper.response.twist.tolist()).encode()).hexdigest()[
         :16
     ]
+    made = actuators_of(stepper)
     values = {
         "name": name,
         "NAME": name.upper(),
@@ -173,6 +177,8 @@ def _values(stepper: Stepper, name: str, spec: str) -> dict[str, str]:
         "most_steps": str(stepper.most_steps),
         "bound": _about_steps(stepper),
         "rate_value": repr(0.0 if stepper.locked else float(gait.rate)),
+        "declared": made.declared,
+        "actuate": made.code,
         "tables": "".join(
             table(n, t) for n, t in zip(("TWIST", "STRAIN", "MOTOR"), stepper.response.tables)
         ),

@@ -20,6 +20,7 @@ from xml.sax.saxutils import quoteattr
 
 from microswim import __version__, checks
 from microswim.control.export import cmodel, compiler
+from microswim.control.export.actuators import Actuators, actuators_of
 from microswim.control.stepper import Stepper
 from microswim.errors import MicroswimError
 from microswim.numerics.files import scratch
@@ -28,7 +29,8 @@ VERSIONS = ("3.0", "2.0")
 _EPOCH = (1980, 1, 1, 0, 0, 0)  # of every entry, so that the same model gives the same bytes
 SI_UNITS = {
     "m": 'm="1"', "s": 's="1"', "N": 'kg="1" m="1" s="-2"', "N.m": 'kg="1" m="2" s="-2"',
-    "T": 'kg="1" s="-2" A="-1"', "A.m2": 'A="1" m="2"', "Pa.s": 'kg="1" m="-1" s="-1"',
+    "T": 'kg="1" s="-2" A="-1"', "A.m2": 'A="1" m="2"', "A": 'A="1"',
+    "Pa.s": 'kg="1" m="-1" s="-1"',
     "m/s": 'm="1" s="-1"', "rad/s": 's="-1" rad="1"', "rad": 'rad="1"', "1/s": 's="-1"',
     "T/m": 'kg="1" m="-1" s="-2" A="-1"', "A.m2/T": 'kg="-1" m="2" s="2" A="2"',
 }  # fmt: skip
@@ -78,6 +80,9 @@ def variables(stepper: Stepper) -> list[dict[str, Any]]:
     add(" ".join(f"field_gradient_{i}{j}" for i in "xyz" for j in "xyz"), "input", "T/m",
         "gradient of the magnetic field, d B_i / d x_j")  # fmt: skip
     add("field_place_x field_place_y field_place_z", "input", "m", "place where B is field, lab")
+    outside = actuators_of(stepper)
+    for one in zip(outside.names, outside.units, outside.abouts, outside.start):
+        add(one[0], "input", one[1], one[2], [one[3]])
     add("x y z", "calculated", "m", "position of the body's centre, lab frame")
     add("qw qx qy qz", "calculated", "", "unit quaternion, body to lab")
     add("phase", "calculated", "rad", "phase of the tail relative to the body")
@@ -143,7 +148,7 @@ def export_fmu(
     checks.choice("fmi", fmi, VERSIONS)
     path = Path(path)
     model, known = cmodel.c_model(stepper, name, spec), variables(stepper)
-    wrapper = _wrapper(model, known, fmi)
+    wrapper = _wrapper(model, actuators_of(stepper), known, fmi)
     token = _token(model, wrapper, fmi)
     wrapper = wrapper.replace("@token@", token)
     with scratch(path) as here:
@@ -200,7 +205,7 @@ def _token(model: cmodel.CModel, wrapper: str, fmi: str) -> str:
     return "-".join((digest[:8], digest[8:12], digest[12:16], digest[16:20], digest[20:32]))
 
 
-def _wrapper(model: cmodel.CModel, known: list[dict[str, Any]], fmi: str) -> str:
+def _wrapper(model: cmodel.CModel, made: Actuators, known: list[dict[str, Any]], fmi: str) -> str:
     first = {
         k: next(v["reference"] for v in known if v["kind"] == k)
         for k in ("fixed", "input", "calculated")
@@ -213,6 +218,8 @@ def _wrapper(model: cmodel.CModel, known: list[dict[str, Any]], fmi: str) -> str
         "first_input": str(first["input"]),
         "first_output": str(first["calculated"]),
         "variables": str(len(known)),
+        "actuators": str(len(made.names)),
+        "actuators_start": ", ".join(map(repr, (*made.start, 0.0))),
     }
     parts = (files("microswim.control.export") / "c" / f for f in ("fmu.c.in", f"fmi{fmi[0]}.c.in"))
     return "".join(cmodel.filled(p.read_text("utf-8"), values) for p in parts)

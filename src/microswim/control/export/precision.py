@@ -33,7 +33,7 @@ PRECISIONS = {
 #: Values of a template that hold numbers of C.
 FIGURES = (
     *("limits", "locked", "viscosity_value", "moment_values", "soft_values", "rate_value"),
-    *("tables", "small", "trace", "wrap"),
+    *("declared", "actuate", "tables", "small", "trace", "wrap"),
 )
 _LITERAL = re.compile(r"(?<![\w.@])(\d+\.\d*(?:e[-+]?\d+)?|\d+e[-+]?\d+)(?![\w.])")
 _FUNCTION = re.compile(r"\b(sqrt|sin|cos|fabs|fmax|ceil|floor)\(")

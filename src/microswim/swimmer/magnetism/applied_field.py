@@ -42,6 +42,14 @@ class AppliedField(ABC):
         shape = np.broadcast_shapes(np.shape(times), np.shape(places)[:-1])
         return np.zeros((*shape, 3, 3))
 
+    def felt(self, time: float, place: Any = (0.0, 0.0, 0.0)) -> dict[str, np.ndarray]:
+        """Return what a stepper takes for a step that begins at a time and a place (..., 3).
+
+        ``field``, and ``field_rate`` if it turns, or ``field_gradient`` and ``field_place`` if it
+        depends on place.
+        """
+        return {"field": self.at(time, place), "field_rate": self.angular_velocity}
+
     @property
     def angular_velocity(self) -> np.ndarray:
         """Vector (3,) with which the field turns, rad per time; zero if it does not."""

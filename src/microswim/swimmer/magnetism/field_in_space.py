@@ -27,9 +27,21 @@ from microswim.swimmer.magnetism.magnet import MU_0
 from microswim.swimmer.magnetism.multipole import Coil
 
 
+class FieldInSpace(AppliedField):
+    """A field that depends on place: a step takes it with its gradient about a place."""
+
+    is_periodic: ClassVar[bool] = False
+    needs_si: ClassVar[bool] = True
+
+    def felt(self, time: float, place: Any = (0.0, 0.0, 0.0)) -> dict[str, np.ndarray]:
+        """Return what a stepper takes for a step that begins at a time and a place (..., 3)."""
+        here = {"field": self.at(time, place), "field_gradient": self.gradient(time, place)}
+        return here | {"field_place": np.asarray(place, float)}
+
+
 @checks.by_name
 @dataclass(frozen=True, kw_only=True)
-class DipoleField(AppliedField):
+class DipoleField(FieldInSpace):
     """Field of a permanent magnet far enough away to be a dipole; it may turn and move.
 
     Parameters
@@ -63,8 +75,6 @@ class DipoleField(AppliedField):
     """
 
     kind: ClassVar[str] = "dipole"
-    is_periodic: ClassVar[bool] = False
-    needs_si: ClassVar[bool] = True
 
     moment: tuple[float, float, float] | None = None
     position: tuple[float, float, float] | None = None
@@ -154,7 +164,7 @@ class DipoleField(AppliedField):
 
 @checks.by_name
 @dataclass(frozen=True, kw_only=True)
-class CoilField(AppliedField):
+class CoilField(FieldInSpace):
     r"""Field of a system of electromagnets by its calibration file, for given currents.
 
     The current of coil i is ``currents[i] cos(2 pi frequency t + phases[i])``.
@@ -191,8 +201,6 @@ class CoilField(AppliedField):
     """
 
     kind: ClassVar[str] = "coils"
-    is_periodic: ClassVar[bool] = False
-    needs_si: ClassVar[bool] = True
 
     file: str
     currents: tuple[float, ...] | None = None
@@ -230,6 +238,64 @@ class CoilField(AppliedField):
         """Return ``dB_i/dx_j`` (..., 3, 3)."""
         now = self._currents(times)[..., None, None]
         return sum(now[..., i, :, :] * coil.gradient(places) for i, coil in enumerate(self.coils))  # type: ignore[return-value]
+
+    def at_currents(self, currents: Any) -> CoilField:
+        """Return the same coils at other currents (n,), steady.
+
+        Raises
+        ------
+        SpecError
+            If there is not one for each coil.
+        """
+        made: Any = object.__new__(CoilField)
+        made.__dict__["coils"] = self.coils  # the file is not read again
+        made.__init__(file=self.file, currents=currents)
+        return made
+
+    def per_ampere(self, place: Any) -> np.ndarray:
+        """Return B, then its gradient row by row, of each coil at one ampere (12, n) at a place."""
+        rows = [[*coil.field(place), *coil.gradient(place).ravel()] for coil in self.coils]
+        return np.array(rows).T
+
+    def currents_for(self, field: Any, place: Any, gradient: Any = None) -> np.ndarray:
+        """Return the smallest currents (n,) with which B at a place is as wanted.
+
+        Parameters
+        ----------
+        field
+            B (3,) wanted, lab frame.
+        place
+            Where (3,).
+        gradient
+            ``dB_i/dx_j`` (3, 3) wanted as well: then all are met as nearly as the coils can, a
+            gradient weighed by the size of the coils' own.
+
+        Raises
+        ------
+        SpecError
+            If the coils cannot make that field there.
+        """
+        A = self.per_ampere(place)
+        wanted = np.concatenate([field, np.zeros(9) if gradient is None else np.ravel(gradient)])
+        weight = np.ones(12)
+        if gradient is None:
+            A, wanted, weight = A[:3], wanted[:3], weight[:3]
+        else:
+            weight[3:] = np.linalg.norm(A[:3]) / np.linalg.norm(A[3:])
+        found = np.linalg.lstsq(weight[:, None] * A, weight * wanted, rcond=1e-9)[0]
+        off = np.linalg.norm((A @ found - wanted)[:3])
+        if gradient is None and off > 1e-6 * np.linalg.norm(wanted):
+            raise SpecError(
+                "field", list(map(float, wanted)),
+                f"one that these {len(found)} coils can make there",
+                "three or more coils in different directions make any",
+            )  # fmt: skip
+        return found
+
+    @property
+    def at_rest(self) -> np.ndarray:
+        """Currents (n,) at time zero."""
+        return self._currents(0.0)
 
     def _currents(self, times: Any) -> np.ndarray:
         phases = np.array(self.phases if self.phases is not None else [0.0] * len(self.coils))

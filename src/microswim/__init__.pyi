@@ -86,6 +86,7 @@ from .swimmer.geometry.tails.kinds import ElasticTail as ElasticTail
 from .swimmer.geometry.tails.kinds import HelicalTail as HelicalTail
 from .swimmer.geometry.tails.kinds import NoTail as NoTail
 from .swimmer.geometry.tails.kinds import PlaneWaveTail as PlaneWaveTail
+from .swimmer.geometry.tails.kinds import SeveralTails as SeveralTails
 from .swimmer.geometry.tails.kinds import WaveformTail as WaveformTail
 from .swimmer.geometry.tails.waveform import Waveform as Waveform
 from .swimmer.gravity import Gravity as Gravity

@@ -164,6 +164,7 @@ def read(
     from microswim.spec.file import from_dict, override
     from microswim.spec.named_files import beside
     from microswim.spec.readers.text import read_text, toml
+    from microswim.spec.several import several
     from microswim.spec.toml import to_toml
 
     if (spec is None) == (preset is None):
@@ -182,7 +183,9 @@ def read(
     tables = override(tables, overrides)
     if overrides:
         text = to_toml(tables, f"{name}, with --set {' '.join(changes)}")
-    if tables.get("tail", {}).get("file"):  # the beat itself, so that the text stands alone
+    if any(
+        tail.get("file") for tail in several(tables.get("tail"))
+    ):  # the beat itself, so that the text stands alone
         text = to_text(swimmer)
     return Given(name, tables, text, swimmer)
 

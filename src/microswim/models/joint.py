@@ -38,7 +38,7 @@ def piercing(body: Body, tail: Tail, phase: float = 0.0) -> float:
         If the tail never touches the body or ends inside it.
     """
     reach = max(body.semi_axes3) + tail.apparent_length
-    s = np.linspace(-2 * body.semi_axes3[0], min(reach, tail.apparent_length), 4001)
+    s = np.linspace(-body.behind, min(reach, tail.apparent_length), 4001)
     value = body.level(smooth_centreline(tail, s, phase).P)
     last = _last_crossing(value)
     if last < 0:

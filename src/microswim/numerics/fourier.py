@@ -60,6 +60,16 @@ def derivative(series: np.ndarray) -> np.ndarray:
     return out
 
 
+def shifted(series: np.ndarray, ahead: Any) -> np.ndarray:
+    """Return the series of ``f(phase + ahead)``."""
+    out = series + 0.0 * ahead
+    h = np.arange(1, len(series) // 2 + 1).reshape(-1, *[1] * (series.ndim - 1))
+    c, d = np.cos(h * ahead), np.sin(h * ahead)
+    out[1::2] = c * series[1::2] + d * series[2::2]
+    out[2::2] = c * series[2::2] - d * series[1::2]
+    return out
+
+
 def _rotation_terms() -> tuple[np.ndarray, np.ndarray]:
     """Linear maps from ``R(0)`` and ``F(0)`` to the series of ``Q R Q'`` and ``Q F``.
 

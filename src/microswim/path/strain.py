@@ -24,6 +24,7 @@ import numpy as np
 from microswim.models.rft.gait import body_resistance
 from microswim.models.rft.segment import centreline_tail
 from microswim.numerics.quadrature import gauss
+from microswim.swimmer.geometry.tails.kinds import Tail
 from microswim.swimmer.swimmer import Swimmer
 
 #: Entries of the strain in the order of the columns of S; an off-diagonal one stands for both.
@@ -86,10 +87,17 @@ def _tail_in(
     swimmer: Swimmer, phases: np.ndarray, flows: Callable[[np.ndarray], np.ndarray]
 ) -> tuple[np.ndarray, np.ndarray]:
     """The same in flows that give velocities (m, k, 3) at points (k, 3) about the centre."""
-    tail = swimmer.tail
+    S, g = zip(*(_one_in(swimmer, tail, phases, flows) for tail in swimmer.tail.each))
+    return np.sum(S, axis=0), np.sum(g, axis=0)
+
+
+def _one_in(
+    swimmer: Swimmer, tail: Tail, phases: np.ndarray, flows: Callable[[np.ndarray], np.ndarray]
+) -> tuple[np.ndarray, np.ndarray]:
+    """The same of one tail alone."""
     local = swimmer.coefficients.local(tail, swimmer.fluid.viscosity)
     c = tuple(float(f * x) for f, x in zip(swimmer.interaction.tail, local))
-    x, w = _nodes(swimmer)
+    x, w = _nodes(tail)
     arc = swimmer.motion.line_element == "arc"
     length = tail.apparent_length
     P, P_s, U = tail.centreline(length * x[None, :], np.asarray(phases)[:, None])
@@ -113,9 +121,8 @@ def _tail_in(
     return np.array(S).reshape(n, -1, 6).swapaxes(1, 2).copy(), np.array(g).reshape(n, -1)
 
 
-def _nodes(swimmer: Swimmer) -> tuple[np.ndarray, np.ndarray]:
+def _nodes(tail: Tail) -> tuple[np.ndarray, np.ndarray]:
     """Gauss-Legendre panels along the tail, on [0, 1], with a break where the ramp ends."""
-    tail = swimmer.tail
     edges = tail.edges
     panels = []
     for a, b in zip(edges, edges[1:]):

@@ -13,6 +13,7 @@ import numpy as np
 from microswim.numerics.array import Array
 from microswim.numerics.quadrature import gauss
 from microswim.swimmer.geometry.solids.volume import volume_and_middle
+from microswim.swimmer.geometry.tails.kinds import Tail
 from microswim.swimmer.swimmer import Swimmer
 
 NODES = 48  #: along each smooth panel of a tail, per wave
@@ -24,7 +25,7 @@ def excess(swimmer: Swimmer) -> float:
         return 0.0
     body, tail = swimmer.gravity.densities
     volume, _ = volume_and_middle(swimmer.body)
-    filament, _ = _tail(swimmer, np.zeros(1))
+    filament, _ = _tails(swimmer, np.zeros(1))
     rho = swimmer.fluid.density
     return float((body - rho) * volume + (tail - rho) * filament[0])
 
@@ -35,16 +36,20 @@ def arm(swimmer: Swimmer, phases: Array) -> Array:
         return np.zeros((len(phases), 3))
     body, tail = swimmer.gravity.densities
     volume, middle = volume_and_middle(swimmer.body)
-    filament, moment = _tail(swimmer, phases)
+    filament, moment = _tails(swimmer, phases)
     rho, centre = swimmer.fluid.density, swimmer.body.centre
     own = (body - rho) * volume * (middle - centre)
     own = own + body * volume * np.array(swimmer.gravity.centre_of_mass)
     return own + (tail - rho) * (moment - filament[:, None] * centre)
 
 
-def _tail(swimmer: Swimmer, phases: Array) -> tuple[Array, Array]:
-    """Volume (n,) of the filament and its first moment (n, 3), frame ``sqr``."""
-    tail = swimmer.tail
+def _tails(swimmer: Swimmer, phases: Array) -> tuple[Array, Array]:
+    """Volume (n,) of the filaments and its first moment (n, 3), frame ``sqr``."""
+    volume, moment = zip(*(_of_one(tail, phases) for tail in swimmer.tail.each))
+    return np.sum(volume, axis=0), np.sum(moment, axis=0)
+
+
+def _of_one(tail: Tail, phases: Array) -> tuple[Array, Array]:
     length, area = float(tail.apparent_length), np.pi * float(tail.radius) ** 2
     x, w = gauss(int(NODES * (1 + np.ceil(float(tail.number_of_waves)))))
     volume, moment = np.zeros(len(phases)), np.zeros((len(phases), 3))

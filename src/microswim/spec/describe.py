@@ -13,6 +13,7 @@ from microswim.numerics.plain import plain
 from microswim.spec.tables import FIELDS, TAGS
 from microswim.spec.toml import to_toml
 from microswim.swimmer.drag.coefficients import Unchosen
+from microswim.swimmer.parts import without_number
 from microswim.swimmer.swimmer import Swimmer
 
 
@@ -23,13 +24,19 @@ def describe(swimmer: Swimmer) -> dict[str, Any]:
     tables: dict[str, Any] = {}
     for part in swimmer.parts:
         owner = getattr(swimmer, part)
-        table = {tags[part]: getattr(owner, tags[part])} if part in tags else {}
-        for f in fields(owner):
-            value = getattr(owner, f.name)
-            if value is not None:
-                table[f.name] = _name_of(value) if callable(value) else value
-        tables[part] = table
+        each = [_table(one, tags.get(part)) for one in getattr(owner, "each", (owner,))]
+        tables[part] = each if len(each) > 1 else each[0]
     return tables | {"units": swimmer.units}
+
+
+def _table(owner: Any, tag: str | None) -> dict[str, Any]:
+    """What a part holds; the tag is the field that names its kind."""
+    table = {} if tag is None else {tag: getattr(owner, tag)}
+    for f in fields(owner):
+        value = getattr(owner, f.name)
+        if value is not None:
+            table[f.name] = _name_of(value) if callable(value) else value
+    return table
 
 
 def to_tables(swimmer: Swimmer) -> dict[str, Any]:
@@ -48,7 +55,9 @@ def to_tables(swimmer: Swimmer) -> dict[str, Any]:
     if isinstance(law, Unchosen) and law.is_usual:
         del tables["coefficients"]
     written: dict[str, Any] = {
-        part: {name: _written(unit_of(f"{part}.{name}", units), v) for name, v in table.items()}
+        part: [_with_units(part, one, units) for one in table]
+        if isinstance(table, list)
+        else _with_units(part, table, units)
         for part, table in tables.items()
     }
     if swimmer.region is not None:
@@ -56,6 +65,10 @@ def to_tables(swimmer: Swimmer) -> dict[str, Any]:
     if swimmer.calibration is not None:
         written["calibration"] = swimmer.calibration.as_tables()
     return written
+
+
+def _with_units(part: str, table: dict[str, Any], units: str) -> dict[str, Any]:
+    return {name: _written(unit_of(f"{part}.{name}", units), v) for name, v in table.items()}
 
 
 def to_text(swimmer: Swimmer) -> str:
@@ -81,7 +94,7 @@ def unit_of(name: str, units: str) -> str:
     >>> unit_of("body.semi_axes[0]", "SI"), unit_of("tail.waves", "SI")
     ('m', '')
     """
-    field = FIELDS.get(name.partition("[")[0])
+    field = FIELDS.get(without_number(name).partition("[")[0])
     if units != "SI" or field is None or field.measures is None:
         return ""
     return unit(units, field.measures)

@@ -20,6 +20,7 @@ from microswim.gait import doors
 from microswim.spec import complaint, presets
 from microswim.spec.named_files import beside
 from microswim.spec.readers import beat, rest, text
+from microswim.spec.several import apart, several, to_set
 from microswim.spec.tables import ALTERNATIVES, FIELDS, SpecTable
 from microswim.spec.trusted import Trusted
 from microswim.spec.units import DIMENSIONS, has_unit, to_si
@@ -30,12 +31,13 @@ from microswim.swimmer.fluid import Fluid
 from microswim.swimmer.geometry.bodies import SHAPES
 from microswim.swimmer.geometry.surroundings import Channel, Wall
 from microswim.swimmer.geometry.tails.hook import Hook
-from microswim.swimmer.geometry.tails.kinds import TAILS
+from microswim.swimmer.geometry.tails.kinds import TAILS, Tail, of_tails
 from microswim.swimmer.gravity import Gravity
 from microswim.swimmer.magnetism.fields import FIELDS as APPLIED_FIELDS
 from microswim.swimmer.magnetism.magnet import Magnet
 from microswim.swimmer.motion import Motion
 from microswim.swimmer.noise import Noise
+from microswim.swimmer.parts import numbered, without_number
 from microswim.swimmer.provenance import Provenance
 from microswim.swimmer.swimmer import Swimmer
 
@@ -90,11 +92,10 @@ def read_preset(name: str, overrides: dict[str, Any] | None = None) -> Swimmer:
 
 def override(tables: dict[str, Any], overrides: dict[str, Any]) -> dict[str, Any]:
     """Return tables with fields or tables replaced; of two names for one thing the other goes."""
-    new = {k: dict(v) if isinstance(v, dict) else v for k, v in tables.items()}
+    new = {k: _copy(v) for k, v in tables.items()}
     for part, tag in (("body", "shape"), ("tail", "kind")):
         if overrides.get(f"{part}.{tag}") == "none":
             new[part] = {}  # the fields of what is there no more
-    cleared = {ALTERNATIVES[name] for name in overrides if name in ALTERNATIVES} - set(overrides)
     for path, value in overrides.items():
         *parents, name = path.split(".")
         if not parents and isinstance(value, dict):
@@ -102,14 +103,19 @@ def override(tables: dict[str, Any], overrides: dict[str, Any]) -> dict[str, Any
             continue
         if len(parents) != 1 or not name:
             raise SpecError(path, value, "a field as in tail.amplitude (table.name)")
-        table = new.setdefault(parents[0], {})
-        if not isinstance(table, dict):
-            raise SpecError(parents[0], table, "a table")
-        table[name] = value
-    for path in cleared:
-        part, _, name = path.partition(".")
-        new[part].pop(name, None)
+        other = ALTERNATIVES.get(without_number(path), "").partition(".")[2]
+        for table in to_set(new, parents[0], path, value):
+            table[name] = value
+            if other and f"{parents[0]}.{other}" not in overrides:
+                table.pop(other, None)
     return new
+
+
+def _copy(value: Any) -> Any:
+    """Return a table, or a list of them, that may be changed."""
+    if isinstance(value, list):
+        return [_copy(one) for one in value]
+    return dict(value) if isinstance(value, dict) else value
 
 
 def from_dict(
@@ -125,11 +131,16 @@ def from_dict(
         One sentence: the field, its value, what is allowed, how to mend it.
     """
     tables = override(tables, overrides or {})
+    specs = {name: numbered(name, _checked, one) for name, one in apart(tables).items()}
+    return _build(specs, units_of(tables), Trusted.file(trust))
+
+
+def _checked(tables: dict[str, Any]) -> SpecTable:
+    """Return what the tables of a spec with one tail say."""
     try:
-        spec = SpecTable.model_validate(_with_dynamic_viscosity(tables))
+        return SpecTable.model_validate(_with_dynamic_viscosity(tables))
     except ValidationError as error:
         raise complaint.sentence(error, tables) from None
-    return _build(spec, units_of(tables), Trusted.file(trust))
 
 
 def units_of(tables: dict[str, Any]) -> Literal["SI", "dimensionless"]:
@@ -157,7 +168,7 @@ def units_of(tables: dict[str, Any]) -> Literal["SI", "dimensionless"]:
 def _quantities(tables: dict[str, Any]) -> Iterator[tuple[str, Any]]:
     """Every number or text given for a quantity, entries of lists one by one; not the angles."""
     for part, table in tables.items():
-        for name, value in table.items() if isinstance(table, dict) else ():
+        for name, value in (entry for one in several(table) for entry in one.items()):
             field = FIELDS.get(f"{part}.{name}")
             if field is not None and field.kind == "quantity" and field.measures != "angle":
                 for entry in _flat(value):
@@ -218,14 +229,23 @@ def _number(path: str, value: Any, dimension: str) -> float:
     return number
 
 
-def _build(spec: SpecTable, units: Literal["SI", "dimensionless"], trusted: Trusted) -> Swimmer:
-    body, tail, law = (_given(t) for t in (spec.body, spec.tail, spec.coefficients))
+def _tail(spec: SpecTable, units: Literal["SI", "dimensionless"], trusted: Trusted) -> Tail:
+    tail = _given(spec.tail)
     if spec.tail.kind == "custom":
         tail["shape"] = trusted.function("tail.shape", tail["shape"])
     elif spec.tail.kind == "waveform":
         tail = beat.tail_fields(tail, units)
     elif spec.tail.kind == "elastic":
         tail = rest.with_points(tail)
+    return TAILS[tail.pop("kind")](**tail)
+
+
+def _build(
+    specs: dict[str, SpecTable], units: Literal["SI", "dimensionless"], trusted: Trusted
+) -> Swimmer:
+    tails = [numbered(name, _tail, one, units, trusted) for name, one in specs.items()]
+    spec = next(iter(specs.values()))
+    body, law = _given(spec.body), _given(spec.coefficients)
     applied = _given(spec.field) if spec.field is not None else {}
     chosen = "law" in law
     name = law.pop("law", "lighthill")
@@ -237,7 +257,7 @@ def _build(spec: SpecTable, units: Literal["SI", "dimensionless"], trusted: Trus
         raise SpecError("coefficients.law", name, '"constant" when normal and tangential are given')
     return Swimmer(
         body=SHAPES[body.pop("shape")](**body),
-        tail=TAILS[tail.pop("kind")](**tail),
+        tail=of_tails(tails),
         fluid=Fluid(**_given(spec.fluid)),
         coefficients=LAWS[name](**law) if chosen else Unchosen(**law),
         interaction=Interaction(**_given(spec.interaction)),

@@ -19,6 +19,8 @@ def beside(tables: dict[str, Any], folder: Path) -> dict[str, Any]:
 
 
 def _located(table: Any, folder: Path) -> Any:
+    if isinstance(table, list):
+        return [_located(one, folder) for one in table]
     name = table.get("file") if isinstance(table, dict) else None
     if not isinstance(name, str) or Path(name).is_absolute():
         return table

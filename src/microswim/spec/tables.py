@@ -66,7 +66,23 @@ class _TailTable(_Table):
     wavelength: Annotated[Length | None, About("Wavelength", "along s, or waves")] = None
 
 
-class _WaveTable(_TailTable):
+class _PlacedTable(_TailTable):
+    position: Annotated[
+        list[Length] | None,
+        About("Root", "of the tail, from the joint; the joint by default",
+              entries=("Root along s", "Root along q", "Root along r")),
+    ] = None  # fmt: skip
+    direction: Annotated[
+        list[Number] | None,
+        About("Axis", "of the tail, about which its motor turns; along s by default",
+              entries=("Axis, s", "Axis, q", "Axis, r")),
+    ] = None  # fmt: skip
+    phase: Annotated[
+        Angle | None, About("Phase", "how far ahead the tail beats", usual=(-180.0, 180.0))
+    ] = None
+
+
+class _WaveTable(_PlacedTable):
     radius: Annotated[
         Length | None,
         About("Filament radius", "of the filament; left out with section", start=0.05),
@@ -113,7 +129,7 @@ class PlaneWaveTable(_WaveTable):
     kind: Annotated[Literal["plane_wave"], _KIND]
 
 
-class CustomTable(_TailTable):
+class CustomTable(_PlacedTable):
     """[tail] of kind "custom": `shape` is ``"module:function"`` of a trusted file."""
 
     kind: Annotated[Literal["custom"], _KIND]
@@ -127,7 +143,7 @@ class CustomTable(_TailTable):
     ] = 0.0
 
 
-class WaveformTable(_TailTable):
+class WaveformTable(_PlacedTable):
     """[tail] of kind "waveform": a beat as it was filmed, by its file or by its modes."""
 
     kind: Annotated[Literal["waveform"], _KIND]

@@ -16,6 +16,7 @@ from microswim.errors import SpecError, nearest
 from microswim.spec.fields import Field
 from microswim.spec.tables import FIELDS
 from microswim.spec.units import NUMBER, has_unit, to_si
+from microswim.swimmer.parts import without_number
 
 _TRUTHS = {"true": True, "false": False}
 
@@ -167,7 +168,7 @@ def _each(name: str, values: Any, units: str) -> Any:
 
 
 def _field(name: str) -> Field | None:
-    return FIELDS.get(name.partition("[")[0])
+    return FIELDS.get(without_number(name).partition("[")[0])
 
 
 def _finite(said: str, value: float) -> float:

@@ -47,6 +47,8 @@ def swimmer_of(tables: Any) -> Swimmer:
     if not isinstance(tables, dict):
         raise SpecError("the spec must be an object of tables, [fluid], [body], [tail], ...")
     tail = tables.get("tail")
+    if isinstance(tail, list):
+        raise SpecError("tail: the studio shows one tail; microswim run and show take several")
     if isinstance(tail, dict) and tail.get("kind") == "custom":
         raise SpecError(
             "tail.kind",

@@ -7,6 +7,7 @@ from dataclasses import fields
 from typing import TYPE_CHECKING, Any
 
 from microswim.errors import SpecError, nearest
+from microswim.swimmer.parts import part_of, replaced, with_part, without_number
 
 if TYPE_CHECKING:
     from microswim.swimmer.swimmer import Swimmer
@@ -16,7 +17,13 @@ ALTERNATIVES = {"tail.waves": "tail.wavelength", "tail.wavelength": "tail.waves"
 
 
 def numbers_of(owner: Any, prefix: str = ".") -> list[tuple[str, float]]:
-    """Return the name and value of every number, entries of nested tuples included."""
+    """Return the name and value of every number, entries of nested tuples included.
+
+    Those of several tails are ``[0].amplitude``, ``[1].amplitude``, ...
+    """
+    each = getattr(owner, "each", (owner,))
+    if len(each) > 1:
+        return [e for n, one in enumerate(each) for e in numbers_of(one, f"[{n}].")]
     found: list[tuple[str, float]] = []
     for f in fields(owner):
         found += _entries(f"{prefix}{f.name}", getattr(owner, f.name))
@@ -36,15 +43,6 @@ def set_item(values: tuple, index: list[int], value: Any) -> tuple:
     head, *rest = index
     new = set_item(values[head], rest, value) if rest else value
     return (*values[:head], new, *values[head + 1 :])
-
-
-def replaced(owner: Any, name: str, value: Any) -> Any:
-    """Return a copy of a frozen dataclass with one field replaced, without its checks."""
-    copy = object.__new__(type(owner))
-    for f in fields(owner):
-        object.__setattr__(copy, f.name, getattr(owner, f.name))
-    object.__setattr__(copy, name, value)
-    return copy
 
 
 def lifted(swimmer: Swimmer, values: Mapping[str, Any]) -> Swimmer:
@@ -70,19 +68,24 @@ def lifted(swimmer: Swimmer, values: Mapping[str, Any]) -> Swimmer:
             raise SpecError(path, value, "a number of this swimmer", nearest(path, swimmer.numbers))
         part, name = path.split(".", 1)
         name, *index = name.replace("]", "").split("[")
-        owner = getattr(swimmer, part)
+        owner = part_of(swimmer, part)
         if index:
             value = set_item(getattr(owner, name), [int(i) for i in index], value)
-        swimmer = replaced(swimmer, part, replaced(owner, name, value))
+        for whole, new in with_part(swimmer, part, replaced(owner, name, value)).items():
+            swimmer = replaced(swimmer, whole, new)
     return swimmer
 
 
 def without_other_names(given: Iterable[str]) -> set[str]:
     """Return the fields that say in another way what `given` says already, and must be cleared."""
-    given = set(given)
-    cleared = {ALTERNATIVES[name] for name in given if name in ALTERNATIVES}
-    if any(name.partition("[")[0] == "tail.section" for name in given):
-        cleared.add("tail.radius")  # the section says it
+    given, cleared = set(given), set()
+    for name in given:
+        plain = without_number(name)
+        other = ALTERNATIVES.get(plain)
+        if plain.partition("[")[0] == "tail.section":
+            other = "tail.radius"  # the section says it
+        if other is not None:
+            cleared.add(name.partition(".")[0] + "." + other.partition(".")[2])
     return cleared - given
 
 

@@ -30,6 +30,9 @@ def check(swimmer: Any) -> None:
     if swimmer.motion.frequency_frame == "lab" and swimmer.tail.surface_motion != "rigid":
         allowed = '"body" for a tail that does not rotate rigidly'
         raise SpecError("motion.frequency_frame", "lab", allowed)
+    if swimmer.motion.frequency_frame == "lab" and not swimmer.tail.is_on_axis:
+        allowed = '"body" for tails off the axis s: the body turns about s, the tail does not'
+        raise SpecError("motion.frequency_frame", "lab", allowed)
 
 
 def _check_region(swimmer: Any) -> None:

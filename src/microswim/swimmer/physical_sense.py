@@ -190,13 +190,19 @@ def _of_shape(swimmer: Swimmer) -> list[str]:
     half_width = min(_size(a) for a in body.semi_axes3[1:])
     if not body.is_absent and _size(tail.radius) >= half_width:
         out.append("the filament is as thick as the body or thicker")
-    if isinstance(tail, WaveTail) and _size(tail.amplitude) >= WIDE * _size(tail.apparent_length):
+    if any(isinstance(t, WaveTail) and _is_wide(t) for t in tail.each):
         out.append(
             "the amplitude is half of the tail's length or more: laws of local resistance were not "
             "made for such a wave"
         )
     phases = ROOT_PHASES[:1] if tail.is_rigid else ROOT_PHASES
-    if any(attachment.misses(body, tail, phase) for phase in phases):
+    lost = [t for t in tail.each if any(attachment.misses(body, t, phase) for phase in phases)]
+    if any(t.is_placed for t in lost):
+        out.append(
+            "a tail does not touch the body from where it stands: move tail.position towards the "
+            "body; bem refuses it as it is"
+        )
+    elif lost:
         out.append(
             "the tail does not touch the body: its amplitude is beyond the body's half width; "
             f"{attachment.MEND}; bem and fem refuse it as it is"
@@ -204,13 +210,18 @@ def _of_shape(swimmer: Swimmer) -> list[str]:
     return out
 
 
+def _is_wide(tail: WaveTail) -> bool:
+    return _size(tail.amplitude) >= WIDE * _size(tail.apparent_length)
+
+
 def _local(swimmer: Swimmer) -> tuple[float, float]:
     """``(c_t, c_n)`` where the user chose them or their factors, else a pair that is in order."""
     factors = tuple(float(np.real(f)) for f in swimmer.interaction.tail)
     if not swimmer.coefficients.is_given and factors == _ONES:
         return 0.0, 1.0
-    pair = swimmer.coefficients.pair(swimmer.tail, swimmer.fluid.viscosity)
-    c_t, c_n = (float(np.real(c)) for c in pair)
+    law, mu = swimmer.coefficients, swimmer.fluid.viscosity
+    pairs = [[float(np.real(c)) for c in law.pair(t, mu)] for t in swimmer.tail.each]
+    c_t, c_n = max(pairs, key=lambda pair: pair[0] / pair[1])
     return factors[0] * c_t, factors[1] * c_n
 
 

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import dataclasses
-from dataclasses import dataclass, fields, is_dataclass, replace
+from dataclasses import dataclass, fields, is_dataclass
 from functools import cached_property
 from os import PathLike
 from typing import TYPE_CHECKING, Any, Literal, Unpack
@@ -22,13 +22,14 @@ from microswim.swimmer.fluid import Fluid
 from microswim.swimmer.geometry.body import Body
 from microswim.swimmer.geometry.surroundings import Channel, Wall
 from microswim.swimmer.geometry.tails.hook import Hook
-from microswim.swimmer.geometry.tails.kinds import Tail
+from microswim.swimmer.geometry.tails.kinds import Tail, of_tails
 from microswim.swimmer.gradient import gradient
 from microswim.swimmer.gravity import Gravity
 from microswim.swimmer.magnetism.applied_field import AppliedField
 from microswim.swimmer.magnetism.magnet import Magnet
 from microswim.swimmer.motion import Motion
 from microswim.swimmer.noise import Noise
+from microswim.swimmer.parts import changed, part_of, spread
 from microswim.swimmer.provenance import Provenance
 from microswim.swimmer.region import Region
 
@@ -46,14 +47,15 @@ OUTSIDE = ("gravity", "flow", "noise")
 @checks.by_name
 @dataclass(frozen=True, kw_only=True)
 class Swimmer:
-    """A micro-swimmer: a body with one tail in a fluid.
+    """A micro-swimmer: a body with its tail or tails in a fluid.
 
     Parameters
     ----------
     body
         `Sphere`, `Spheroid`, `Ellipsoid`, `Capsule`, `Cylinder`, `Box`, `Revolution` or `NoBody`.
     tail
-        `HelicalTail`, `PlaneWaveTail`, `ElasticTail`, `CustomTail`; `NoTail` for a body alone.
+        `HelicalTail`, `PlaneWaveTail`, `ElasticTail`, `CustomTail`; `NoTail` for a body alone; a
+        list of tails that turn together, `SeveralTails`.
     fluid
         `Fluid`.
     coefficients
@@ -120,6 +122,8 @@ class Swimmer:
     calibration: Provenance | None = dataclasses.field(default=None, repr=False, compare=False)
 
     def __post_init__(self) -> None:
+        if isinstance(self.tail, (list, tuple)):
+            object.__setattr__(self, "tail", of_tails(self.tail))
         for name, kind in zip(PARTS, (Fluid, Body, Tail, Coefficients, Interaction, Motion)):
             self._check_part(name, kind)
         kinds = (Wall, Channel, Magnet, AppliedField, Gravity, Flow, Noise, Hook, Provenance)
@@ -280,7 +284,8 @@ class Swimmer:
         """Return a copy with dotted fields replaced, checked again: ``{"tail.amplitude": 0.12}``.
 
         An entry of a list is ``"interaction.translation[1]"``. Setting one of `waves` and
-        `wavelength` clears the other. Numbers are SI or, without units, the swimmer's own; a
+        `wavelength` clears the other. Of several tails ``"tail[0].radius"`` is one's, and
+        ``"tail.radius"`` that of all. Numbers are SI or, without units, the swimmer's own; a
         swimmer in SI also takes quantities as the spec file has them, ``"0.12 mm"``.
 
         Raises
@@ -289,12 +294,12 @@ class Swimmer:
             If a field does not exist or a value is out of range.
         """
         grouped: dict[str, dict[str, Any]] = {}
-        for path, value in changes.items():
+        for path, value in (changes := spread(self, changes)).items():
             if isinstance(value, str):  # a quantity with its unit, or a word
                 value = doors.go(doors.READ_VALUE, path, value, self.units)
             part, _, name = path.partition(".")
             name, *index = name.replace("]", "").split("[")
-            owner, new = getattr(self, part, None), grouped.setdefault(part, {})
+            owner, new = part_of(self, part), grouped.setdefault(part, {})
             if not is_dataclass(owner) or name not in {f.name for f in fields(owner)}:
                 raise SpecError(path, value, "a field of this swimmer", nearest(path, self.numbers))
             if index and path not in self.numbers:
@@ -304,7 +309,7 @@ class Swimmer:
         for path in without_other_names(changes) & self.numbers.keys():
             part, _, name = path.partition(".")
             grouped[part][name] = None
-        return replace(self, **{p: replace(getattr(self, p), **new) for p, new in grouped.items()})
+        return changed(self, grouped)
 
     @property
     def numbers(self) -> dict[str, float]:

@@ -210,3 +210,12 @@ def test_base_case_against_the_boundary_elements(sections, motion):
     held = fem.channel_gait(base, channel=Channel(diameter=20.0, length=20.0)).mean_velocity
     assert held[0] == pytest.approx(free[0], rel=0.02)
     assert held[3] == pytest.approx(free[3], rel=0.01)
+
+
+def test_a_tail_elsewhere_than_at_the_joint_is_refused_in_a_sentence():
+    wave = {"length": 2.0, "amplitude": 0.1, "waves": 3, "radius": 0.05}
+    placed = ms.HelicalTail(**wave, position=(0, 0.1, 0))
+    for tail in (placed, [placed, ms.HelicalTail(**wave)]):
+        robot = ms.Swimmer(body=ms.Sphere(radius=0.5), tail=tail, fluid=ms.Fluid(viscosity=1.0))
+        with pytest.raises(ms.SpecError, match="one tail at the joint"):
+            robot.gait("fem")

@@ -21,7 +21,7 @@ from microswim.calibration.atlas import side_by_side as python
 from microswim.calibration.atlas.near import Misses
 from microswim.calibration.region.kriging import Surfaces
 from microswim.numerics.compiled import pays
-from microswim.swimmer.fields import replaced
+from microswim.swimmer.parts import replaced
 from microswim.swimmer.swimmer import Swimmer
 
 FILES = {"helix": "helix.npz"}  #: by the kind of tail

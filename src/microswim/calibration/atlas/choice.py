@@ -81,9 +81,9 @@ def not_atlas(swimmer: Swimmer) -> str:
         return "rft, with the coefficients of its calibration"
     if not swimmer.is_open:
         return "rft, as the spec chooses its law or its coefficients"
-    if of(swimmer) is None:
-        return "rft, as no atlas comes with this build"
     missing = coordinates.outside(swimmer)
+    if of(swimmer) is None and not swimmer.tail.is_placed:
+        return "rft, as no atlas comes with this build"
     advice = "boundary elements do better: accuracy 2%, or model bem"
     return (
         f"rft, as the atlas does not cover this: {'; '.join(missing)}; {advice}" if missing else ""

@@ -109,6 +109,8 @@ def inside(x: np.ndarray) -> np.ndarray:
 def unlike(swimmer: Swimmer) -> list[str]:
     """Return in words what makes a swimmer another kind of thing than the atlas holds."""
     tail, body = swimmer.tail, swimmer.body
+    if tail.is_placed:
+        return ["it holds single tails at the joint, along s, without a phase of their own"]
     if not (isinstance(tail, WaveTail) and tail.is_rigid):
         return ["it holds helical tails"]
     if not tail.is_plain:

@@ -16,7 +16,8 @@ from microswim.calibration.region import body_flow as shaded
 from microswim.gait.gait import Gait
 from microswim.models.rft.batch import evaluate
 from microswim.numerics.cores import MANY
-from microswim.swimmer.fields import in_terms_of, lifted, replaced
+from microswim.swimmer.fields import in_terms_of, lifted
+from microswim.swimmer.parts import replaced
 from microswim.swimmer.swimmer import Swimmer
 
 

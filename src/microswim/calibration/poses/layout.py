@@ -84,7 +84,7 @@ def shape_of(swimmer: Swimmer, smallest: float) -> Shape:
         If body or tail are of another kind.
     """
     body, tail = swimmer.body, swimmer.tail
-    if not (tail.is_rigid and body.is_axisymmetric):
+    if not (tail.is_rigid and body.is_axisymmetric) or tail.is_placed:
         raise SpecError(
             "wall: a path beside it is known for a body of revolution with a helical tail; take a "
             "gait at one pose for this swimmer, or leave [wall] out"

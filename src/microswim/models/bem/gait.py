@@ -45,7 +45,7 @@ def _is_round(swimmer: Swimmer) -> bool:
 
 def half_period_signs(swimmer: Swimmer) -> Array | None:
     """Return signs that carry phase to phase + pi, or None if nothing does."""
-    alike = _is_round(swimmer) and swimmer.body.is_mirrored
+    alike = _is_round(swimmer) and swimmer.body.is_mirrored and swimmer.tail.is_on_axis
     return swimmer.tail.half_period_signs if alike else None
 
 

@@ -1,203 +1,30 @@
-"""Patches of a swimmer: body with a hole, tube that grows out of it, hemispherical tip.
+"""Patches of a swimmer: body with a hole for each tail, and the tubes that grow out of it.
 
 The body is the image of the unit sphere. Around the piercing point of the tail the sphere carries
 rings that grow geometrically from the joint curve to a circle, the body's `opening`; what lies
-beyond are the body's own facets. The tube's panels follow arc length and curvature, its first
-edges bend into the joint curve.
+beyond are the body's own facets. Where several tails leave it, rings lead to the sides of cells.
 """
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from collections.abc import Callable
 
 import numpy as np
 
-from microswim.models import swimmer_surface as geometry
+from microswim.errors import SpecError
+from microswim.models.bem.cells import shell
+from microswim.models.bem.resolution import Resolution
 from microswim.models.bem.surface import Surface, grid_boxes, sample_adapted, sampled, still
 from microswim.models.bem.triangles import surface_of
+from microswim.models.bem.tube import grown
 from microswim.models.joint import Joint
-from microswim.models.rooting import root
 from microswim.numerics.array import Array
 from microswim.swimmer.geometry.body import Body
-from microswim.swimmer.geometry.solids.spheres import half_sphere
 from microswim.swimmer.geometry.tails.kinds import Tail
+from microswim.swimmer.parts import numbered
 
-# A joint that reaches this many filament radii along the tail counts as steep: shorter first rows.
-STEEP = 0.6
-
-# A tube flatter than this (radius over half thickness, or the ratio of half axes) gets one panel
-# more around; the hole that a ribbon leaves in its body is cut into so many times more.
-FLAT, HOLE_OF_RIBBON = 2.0, 3
-
-
-@dataclass(frozen=True)
-class Resolution:
-    """Sizes of patches.
-
-    Parameters
-    ----------
-    order : int
-        p, density nodes a side of a patch.
-    panel : float
-        Shortest usual length of a tube panel, in filament radii.
-    stretch : float
-        Longest, where the tail is straight, in filament radii.
-    bend : float
-        Panel length times curvature, between those two.
-    wave : float
-        Longest panel by the phase of the wave along it (rad).
-    slender : float
-        Panels of slender filaments may be longer than `stretch`: to this much of the radius of
-        curvature and of the wave's phase (rad), and
-    reach : float
-        in filament radii.
-    around : int
-        Panels around the tube.
-    root : float
-        Length of the first panel and of the first ring at the joint, in filament radii.
-    growth : float
-        Ratio of successive lengths away from the joint.
-    body : int
-        Patches along a quarter of the body's circumference; one more on elongated bodies.
-    alone : int
-        The same of a body without a tail.
-    file : str
-        Level of the patches through the triangles of a body without a tail.
-    """
-
-    order: int = 2
-    panel: float = 2.5
-    stretch: float = 5.0
-    bend: float = 0.4
-    wave: float = 1.2
-    slender: float = 0.0
-    reach: float = 24.0
-    around: int = 4
-    root: float = 0.7
-    growth: float = 2.0
-    body: int = 2
-    alone: int = 2
-    file: str = "standard"
-
-
-def _wanted_length(tail: Tail, phase: float, s: Array, r: Resolution) -> tuple[Array, Array]:
-    """Arc length and wanted panel length on the grid s, the joint and the tip left aside."""
-    curve = geometry.smooth_centreline(tail, s, phase)
-    speed = np.linalg.norm(curve.P_s, axis=-1)
-    arc = np.concatenate([[0.0], np.cumsum(0.5 * (speed[1:] + speed[:-1]) * np.diff(s))])
-    bend = np.maximum(curve.curvature, 1e-12)
-    h = np.clip(r.bend / bend, r.panel * tail.radius, r.stretch * tail.radius)
-    # wavenumber of the wave, also of tails that name none: rms P'' over rms P' about its mean
-    swing = np.sum((curve.P_s - curve.P_s.mean(axis=0)) ** 2)
-    wavenumber = np.sqrt(np.sum(curve.P_ss**2) / max(swing, 1e-20))
-    turn = speed / max(wavenumber, 1e-12)
-    h = np.minimum(np.minimum(h, r.wave * turn), 2 * r.bend / bend)
-    long = np.minimum(r.slender * np.minimum(1.0 / bend, turn), r.reach * tail.radius)
-    return arc, np.maximum(h, long)
-
-
-def tube_edges(tail: Tail, phase: float, start: float, r: Resolution, root: float | None) -> Array:
-    """Return edges of the tube's panels in s: equal shares of int ds/h with h the wanted panel
-    length.
-
-    root : length of the first panel in filament radii, None for a tail without a body.
-    """
-    # not a round number: no grid point on a kink, where rounding would choose the curvature
-    s = np.linspace(start, tail.apparent_length, 2999)
-    arc, h = _wanted_length(tail, phase, s, r)
-    tip = 1.6 * tail.radius + 0.6 * (arc[-1] - arc)
-    if root is None:
-        first = 1.6 * tail.radius + 0.6 * arc
-    else:
-        first = root * tail.radius + (1 - 1 / r.growth) * arc
-    h = np.minimum(h, np.minimum(tip, first))
-    share = np.concatenate([[0.0], np.cumsum(0.5 * (1 / h[1:] + 1 / h[:-1]) * np.diff(arc))])
-    breaks = np.interp([k for k in geometry.kinks(tail) if k > start], s, share)
-    pieces = [0.0, *breaks, share[-1]]
-    edges = [np.zeros(1)]
-    for low, high in zip(pieces[:-1], pieces[1:], strict=True):
-        count = max(1, int(np.ceil(high - low - 0.25)))
-        edges.append(np.linspace(low, high, count + 1)[1:])
-    return np.interp(np.concatenate(edges), share, s)
-
-
-def _rows_bent(edges: Array, joint: Joint) -> int:
-    """Number of panel rows over which the joint's displacement fades: 2.5 times its size."""
-    rows = int(np.searchsorted(edges - edges[0], 2.5 * joint.depth))
-    return min(max(1, rows), edges.size - 1)
-
-
-def _bent(edges: Array, joint: Joint, v: Array, psi: Array) -> tuple[Array, Array]:
-    """(s, Theta) at panel coordinate v, bent at the root so that v = 0 is the joint curve."""
-    s_joint, theta_joint = joint.section(psi)
-    last = _rows_bent(edges, joint)
-    fade = np.clip(1 - (edges - edges[0]) / (edges[last] - edges[0]), 0.0, 1.0)
-    panels = np.arange(float(edges.size))
-    left = np.interp(v, panels, fade)
-    far = psi + joint.ahead
-    return (
-        np.interp(v, panels, edges) + (s_joint - edges[0]) * left,
-        far + (theta_joint - far) * left,
-    )
-
-
-def _tube(
-    tail: Tail, phase: float, edges: Array, around: int, joint: Joint | None
-) -> tuple[Array, Array]:
-    """Positions and s of the tube's patches; u runs around, v along."""
-    panels = np.arange(float(edges.size))
-    rows = 0 if joint is None else _rows_bent(edges, joint)
-    start = edges[0] if joint is None else edges[0] - 1.05 * joint.depth
-    grid = np.linspace(start, edges[-1], 4001)
-    twist = geometry.section_twist(tail, grid, phase)
-    twist = twist - np.interp(edges[0], grid, twist)
-
-    ahead = 0.0 if joint is None else joint.ahead
-
-    def chart(u: Array, v: Array) -> Array:
-        s, theta = np.interp(v, panels, edges), u + ahead
-        if joint is not None:
-            bent = v <= rows
-            psi = u.copy()
-            psi[bent] = joint.azimuth(u[bent])
-            s, theta = _bent(edges, joint, v, psi)
-        X = geometry.tube_point(tail, s, theta - np.interp(s, grid, twist), phase)
-        return np.concatenate([X, s[..., None]], axis=-1)
-
-    values = sample_adapted(chart, grid_boxes(np.linspace(0, 2 * np.pi, around + 1), panels))
-    return values[..., :3], values[..., 3]
-
-
-def _cap(tail: Tail, phase: float, end: float, outward: float) -> tuple[Array, Array]:
-    """Hemisphere centred on P(end), positions and s.
-
-    Sheared sections: the straight tube's hemisphere, each of its sections displaced to P(s) too.
-    """
-    if tail.sections == "sheared":
-        axes = np.eye(3) if outward > 0 else np.array([[-1.0, 0, 0], [0, 0, 1.0], [0, 1.0, 0]])
-        offset = tail.radius * sampled(half_sphere(axes[0], axes[1], axes[2], 1))
-        if tail.section is not None:
-            offset = _ribbon_cap(tail, offset / tail.radius, end, phase)
-        s = end + offset[..., 0]
-        offset[..., 0] = 0.0
-        return geometry.smooth_centreline(tail, s, phase).P + offset, s
-    curve = geometry.smooth_centreline(tail, np.array(end), phase)
-    axis, (first, second) = curve.tangent, geometry.section_axes(tail, curve)
-    if outward < 0:
-        axis, first, second = -axis, second, first
-    directions = sampled(half_sphere(axis, first, second, 1))
-    if tail.section is not None:
-        directions = _ribbon_cap(tail, directions, end, phase) / tail.radius
-    return curve.P + tail.radius * directions, np.full(directions.shape[:3], end)
-
-
-def _ribbon_cap(tail: Tail, directions: Array, end: float, phase: float) -> Array:
-    """Return unit directions stretched to the half axes; along the tail to the smaller one."""
-    curve = geometry.smooth_centreline(tail, np.array(end), phase)
-    first, second = geometry.section_axes(tail, curve)
-    axes = np.stack([np.cross(first, second), first, second])
-    a, b = tail.half_axes
-    return (directions @ axes.T * [min(a, b), a, b]) @ axes
+#: The hole that a ribbon leaves in its body is cut into so many times more.
+HOLE_OF_RIBBON = 3
 
 
 def _ring_radii(step: float, growth: float, quarter: float, gap: float, last: float) -> Array:
@@ -213,8 +40,27 @@ def _ring_radii(step: float, growth: float, quarter: float, gap: float, last: fl
     return edges / edges[-1]
 
 
+def _rings(
+    joint: Joint, r: Resolution, side: int, flat: bool, gap: float, last: float
+) -> tuple[Array, Callable[[float, float], int]]:
+    """Fractions of the gap (rad) beyond the joint where rings end; patches per quarter of one."""
+    mean = float(joint.series[0, 0].real)
+    t = _ring_radii(r.root * mean, r.growth, 0.5 * np.pi / side, gap, last)
+    most, finer = max(side, r.around // 4), HOLE_OF_RIBBON if flat else 1
+
+    def per_quarter(low: float, high: float) -> int:
+        shape = (mean + high * gap) / (2.2 * (high - low) * gap)
+        return finer * int(np.clip(np.ceil(shape), 1, most))
+
+    return t, per_quarter
+
+
+def _side(body: Body, r: Resolution) -> int:
+    return r.body + int(max(body.semi_axes3) > 1.5 * min(body.semi_axes3))
+
+
 def _body(body: Body, joint: Joint, r: Resolution, flat: bool) -> Array:
-    """Positions of the body's patches."""
+    """Positions of the patches of a body with one root."""
     around = np.linspace(0.0, 2 * np.pi, 64)
     opening = body.opening(joint.pole, joint.first, float(joint.angle(around).max()))
 
@@ -222,53 +68,25 @@ def _body(body: Body, joint: Joint, r: Resolution, flat: bool) -> Array:
         end = joint.angle_to(opening, psi)
         return body.surface_point(joint.sphere_point(joint.angle(psi) * (1 - t) + end * t, psi))
 
-    mean = float(joint.series[0, 0].real)
-    gap = float(joint.angle_to(opening, around).mean()) - mean
-    side = r.body + int(max(body.semi_axes3) > 1.5 * min(body.semi_axes3))
-    quarter = 0.5 * np.pi / side
-    t = _ring_radii(r.root * mean, r.growth, quarter, gap, opening.last)
+    gap = float(joint.angle_to(opening, around).mean()) - float(joint.series[0, 0].real)
+    t, per_quarter = _rings(joint, r, _side(body, r), flat, gap, opening.last)
     parts = []
     for low, high in zip(t[:-1], t[1:], strict=True):
-        width = (high - low) * gap
-        outer = mean + high * gap
-        sectors = 4 * int(np.clip(np.ceil(outer / (2.2 * width)), 1, max(side, r.around // 4)))
-        sectors *= HOLE_OF_RIBBON if flat else 1
+        sectors = 4 * per_quarter(low, high)
         turn = np.linspace(-np.pi / 4, 2 * np.pi - np.pi / 4, sectors + 1)
         parts.append(sample_adapted(chart, grid_boxes(np.array([low, high]), turn)))
     parts.append(sampled(body.facets(r.body, opening)))
     return np.concatenate(parts)
 
 
-def _joined(parts: list[tuple[Array, Array]]) -> tuple[Array, Array]:
-    X, s = zip(*parts, strict=True)
-    return np.concatenate(X), np.concatenate(s)
+def _body_of_several(body: Body, joints: list[Joint], r: Resolution, flat: bool) -> Array:
+    """Positions of the patches of a body with several roots."""
+    side = _side(body, r)
 
+    def rings(joint: Joint, gap: float) -> tuple[Array, Callable[[float, float], int]]:
+        return _rings(joint, r, side, flat, gap, float("inf"))
 
-def _flatness(tail: Tail, phase: float, s: Array) -> Array:
-    """Radius over half thickness of the tube: |P'| with sheared sections, else one."""
-    if tail.section is not None:
-        return np.full_like(s, tail.radius / min(tail.half_axes))
-    if tail.sections != "sheared":
-        return np.ones_like(s)
-    return np.linalg.norm(geometry.smooth_centreline(tail, s, phase).P_s, axis=-1)
-
-
-def inner_pressures(tail: Tail, phase: float, s: Array) -> Array:
-    """Return hats along the tail, (m, *s.shape), zero at the joint: pressures of the fluid inside.
-
-    A pressure that varies over a length l drives a flow of order h^3/(r_t l^2) of it along a tube
-    of half thickness h; sheared sections flatten the tube to h = r_t/|P'|. The hats' spacing
-    35 r_t (h/r_t)^(3/2) is where that is 1e-3.
-    """
-    grid = np.linspace(0.0, tail.apparent_length, 1001)
-    speed = np.linalg.norm(geometry.smooth_centreline(tail, grid, phase).P_s, axis=-1)
-    rate = speed * _flatness(tail, phase, grid) ** 1.5 / (35 * tail.radius)
-    steps = 0.5 * (rate[1:] + rate[:-1]) * np.diff(grid)
-    count = np.concatenate([[0.0], np.cumsum(steps)])
-    number = round(float(count[-1]))
-    at = np.interp(s, grid, count) * (number / count[-1])
-    hats = [np.clip(1.0 - np.abs(at - k), 0.0, 1.0) for k in range(1, number + 1)]
-    return np.array(hats).reshape(number, *s.shape)
+    return shell(body, joints, side, rings)
 
 
 def body_surface(body: Body, r: Resolution) -> Surface:
@@ -279,33 +97,32 @@ def body_surface(body: Body, r: Resolution) -> Surface:
 
 
 def swimmer_surface(body: Body, tail: Tail, phase: float, r: Resolution) -> Surface:
-    """Return the closed surface of a swimmer at one phase, with the tail's velocity per unit phase
+    """Return the closed surface of a swimmer at one phase, with the tails' velocity per unit phase
     rate.
     """
     if tail.is_absent:
         return body_surface(body, r)
-    alone = body.is_absent
-    length = tail.apparent_length
-    joint = None if alone else root(body, tail, phase)
-    start = 0.0 if joint is None else joint.s
-    first = None
-    if joint is not None:
-        first = r.root * min(1.0, STEEP * tail.radius / max(joint.depth, 1e-3 * tail.radius))
-    edges = tube_edges(tail, phase, start, r, first)
-    around = r.around + int(_flatness(tail, phase, edges).max() > FLAT)
-    is_flat = max(tail.half_axes) > FLAT * min(tail.half_axes)
-    if tail.section is not None:  # panels meet where the section bends most and least
-        around = 8 if is_flat else 4
-    parts = [_tube(tail, phase, edges, around, joint), _cap(tail, phase, length, 1.0)]
-    if alone:
-        parts.append(_cap(tail, phase, 0.0, -1.0))
-    X, s = _joined(parts)
-    motion = geometry.surface_velocity(tail, X, s, phase)
-    on_tail = np.ones(len(X), bool)
-    if joint is not None:
-        shell = _body(body, joint, r, is_flat)
-        X, s = np.concatenate([shell, X]), np.concatenate([np.zeros(shell.shape[:3]), s])
-        motion = np.concatenate([np.zeros_like(shell), motion])
-        on_tail = np.concatenate([np.zeros(len(shell), bool), on_tail])
-    inner = inner_pressures(tail, phase, s)
+    if len(tail.each) > 1 and not (body.is_absent or body.is_ellipsoid):
+        raise SpecError(
+            "body.shape", body.shape, "a sphere, spheroid or ellipsoid where several tails leave it"
+        )
+    tails = [numbered(name, grown, body, t, phase, r) for name, t in tail.named.items()]
+    joints = [t.joint for t in tails if t.joint is not None]
+    flat = any(t.is_flat for t in tails)
+    shells = []
+    if joints:
+        one = len(joints) == 1
+        shells = [
+            _body(body, joints[0], r, flat) if one else _body_of_several(body, joints, r, flat)
+        ]
+    X = np.concatenate([*shells, *(t.controls for t in tails)])
+    motion = np.concatenate([*map(np.zeros_like, shells), *(t.motion for t in tails)])
+    bare = len(X) - sum(len(t.controls) for t in tails)
+    inner = np.zeros((sum(len(t.inner) for t in tails), *X.shape[:3]))
+    row, first = 0, bare
+    for t in tails:
+        rows, patches = row + len(t.inner), first + len(t.controls)
+        inner[row:rows, first:patches] = t.inner
+        row, first = rows, patches
+    on_tail = np.arange(len(X)) >= bare
     return Surface(np.ascontiguousarray(X), np.ascontiguousarray(motion), on_tail, r.order, inner)

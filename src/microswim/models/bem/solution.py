@@ -292,7 +292,7 @@ def solve(
     chosen = get_level(level, order) if isinstance(level, str) else level
     start = time.perf_counter()
     body, tail = swimmer.body, swimmer.tail
-    remarks = [] if tail.is_absent else rooting.check(body, tail, phase)
+    remarks = [] if tail.is_absent else rooting.check_all(body, tail, phase)
     surface = swimmer_surface(body, tail, phase, chosen.resolution)
     centre = np.asarray(body.centre, float)
     plane = _wall_beside(swimmer, surface, centre)
@@ -315,7 +315,7 @@ def middle_of(swimmer: Swimmer) -> Array:
     """Return the middle (3,) of the channel in the frame sqr."""
     assert swimmer.channel is not None
     tail = swimmer.tail
-    tip = 0.0 if tail.is_absent else tail.apparent_length + tail.radius
+    tip = 0.0 if tail.is_absent else tail.reach + tail.radius
     nose = 2.0 * swimmer.body.semi_axes3[0] or float(tail.radius)
     own = np.array([0.5 * (tip - nose), 0.0, 0.0])
     return own - swimmer.channel.axes @ np.asarray(swimmer.channel.position)

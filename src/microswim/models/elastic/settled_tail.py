@@ -65,7 +65,7 @@ class SettledTail(CustomTail):
     Parameters are those of `CustomTail`.
     """
 
-    is_planar: ClassVar[bool] = True
+    beats_in_plane: ClassVar[bool] = True
     half_period_signs: ClassVar[np.ndarray | None] = MIRROR_Q
 
 

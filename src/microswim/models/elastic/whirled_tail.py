@@ -50,7 +50,7 @@ class WhirledTail(CustomTail):
     Parameters are those of `CustomTail`.
     """
 
-    is_rigid: ClassVar[bool] = True
+    turns_whole: ClassVar[bool] = True
 
 
 def whirled_tail(tail: ElasticTail, found: Whirl) -> WhirledTail:

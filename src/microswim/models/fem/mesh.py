@@ -87,6 +87,11 @@ class Outline:
         """Return outline of a swimmer, scaled by its body's largest diameter (or half the tail)."""
         body, tail = swimmer.body, swimmer.tail
         physical_sense.require_tail(swimmer, "the finite elements")
+        if tail.is_placed:
+            raise SpecError(
+                'tail: model "fem" takes one tail at the joint, along s, without a phase of its '
+                'own; take "rft" or "bem"'
+            )
         if isinstance(tail, WaveTail):
             as_wave(tail)
         r_s, r_q, r_r = axes = ellipsoid_axes(body)

@@ -28,6 +28,7 @@ from microswim.gait.gait import Gait
 from microswim.gait.poses.one_pose import remark
 from microswim.models.rft import ribbon
 from microswim.models.rft.helix import FEWEST_WAVES, helix_tail, ramp_nodes
+from microswim.models.rft.placed import remarks_on, sum_over_tails
 from microswim.models.rft.plane_wave import wave_phases
 from microswim.models.rft.segment import (
     HELIX,
@@ -143,15 +144,10 @@ def unchecked(swimmer: Swimmer, nodes: int | None = None, phases: int | None = N
     """Return `gait` of any coefficients, for searches that pass through what no fluid would do."""
     body = body_resistance(swimmer)
     tail = swimmer.tail
-    if tail.is_absent:
-        series = np.zeros((1, 6, 6)), np.zeros((1, 6)), np.zeros(1)
-    elif tail.is_rigid and tail.in_batches:
-        p = parameters(swimmer)
-        arc = swimmer.motion.line_element == "arc"
-        R, F, G = _helix(arc, p, nodes, swimmer)
-        series = rotate(R, tail.sign), rotate(F, tail.sign), np.array([G])
+    if tail.is_placed:
+        series = sum_over_tails(swimmer, lambda alone: tail_series(alone, nodes, phases))
     else:
-        series = series_over_period(lambda n: _samples(swimmer, nodes, n), phases)
+        series = tail_series(swimmer, nodes, phases)
     made = owned(
         Gait,
         resistance_series=add(series[0], body[None]),
@@ -168,6 +164,21 @@ def unchecked(swimmer: Swimmer, nodes: int | None = None, phases: int | None = N
     if swimmer.motion.frequency_frame == "lab":
         return made.in_lab_frame(tail.rate, tail.sign)
     return made
+
+
+def tail_series(
+    swimmer: Swimmer, nodes: int | None = None, phases: int | None = None
+) -> tuple[np.ndarray, ...]:
+    """Return series of ``B_t``, ``F_p``, G of one tail at the joint."""
+    tail = swimmer.tail
+    if tail.is_absent:
+        return np.zeros((1, 6, 6)), np.zeros((1, 6)), np.zeros(1)
+    if tail.is_rigid and tail.in_batches:
+        p = parameters(swimmer)
+        arc = swimmer.motion.line_element == "arc"
+        R, F, G = _helix(arc, p, nodes, swimmer)
+        return rotate(R, tail.sign), rotate(F, tail.sign), np.array([G])
+    return series_over_period(lambda n: _samples(swimmer, nodes, n), phases)
 
 
 def _helix(arc: bool, p: np.ndarray, nodes: int | None, swimmer: Swimmer) -> tuple[Any, ...]:
@@ -190,7 +201,8 @@ def _about(swimmer: Swimmer) -> dict[str, Any]:
     turning = physical_sense.turning(swimmer) if around else ""
     boundaries += [remark(turning)] if turning else []
     held = {"one_pose": turning} if turning else {}
-    return {"remarks": [*swimmer.remarks_on_drag, *boundaries], **held}
+    remarks = [*swimmer.remarks_on_drag, *remarks_on(swimmer.tail), *boundaries]
+    return {"remarks": remarks, **held}
 
 
 def series_over_period(

@@ -13,6 +13,7 @@ import numpy as np
 
 from microswim.errors import MicroswimError
 from microswim.models.joint import piercing
+from microswim.models.seen_body import seen_from
 from microswim.models.swimmer_surface import smooth_centreline, tube_point
 from microswim.numerics.array import Array
 from microswim.numerics.files import write
@@ -53,7 +54,7 @@ def printable(swimmer: Swimmer, phase: float = 0.0, *, fineness: float = 1.0) ->
         ) from None
     swimmer = swimmer.settled
     body, tail = swimmer.body, swimmer.tail
-    parts = [] if tail.is_absent else [_tube(body, tail, phase, fineness)]
+    parts = [] if tail.is_absent else [_tube(body, t, phase, fineness) for t in tail.each]
     if not body.is_absent:
         parts.append(_body(body, fineness))
     size = max(float(np.ptp(p.points, axis=0).max()) for p in parts)
@@ -109,6 +110,8 @@ def _body(body: Body, fineness: float) -> Triangles:
 
 def _tube(body: Body, tail: Tail, phase: float, fineness: float) -> Triangles:
     """The tube with a round tip; its near end, closed flat, lies within the body."""
+    place, body, phase = tail.placement, seen_from(body, tail), phase + float(tail.ahead)
+    tail = tail.own
     waves = max(1.0, float(tail.number_of_waves))
     rings, around = int(28 * fineness * min(waves, 40.0)) + 1, max(8, int(14 * fineness))
     length, radius = float(tail.apparent_length), float(tail.radius)
@@ -125,7 +128,7 @@ def _tube(body: Body, tail: Tail, phase: float, fineness: float) -> Triangles:
     if body.is_absent:
         back = ends.P[0] + np.cos(bend) * (grid[0] - ends.P[0]) - cap * np.sin(bend) * axis[0]
         head = [back[::-1]]
-    rows = np.concatenate([*head, grid, tip])
+    rows = place.placed(np.concatenate([*head, grid, tip]))
     return _closed(rows.reshape(-1, 3), closed_grid(len(rows), around))
 
 

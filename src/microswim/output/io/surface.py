@@ -66,14 +66,18 @@ def surface(swimmer: Swimmer, phase: float = 0.0, *, fineness: float = 1.0) -> S
     """
     swimmer = swimmer.settled
     body, tail = swimmer.body, swimmer.tail
-    grid = _tube(tail, phase, fineness, body.is_absent) - body.centre
     points, quads = body.drawing(fineness)
-    tube = closed_grid(*grid.shape[:2]) + len(points)
-    return Surface(
-        np.concatenate([points, grid.reshape(-1, 3)]),
-        np.concatenate([quads, tube]),
-        np.repeat([BODY, TAIL], [len(quads), len(tube)]),
-    )
+    faces, count = len(quads), len(points)
+    parts, cells = [points], [quads]
+    for t in tail.each:
+        own = _tube(t.own, phase + float(t.ahead), fineness, body.is_absent)
+        grid = t.placement.placed(own) - body.centre
+        parts.append(grid.reshape(-1, 3))
+        cells.append(closed_grid(*grid.shape[:2]) + count)
+        count += len(parts[-1])
+    whole = np.concatenate(cells)
+    part = np.repeat([BODY, TAIL], [faces, len(whole) - faces])
+    return Surface(np.concatenate(parts), whole, part)
 
 
 def _tube(tail: Any, phase: float, fineness: float, closed: bool) -> np.ndarray:

@@ -139,9 +139,11 @@ def track_and_fit(track: np.ndarray, path: np.ndarray, unit: str) -> Figure:
 def _swimmer_of(run: xr.Dataset) -> Swimmer | None:
     from microswim.spec.file import from_dict
     from microswim.spec.readers.text import toml
+    from microswim.spec.several import several
 
     tables = toml(run.attrs.get("spec", ""), "the spec of this run")
-    custom = tables.get("tail", {}).get("kind") == "custom"  # its function is not trusted here
+    tails = several(tables.get("tail"))  # the function of a custom one is not trusted here
+    custom = any(tail.get("kind") == "custom" for tail in tails)
     return None if custom or not tables else from_dict(tables)
 
 

@@ -22,6 +22,7 @@ from microswim.gait.units import unit
 from microswim.output.report.document import document
 from microswim.output.report.document import table as document_table
 from microswim.swimmer import physical_sense
+from microswim.swimmer.geometry.tails.kinds import Tail
 from microswim.swimmer.swimmer import Swimmer
 
 BENT = 1.05  #: speed along the path over swimming speed from which on both are told
@@ -141,13 +142,22 @@ def derived(swimmer: Swimmer) -> dict[str, Any]:
     >>> round(ms.report.derived(ms.Swimmer.preset("tabak/helix"))["alpha"], 4)
     0.7277
     """
-    tail, fluid = swimmer.tail, swimmer.fluid
-    c_t, c_n, c_r = (float(c) for c in swimmer.coefficients.local(tail, fluid.viscosity))
-    semi_axes = tuple(float(r) for r in swimmer.body.semi_axes3)
-    k = getattr(tail, "wavenumber", None)
+    each = [_of_tail(swimmer, tail) for tail in swimmer.tail.each]
     return {
         "units": swimmer.units,
-        "semi_axes": semi_axes,
+        "semi_axes": tuple(float(r) for r in swimmer.body.semi_axes3),
+        **(each[0] if len(each) == 1 else {"tails": each}),
+        "reynolds_number": physical_sense.reynolds(swimmer),
+        "free": [n for n, free in zip(DEGREES_OF_FREEDOM, swimmer.motion.mask) if free],
+    }
+
+
+def _of_tail(swimmer: Swimmer, tail: Tail) -> dict[str, Any]:
+    """Return what one tail works out to."""
+    viscosity = swimmer.fluid.viscosity
+    c_t, c_n, c_r = (float(c) for c in swimmer.coefficients.local(tail, viscosity))
+    k = getattr(tail, "wavenumber", None)
+    return {
         "apparent_length": float(tail.apparent_length),
         "arc_length": float(tail.arc_length),
         "alpha": float(tail.alpha),
@@ -156,9 +166,7 @@ def derived(swimmer: Swimmer) -> dict[str, Any]:
         "c_t": c_t,
         "c_n": c_n,
         "c_r": c_r,
-        "tip": float(swimmer.coefficients.end(tail, fluid.viscosity)),
-        "reynolds_number": physical_sense.reynolds(swimmer),
-        "free": [n for n, free in zip(DEGREES_OF_FREEDOM, swimmer.motion.mask) if free],
+        "tip": float(swimmer.coefficients.end(tail, viscosity)),
     }
 
 
@@ -174,23 +182,40 @@ def spec_table(swimmer: Swimmer) -> Table:
     ['0.7277']
     """
     d, tail = derived(swimmer), swimmer.tail
-
-    def q(key: str, kind: str) -> str:
-        return quantity(d[key], unit(swimmer.units, kind))
-
     axes = " x ".join(quantity(r, unit(swimmer.units, "length")) for r in d["semi_axes"])
     body = f"semi-axes {axes}" if any(d["semi_axes"]) else "an isolated tail"
     if tail.is_absent:
         rows = [("body", swimmer.body.shape, body), ("tail", "none", "nothing propels it")]
         return Table("What the spec works out to", ("", "value", ""), [*rows, _motions(swimmer, d)],
                      swimmer.units)  # fmt: skip
+    tails = d.get("tails", [d])
+    rows = [
+        ("body", swimmer.body.shape, body),
+        *(
+            r
+            for one, (n, t) in zip(tails, tail.named.items())
+            for r in _tail_rows(swimmer, n, t, one)
+        ),
+        ("Reynolds number", significant(d["reynolds_number"], 3), "from body length and frequency"),
+        _motions(swimmer, d),
+    ]
+    return Table("What the spec works out to", ("", "value", ""), rows, swimmer.units)
+
+
+def _tail_rows(
+    swimmer: Swimmer, name: str, tail: Tail, d: dict[str, Any]
+) -> list[tuple[str, str, str]]:
+    """Return the rows of one tail."""
+
+    def q(key: str, kind: str) -> str:
+        return quantity(d[key], unit(swimmer.units, kind))
+
     wave = []
     if d["wavenumber"] is not None:  # a tail of any shape has none
         wave = [("wavenumber k", q("wavenumber", "wavenumber"), "2 pi over wavelength")]
     motion = f"{tail.sections} sections, {tail.surface_motion} surface motion"
-    rows = [
-        ("body", swimmer.body.shape, body),
-        ("tail", tail.kind, f"{motion} (for bem and fem)"),
+    return [
+        (name, tail.kind, f"{motion} (for bem and fem)"),
         ("apparent length L", q("apparent_length", "length"), "along s"),
         ("arc length", q("arc_length", "length"), "along the filament, ramp left out"),
         ("alpha", significant(d["alpha"]), "apparent over arc length"),
@@ -200,10 +225,7 @@ def spec_table(swimmer: Swimmer) -> Table:
         ("c_n", q("c_n", "viscosity"), "across the filament"),
         ("c_r", q("c_r", "drag of spin"), "spin about itself"),
         ("tip", q("tip", "drag of a point"), "drag of the free end (tip = true)"),
-        ("Reynolds number", significant(d["reynolds_number"], 3), "from body length and frequency"),
-        _motions(swimmer, d),
     ]
-    return Table("What the spec works out to", ("", "value", ""), rows, swimmer.units)
 
 
 def _motions(swimmer: Swimmer, d: dict[str, Any]) -> tuple[str, str, str]:

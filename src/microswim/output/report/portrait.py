@@ -8,7 +8,8 @@ from typing import Any
 from microswim.gait.portrait import Rows
 from microswim.gait.readable import quantity, significant
 from microswim.gait.units import unit
-from microswim.swimmer.geometry.tails.kinds import WaveTail
+from microswim.swimmer.geometry.tails.kinds import Tail, WaveTail
+from microswim.swimmer.geometry.tails.placement import ALONG_S
 from microswim.swimmer.swimmer import Swimmer
 
 
@@ -22,7 +23,7 @@ def of_swimmer(swimmer: Swimmer) -> tuple[str, Rows]:
     >>> title, rows[0]
     ('Swimmer, dimensionless', ('body', 'sphere, 1 x 1 x 1'))
     """
-    rows = [("body", _body(swimmer)), ("tail", _tail(swimmer)), ("fluid", _fluid(swimmer))]
+    rows = [("body", _body(swimmer)), *_tails(swimmer), ("fluid", _fluid(swimmer))]
     rows += [("drag", _drag(swimmer)), ("motion", _motion(swimmer))]
     rows += [
         (name, f"{getattr(swimmer, name)}")
@@ -53,8 +54,11 @@ def _body(swimmer: Swimmer) -> str:
     return f"{swimmer.body.shape}, {' x '.join(axes)}" if any(swimmer.body.semi_axes3) else "none"
 
 
-def _tail(swimmer: Swimmer) -> str:
-    tail = swimmer.tail
+def _tails(swimmer: Swimmer) -> Rows:
+    return [(name, _tail(swimmer, tail)) for name, tail in swimmer.tail.named.items()]
+
+
+def _tail(swimmer: Swimmer, tail: Tail) -> str:
     if tail.is_absent:
         return "none"
     hand = getattr(tail, "handedness", None)
@@ -66,7 +70,19 @@ def _tail(swimmer: Swimmer) -> str:
     words.append(f"{_short(significant(float(tail.number_of_waves)))} waves")
     words.append(f"radius {_q(swimmer, tail.radius, 'length')}")
     words.append(f"frequency {_q(swimmer, tail.frequency, 'frequency')}")
-    return ", ".join(words)
+    return ", ".join([*words, *_place(swimmer, tail)])
+
+
+def _place(swimmer: Swimmer, tail: Tail) -> list[str]:
+    """Return where a tail stands, in words; nothing of one at the joint."""
+    place, words = tail.placement, []
+    if any(place.root):
+        words.append(f"root at {', '.join(_q(swimmer, x, 'length') for x in place.root)}")
+    if tuple(place.axis) != ALONG_S:
+        words.append(f"axis along {', '.join(f'{x:.3g}' for x in place.rotation[:, 0])}")
+    if tail.ahead:
+        words.append(f"{tail.ahead:.4g} rad ahead")
+    return words
 
 
 def _fluid(swimmer: Swimmer) -> str:

@@ -18,6 +18,7 @@ from microswim.spec.describe import unit_of
 from microswim.spec.tables import FIELDS
 from microswim.spec.units import NUMBER, has_unit, parse, to_si
 from microswim.studies.optimisation.dimensions import Dimension, Mixed, of_expression, of_unit
+from microswim.swimmer.parts import without_number
 from microswim.swimmer.swimmer import Swimmer
 
 if TYPE_CHECKING:
@@ -140,7 +141,7 @@ def _is_quantity(side: str) -> bool:
 
 def _unit_of(side: str) -> str | None:
     """SI unit of a name, or None for what is none or has none."""
-    field = FIELDS.get(side.partition("[")[0])
+    field = FIELDS.get(without_number(side).partition("[")[0])
     if field is not None and field.dimension is not None:
         return field.dimension.si
     return MEASURED_IN.get(side)

@@ -165,8 +165,9 @@ class Problem:
     def _repeats(self, picked: dict[str, Any]) -> bool:
         """A plane wave has no hand: one of the two is enough."""
         hands = self.choices.get("tail.handedness", ())
-        kind = TAILS[picked.get("tail.kind", self.swimmer.tail.kind)]
-        return bool(hands) and not kind.is_rigid and picked["tail.handedness"] != hands[0]
+        kind = picked.get("tail.kind")
+        tail = self.swimmer.tail if kind is None else TAILS[kind]
+        return bool(hands) and not tail.turns_whole and picked["tail.handedness"] != hands[0]
 
     def numbers(self, x: np.ndarray) -> dict[str, Any]:
         """Return numbers of the spec at points of the unit cube, (d,) or (n, d)."""

@@ -28,7 +28,7 @@ from microswim.spec.describe import describe
 from microswim.studies.optimisation.merits import of_gait
 from microswim.studies.optimisation.problem import Problem
 from microswim.studies.optimisation.sensitivity import Sensitivity, sensitivities
-from microswim.swimmer.fields import replaced
+from microswim.swimmer.parts import replaced
 from microswim.swimmer.swimmer import Swimmer
 from microswim.swimmer.variants import vary
 

@@ -19,6 +19,7 @@ from microswim.gait.units import unit
 from microswim.spec.tables import FIELDS
 from microswim.studies.sweeps.space import Space
 from microswim.swimmer.magnetism.drive import drive_of
+from microswim.swimmer.parts import without_number
 from microswim.swimmer.swimmer import Swimmer
 
 VECTORS = ("mean_velocity", "velocity_amplitude")
@@ -58,7 +59,7 @@ def said(name: str, units: str) -> dict[str, str]:
         kind = known[name].dimension if name in known else plain
         told = {"units": unit(units, kind), "long_name": LONG_NAMES[name]}
         return {k: v for k, v in told.items() if v}
-    field = FIELDS.get(name.partition("[")[0])
+    field = FIELDS.get(without_number(name).partition("[")[0])
     if field is None or field.kind not in ("quantity", "number"):
         return {}
     return {"units": unit(units, field.measures or "number"), "long_name": field.about.label}

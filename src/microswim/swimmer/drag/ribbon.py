@@ -22,8 +22,8 @@ from typing import Any
 import numpy as np
 
 from microswim.swimmer.drag.coefficients import Coefficients
-from microswim.swimmer.fields import replaced
 from microswim.swimmer.geometry.tails.kinds import Tail
+from microswim.swimmer.parts import replaced
 
 
 def round_radii(tail: Tail) -> tuple[Any, Any, Any]:

@@ -14,6 +14,8 @@ from microswim.swimmer.geometry.body import Body
 from microswim.swimmer.geometry.tails.kinds import Tail
 
 SAMPLES = 1001
+#: A tail that stands elsewhere than at the joint is continued by so many radii.
+RADII = 4.0
 MEND = "a ramp, such as tail.ramp = 0.1, leads it there; or use a smaller amplitude"
 
 
@@ -27,15 +29,28 @@ def misses(body: Body, tail: Tail, phase: float = 0.0) -> bool:
     phase
         Of the tail (rad).
     """
-    if body.is_absent or tail.starts_on_axis:
+    if body.is_absent or (tail.starts_on_axis and not tail.is_placed):
         return False
-    half = float(np.real(body.semi_axes3[0]))
-    s = np.linspace(-2.0 * half, float(np.real(tail.apparent_length)), SAMPLES)
+    s = np.linspace(-continued(body, tail), float(np.real(tail.apparent_length)), SAMPLES)
     return not bool((body.level(np.real(tail.continued(s, phase))) < 0.0).any())
+
+
+def continued(body: Body, tail: Tail) -> float:
+    """Return the length behind its root over which a tail may be continued to leave its body."""
+    if tail.is_placed:
+        return RADII * float(np.real(max(tail.half_axes, key=np.real)))
+    return float(np.real(body.behind))
 
 
 def refusal(tail: Tail) -> SpecError:
     """Return the error of a model that needs the joint and finds none."""
+    if tail.is_placed:
+        return SpecError(
+            "tail.position",
+            tail.placement.root,
+            "a root from which the tail, continued backwards, meets the body",
+            "move it towards the body, or turn tail.direction away from it",
+        )
     return SpecError(
         "tail.amplitude",
         getattr(tail, "amplitude", None),

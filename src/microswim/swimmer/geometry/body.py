@@ -74,6 +74,11 @@ class Body(ABC):
         return np.array([-r_s, 0.0 * r_s, 0.0 * r_s])
 
     @property
+    def behind(self) -> Any:
+        """Length behind a tail's root over which the tail may be continued to leave the body."""
+        return 2 * self.semi_axes3[0]
+
+    @property
     def is_axisymmetric(self) -> bool:
         """Whether the body is a body of revolution about s."""
         _, r_q, r_r = self.semi_axes3

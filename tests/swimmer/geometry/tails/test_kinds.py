@@ -108,7 +108,7 @@ class Whip(Tail):
     def arc_length(self):
         return self.length / self.alpha
 
-    def centreline(self, s, phase):
+    def curve(self, s, phase):
         s, phase = np.broadcast_arrays(s, phase)
         c, d, zero = np.cos(3 * s - phase), np.sin(3 * s - phase), 0 * s
         P = np.stack([s + zero, 0.1 * s * c, zero], axis=-1)

@@ -13,8 +13,9 @@ from typing import Any, Self
 import numpy as np
 
 from microswim.gait import doors
-from microswim.swimmer.fields import numbers_of, replaced, set_item
+from microswim.swimmer.fields import numbers_of, set_item
 from microswim.swimmer.geometry.body import Body
+from microswim.swimmer.parts import replaced
 
 #: Relative step of the differences that carry a complex step through a solve.
 STEP = 0.02

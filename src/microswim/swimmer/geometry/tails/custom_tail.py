@@ -44,8 +44,8 @@ class CustomTail(SampledTail):
     sign
         Sense of rotation about s (+1 or -1) for ``surface_motion = "rigid"``; found from P, and
         refused where P turns the other way.
-    sections, surface_motion
-        As for `WaveTail`.
+    sections, surface_motion, position, direction, phase
+        As for `WaveTail`; P is in the tail's own frame.
 
     Raises
     ------
@@ -79,6 +79,7 @@ class CustomTail(SampledTail):
     def __post_init__(self) -> None:
         checks.positive("tail.length", self.length, "length")
         self._check_filament()
+        self._check_place()
         if self.wavelength is not None:
             checks.positive("tail.wavelength", self.wavelength, "length")
         if self.sign is not None:
@@ -106,7 +107,7 @@ class CustomTail(SampledTail):
             return given
         length = float(np.real(self.length))
         s, phase = np.linspace(0.0, length, 33)[:, None], np.arange(8) * np.pi / 4.0
-        P, _, moved = self.centreline(s, phase)
+        P, _, moved = self.curve(s, phase)
         turned = np.stack([0.0 * P[..., 0], -P[..., 2], P[..., 1]], axis=-1)
         size = float(np.sum(turned**2))
         if size <= (1e-9 * length) ** 2:

@@ -215,7 +215,7 @@ class ElasticTail(Tail):
         return np.array([0.0, 1.0])
 
     @property
-    def is_planar(self) -> bool:  # type: ignore[override]
+    def is_planar(self) -> bool:
         return not self.turns
 
     @property
@@ -241,8 +241,8 @@ class ElasticTail(Tail):
         c = np.cos(phase)
         return (self.amplitude or 0.0) * c, (self.angle or 0.0) * c
 
-    def centreline(self, s: Any, phase: Any) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-        """Return the refuse: the shape is not known before it is solved for.
+    def curve(self, s: Any, phase: Any) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+        """Refuse: the shape is not known before it is solved for.
 
         Raises
         ------

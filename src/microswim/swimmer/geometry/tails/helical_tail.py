@@ -38,7 +38,7 @@ class HelicalTail(WaveTail):
     surface_motion: SurfaceMotion = "rigid"
     kind: ClassVar[str] = "helix"
     rft_loop: ClassVar[str] = "helix"
-    is_rigid: ClassVar[bool] = True
+    turns_whole: ClassVar[bool] = True
     half_period_signs: ClassVar[np.ndarray | None] = TURN_S
     yaw_axis: ClassVar[int] = 4
 

@@ -68,7 +68,7 @@ class NoTail(Tail):
     def starts_on_axis(self) -> bool:
         return True
 
-    def centreline(self, s: Any, phase: Any) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    def curve(self, s: Any, phase: Any) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
         """Return the joint, whatever s and phase."""
         still = np.zeros((*np.broadcast_shapes(np.shape(s), np.shape(phase)), 3))
         along = still.copy()

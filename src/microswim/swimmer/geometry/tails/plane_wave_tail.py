@@ -33,7 +33,7 @@ class PlaneWaveTail(WaveTail):
     surface_motion: SurfaceMotion = "translating"
     kind: ClassVar[str] = "plane_wave"
     rft_loop: ClassVar[str] = "plane_wave"
-    is_planar: ClassVar[bool] = True
+    beats_in_plane: ClassVar[bool] = True
     half_period_signs: ClassVar[np.ndarray | None] = MIRROR_Q
 
     def __post_init__(self) -> None:

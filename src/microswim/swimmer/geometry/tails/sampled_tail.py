@@ -16,10 +16,10 @@ import numpy as np
 from numpy.polynomial import chebyshev
 
 from microswim.errors import SpecError
-from microswim.swimmer.geometry.tails.tail import Tail
+from microswim.swimmer.geometry.tails.placed_tail import PlacedTail
 
 
-class SampledTail(Tail):
+class SampledTail(PlacedTail):
     """A tail whose centreline is a function of s and phase, sampled into a series.
 
     Attributes
@@ -70,7 +70,7 @@ class SampledTail(Tail):
         total, ratio = 0.0, 0.0
         for a, b in zip(self.edges, self.edges[1:]):
             s = L * (a + (b - a) * (xi + 1.0) / 2.0)
-            _, slope, _ = self.centreline(s[:, None], np.arange(16) * np.pi / 8)
+            _, slope, _ = self.curve(s[:, None], np.arange(16) * np.pi / 8)
             speed = np.linalg.norm(slope, axis=-1).mean(axis=1)
             cosine = (slope[..., 0] / np.linalg.norm(slope, axis=-1)).mean(axis=1)
             total += w @ speed * L * (b - a) / 2.0
@@ -94,7 +94,7 @@ class SampledTail(Tail):
             return float(np.real(self.length / self.wavelength))
         return max(len(c) for c in self._series) / 12.0
 
-    def centreline(self, s: Any, phase: Any) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    def curve(self, s: Any, phase: Any) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
         s, phase = np.broadcast_arrays(s, phase)
         kind = np.result_type(s, phase, np.float64)
         out = np.empty((3, s.size, 3), dtype=kind)

@@ -1,8 +1,9 @@
 """What every tail says of itself: its centreline, its lengths, its symmetries.
 
 A tail is its centreline ``P(s, phase)`` in the frame ``sqr`` (origin at the joint, s away from the
-body) with ``phase = omega t``; tangent and velocity follow from P. Whoever needs to know something
-of a tail asks here; nobody asks of what kind it is.
+body) with ``phase = omega t``; tangent and velocity follow from P. In its `own` frame it begins at
+the origin and runs along s; its `placement` takes it from there to ``sqr``. Whoever needs to know
+something of a tail asks here; nobody asks of what kind it is.
 """
 
 from __future__ import annotations
@@ -13,6 +14,7 @@ from typing import Any, ClassVar, Literal, get_args
 import numpy as np
 
 from microswim import checks
+from microswim.swimmer.geometry.tails.placement import Placement
 
 Sections = Literal["perpendicular", "sheared"]
 SurfaceMotion = Literal["rigid", "translating", "bending"]
@@ -30,12 +32,12 @@ class Tail(ABC):
         any centreline node by node.
     is_absent
         Whether there is no tail, only a body.
-    is_rigid
-        Whether phase turns the shape as a whole about s, by ``sign`` x phase.
-    is_planar
-        Whether it stays in the plane s-q.
+    turns_whole
+        Whether phase turns the shape as a whole about the tail's own axis, by ``sign`` x phase.
+    beats_in_plane
+        Whether it stays in the plane s-q of its own frame.
     half_period_signs
-        Signs of ``[U; Omega]`` that carry phase to phase + pi, None if nothing does.
+        Signs of ``[U; Omega]`` that carry phase to phase + pi at the joint, None if nothing does.
     yaw_axis
         Index of the body's rotation that the tail drives across s (4 about q, 5 about r).
     settles
@@ -45,8 +47,8 @@ class Tail(ABC):
     kind: ClassVar[str]
     rft_loop: ClassVar[str] = "centreline"
     is_absent: ClassVar[bool] = False
-    is_rigid: ClassVar[bool] = False
-    is_planar: ClassVar[bool] = False
+    turns_whole: ClassVar[bool] = False
+    beats_in_plane: ClassVar[bool] = False
     half_period_signs: ClassVar[np.ndarray | None] = None
     yaw_axis: ClassVar[int] = 5
     settles: ClassVar[bool] = False
@@ -59,9 +61,56 @@ class Tail(ABC):
     surface_motion: SurfaceMotion
 
     @property
+    def each(self) -> tuple[Tail, ...]:
+        """The single tails of which it consists: itself."""
+        return (self,)
+
+    @property
+    def named(self) -> dict[str, Tail]:
+        """The single tails by their names in a spec: ``tail``, or ``tail[0]``, ``tail[1]``, ..."""
+        if len(self.each) == 1:
+            return {"tail": self}
+        return {f"tail[{n}]": tail for n, tail in enumerate(self.each)}
+
+    @property
+    def own(self) -> Tail:
+        """The same tail in its own frame: at the joint, along s, its phase that of the motor."""
+        return self
+
+    @property
+    def placement(self) -> Placement:
+        """Where its own frame stands in ``sqr``."""
+        return Placement()
+
+    @property
+    def ahead(self) -> Any:
+        """Phase (rad) by which it is ahead of the swimmer's."""
+        return 0.0
+
+    @property
+    def is_placed(self) -> bool:
+        """Whether it stands or beats in any other way than its `own`."""
+        return False
+
+    @property
+    def is_on_axis(self) -> bool:
+        """Whether its axis is the axis s of the body."""
+        return True
+
+    @property
+    def is_rigid(self) -> bool:
+        """Whether phase turns the shape as a whole about s, by ``sign`` x phase."""
+        return self.turns_whole and self.is_on_axis
+
+    @property
+    def is_planar(self) -> bool:
+        """Whether it stays in the plane s-q."""
+        return self.beats_in_plane and self.is_on_axis
+
+    @property
     @abstractmethod
     def sign(self) -> float:
-        """Sense of rotation about s at positive frequency, +1 or -1."""
+        """Sense of rotation about its axis at positive frequency, +1 or -1."""
 
     @property
     @abstractmethod
@@ -94,10 +143,31 @@ class Tail(ABC):
         """Ends of the smooth panels, as fractions of the length."""
 
     @abstractmethod
+    def curve(self, s: Any, phase: Any) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+        """Return what `centreline` does, in the tail's own frame and at its own phase."""
+
     def centreline(self, s: Any, phase: Any) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
         """Return the position, derivative along s, derivative in phase; each broadcast(s, phase) +
-        (3,).
+        (3,), frame ``sqr``.
+
+        Parameters
+        ----------
+        s
+            Coordinate along the tail's axis, 0 to `apparent_length`.
+        phase
+            Phase (rad) of the swimmer, broadcast against `s`.
         """
+        if not self.is_placed:
+            return self.curve(s, phase)
+        P, slope, velocity = self.curve(s, phase + self.ahead)
+        place = self.placement
+        return place.placed(P), place.turned(slope), place.turned(velocity)
+
+    @property
+    def reach(self) -> float:
+        """Largest s of the straight axis of the tail, root to tip, its real part."""
+        place, length = self.placement, float(np.real(self.apparent_length))
+        return float(np.real(place.root[0])) + length * max(float(np.real(place.rotation[0, 0])), 0)
 
     def continued(self, s: Any, phase: Any) -> np.ndarray:
         """Return the position at s, behind the joint (s < 0) straight on; broadcast(s, phase) +

@@ -14,11 +14,12 @@ import numpy as np
 
 from microswim import checks
 from microswim.errors import SpecError
+from microswim.swimmer.geometry.tails.placed_tail import PlacedTail
 from microswim.swimmer.geometry.tails.tail import Tail
 
 
 @dataclass(frozen=True, kw_only=True)
-class WaveTail(Tail, ABC):
+class WaveTail(PlacedTail, ABC):
     """A tail with a sinusoidal wave: the fields that helix and plane wave share.
 
     Parameters
@@ -53,6 +54,8 @@ class WaveTail(Tail, ABC):
         How the surface moves: with a rigid tail turning about s, spin of the filament included
         (``"rigid"``), each section translating (``"translating"``), or translating and turning
         with the tangent (``"bending"``). In the surrogate only the spin matters.
+    position, direction, phase
+        Where it stands and how far ahead it beats, as for `PlacedTail`.
 
     Raises
     ------
@@ -81,6 +84,7 @@ class WaveTail(Tail, ABC):
         checks.choice("tail.length_measure", self.length_measure, ("apparent", "arc"))
         self._check_section()
         self._check_filament()
+        self._check_place()
         if self.amplitude_end is not None:
             allowed = "a length of zero or more"
             checks.number("tail.amplitude_end", self.amplitude_end, allowed, least=0.0)
@@ -159,8 +163,8 @@ class WaveTail(Tail, ABC):
 
     @property
     def is_plain(self) -> bool:
-        """Whether the wave is of one amplitude and the filament round."""
-        return self.amplitude_end is None and self.section is None
+        """Whether the wave is of one amplitude, the filament round and the tail at the joint."""
+        return self.amplitude_end is None and self.section is None and not self.is_placed
 
     @property
     def in_batches(self) -> bool:
@@ -260,7 +264,9 @@ class WaveTail(Tail, ABC):
         return np.where(grows, b * s / end, b), np.where(grows, (b + db * s) / end, db)
 
     def radial(self, s: Any, phase: Any) -> np.ndarray:
-        """Return the unit vector (..., 3) across s in which the wave swings out at s."""
+        """Return the unit vector (..., 3) across the axis in which the wave swings out at s."""
+        if self.is_placed:
+            return self.placement.turned(self._alone.radial(s, phase + self.ahead))
         s, phase = np.broadcast_arrays(s, phase)
         angle = self.wavenumber * s - phase
         if not self.out_of_plane:
@@ -277,7 +283,7 @@ class WaveTail(Tail, ABC):
         """Whether a ramp starts the wave at the joint."""
         return float(np.real(self.ramp)) > 0.0
 
-    def centreline(self, s: Any, phase: Any) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    def curve(self, s: Any, phase: Any) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
         """Return the centreline, slope and velocity per unit phase rate [Tabak Eqs. 11, 12].
 
         ``P = [s, b_s cos(ks - phase), out b_s sin(ks - phase)]`` with `out_of_plane`.
@@ -311,14 +317,17 @@ def as_wave(tail: Tail) -> WaveTail:
     Raises
     ------
     SpecError
-        If it has no amplitude and no wavenumber, is conical or no round filament.
+        If it has no amplitude and no wavenumber, is conical, not round or not at the joint.
     """
+    if len(tail.each) > 1:
+        raise SpecError("tail: a single tail is wanted here; take model rft or bem for several")
     if not isinstance(tail, WaveTail):
         raise SpecError("tail.kind", tail.kind, "one with a wave here", "take a helix")
     if not tail.is_plain:
-        name = "section" if tail.amplitude_end is None else "amplitude_end"
+        names = ("amplitude_end", "section", "position", "direction", "phase")
+        name = next(name for name in names if getattr(tail, name) is not None)
         raise SpecError(
-            f"tail.{name}: a round filament of one amplitude is wanted here; leave it out, or take "
-            "model rft or bem"
+            f"tail.{name}: a round filament of one amplitude, at the joint, is wanted here; "
+            "leave it out, or take model rft or bem"
         )
     return tail

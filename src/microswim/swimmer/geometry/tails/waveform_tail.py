@@ -42,7 +42,7 @@ class WaveformTail(SampledTail):
         For the laws of local resistance that need one; by default that of the travelling wave.
     tolerance
         How exactly the centreline is followed, relative to its largest position.
-    sections, surface_motion
+    sections, surface_motion, position, direction, phase
         As for `WaveTail`.
 
     Raises
@@ -67,11 +67,12 @@ class WaveformTail(SampledTail):
     sections: Sections = "perpendicular"
     surface_motion: SurfaceMotion = "translating"
     kind: ClassVar[str] = "waveform"
-    is_planar: ClassVar[bool] = True
+    beats_in_plane: ClassVar[bool] = True
 
     def __post_init__(self) -> None:
         checks.positive("tail.length", self.length, "length")
         self._check_filament()
+        self._check_place()
         if self.surface_motion == "rigid":
             raise SpecError("tail.surface_motion", "rigid", "translating or bending", "it bends")
         rows = _rows(self.modes)

@@ -1,0 +1,50 @@
+"""Tails that stand anywhere, one or several: what each has in its own frame, moved and added.
+
+    B_t = sum_i Ad_i B_i(phase + ahead_i) Ad_i',    F_p = sum_i Ad_i F_i,    G = sum_i G_i
+
+with Ad of `swimmer.geometry.tails.placement`. Resistive force theory is local: a tail drags and
+thrusts the same wherever it stands, and tails do not feel one another.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+
+import numpy as np
+
+from microswim.numerics.fourier import add, shifted
+from microswim.swimmer.geometry.tails.kinds import Tail
+from microswim.swimmer.parts import replaced
+from microswim.swimmer.swimmer import Swimmer
+
+Series = tuple[np.ndarray, ...]
+
+
+def sum_over_tails(swimmer: Swimmer, own: Callable[[Swimmer], Series]) -> Series:
+    """Return series of ``B_t``, ``F_p``, G of all tails about the body's centre.
+
+    Parameters
+    ----------
+    swimmer
+        With one or several tails.
+    own
+        The three of a swimmer whose tail stands at the joint.
+    """
+    each = [moved(own(replaced(swimmer, "tail", t.own)), swimmer, t) for t in swimmer.tail.each]
+    R, F, G = (add(*parts) for parts in zip(*each))
+    return R, F, G
+
+
+def moved(own: Series, swimmer: Swimmer, tail: Tail) -> Series:
+    """Return the series of a tail in its own frame, moved to its place and ahead by its phase."""
+    R, F, G = (shifted(series, tail.ahead) for series in own)
+    centre = swimmer.body.centre
+    Ad = tail.placement.adjoint(centre, centre)
+    return Ad @ R @ Ad.T, F @ Ad.T, G
+
+
+def remarks_on(tail: Tail) -> list[str]:
+    """Return what is to be said of several tails."""
+    if len(tail.each) < 2:
+        return []
+    return ["the tails' flows do not meet in this model: each drags as if alone; bem knows better"]

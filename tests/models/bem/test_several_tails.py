@@ -1,0 +1,144 @@
+"""Tails that stand anywhere, one or several, by boundary elements."""
+
+import numpy as np
+import pytest
+
+import microswim as ms
+from microswim.models.bem.cells import cells_about
+from microswim.models.bem.levels import get_level
+from microswim.models.bem.mesh import swimmer_surface
+from microswim.models.bem.solution import solve
+
+SHORT = {"length": 1.0, "amplitude": 0.08, "waves": 1.5, "radius": 0.05}
+
+
+def swimmer(tail, body=None, **more):
+    return ms.Swimmer(
+        body=body or ms.Sphere(radius=0.5), tail=tail, fluid=ms.Fluid(viscosity=1.0), **more
+    )
+
+
+def turned(solution, A):
+    Q = np.kron(np.eye(2), A)
+    return Q @ solution.resistance @ Q.T, Q @ solution.propulsion
+
+
+@pytest.mark.parametrize("kind", [ms.HelicalTail, ms.PlaneWaveTail])
+def test_a_tail_turned_round_a_sphere_gives_the_turned_solution(kind):
+    """The same surface, turned: to rounding."""
+    here = solve(swimmer(kind(**SHORT)), 0.5, level="coarse")
+    A = kind(**SHORT, direction=(-0.3, 0.8, -0.5)).placement.rotation
+    root = np.array([-0.5, 0.0, 0.0]) + A @ [0.5, 0.0, 0.0]
+    tail = kind(**SHORT, direction=(-0.3, 0.8, -0.5), position=tuple(root), phase=0.3)
+    there = solve(swimmer(tail), 0.2, level="coarse")
+    R, F = turned(here, A)
+    assert np.abs(there.resistance - R).max() < 1e-9 * np.abs(R).max()
+    assert np.abs(there.propulsion - F).max() < 1e-9 * np.abs(F).max()
+    assert there.activity == pytest.approx(here.activity, rel=1e-9)
+
+
+def test_a_tail_that_leaves_a_spheroid_aslant_is_resolved():
+    """Levels apart share no patch; the joint is traced in the tail's frame."""
+    body = ms.Spheroid(semi_axes=(0.6, 0.4))
+    tail = ms.HelicalTail(**SHORT, position=(-0.3, 0.3, 0.1), direction=(1.0, 1.0, 0.3))
+    coarse, fine = (solve(swimmer(tail, body), 0.4, level=n) for n in ("coarse", "standard"))
+    assert np.abs(coarse.resistance - fine.resistance).max() < 2e-3 * np.abs(fine.resistance).max()
+    assert np.abs(coarse.propulsion - fine.propulsion).max() < 4e-3 * np.abs(fine.propulsion).max()
+    assert fine.asymmetry < 1e-3
+    assert fine.reciprocity < 1e-3
+
+
+@pytest.mark.parametrize("count", [2, 4, 7])
+def test_cells_cover_the_sphere_once(count):
+    """Their areas by the excess of their angles [Girard] add up to 4 pi."""
+    rng = np.random.default_rng(count)
+    poles = rng.normal(size=(count, 3)) + [1.5, 0.0, 0.0]
+    poles /= np.linalg.norm(poles, axis=-1, keepdims=True)
+    cells, area = cells_about(poles), 0.0
+    for cell in cells:
+        n = len(cell.corners)
+        normals = np.array([cell.normal(k) for k in range(n)])
+        assert (normals @ cell.middle > 0.0).all()
+        between = np.sum(normals * np.roll(normals, 1, axis=0), axis=-1)
+        area += np.sum(np.pi - np.arccos(np.clip(between, -1, 1))) - (n - 2) * np.pi
+    assert area == pytest.approx(4.0 * np.pi, rel=1e-9)
+    assert np.array_equal([cell.middle for cell in cells[:count]], poles)
+
+
+def pair(hand="left", **more):
+    other = {"handedness": hand, "position": (-0.1, -0.3, 0.0), "direction": (1.0, -0.6, 0.0)}
+    return [
+        ms.HelicalTail(**SHORT, position=(-0.1, 0.3, 0.0), direction=(1.0, 0.6, 0.0)),
+        ms.HelicalTail(**SHORT, **other, **more),
+    ]
+
+
+def test_a_body_with_two_holes_is_closed():
+    """Volume of a sphere with two tubes: of both alone, less what of each tube lies within."""
+    two = swimmer_surface(
+        ms.Sphere(radius=0.5), swimmer(pair()).tail, 0.3, get_level("standard").resolution
+    )
+    ball = 4.0 / 3.0 * np.pi * 0.5**3
+    each = [
+        swimmer_surface(ms.Sphere(radius=0.5), t, 0.3, get_level("standard").resolution).extent[1]
+        - ball
+        for t in pair()
+    ]
+    assert two.extent[1] == pytest.approx(ball + sum(each), rel=1e-5)
+    flux = np.einsum("en,enc->c", two.areas, two.normals)
+    assert np.abs(flux).max() < 1e-4 * two.extent[0]
+
+
+def test_two_equal_tails_across_push_along_the_axis_alone():
+    """Half a turn about s carries the pair into itself; the patches know nothing of it."""
+    found = solve(swimmer(pair(phase=np.pi)), 0.4, level="coarse")
+    R, F = found.resistance, found.propulsion
+    signs = np.array([1, -1, -1, 1, -1, -1])
+    assert np.abs(R - signs[:, None] * R * signs).max() < 2e-3 * np.abs(R).max()
+    assert np.abs(F - signs * F).max() < 5e-3 * np.abs(F).max()
+    assert found.asymmetry < 5e-3
+
+
+def test_a_mirrored_pair_of_opposite_hands_turns_nothing():
+    found = solve(swimmer(pair("right", phase=np.pi)), 0.4, level="coarse")
+    signs = np.array([1, -1, 1, -1, 1, -1])
+    F = found.propulsion
+    assert np.abs(F - signs * F).max() < 5e-3 * np.abs(F).max()
+    assert abs(found.twist[3]) < 5e-3 * abs(found.twist[4])
+
+
+def test_far_apart_two_tails_feel_one_another_as_oseen_says():
+    """Alone they add up; together the drag along the line falls by ``R / (4 pi mu d)`` each."""
+
+    def at(d):
+        return ms.HelicalTail(**SHORT, position=(0.0, d, 0.0))
+
+    alone = solve(swimmer(at(0.0), ms.NoBody()), level="coarse").resistance[1, 1]
+    missing = []
+    for d in (20.0, 40.0):
+        both = solve(swimmer([at(0.0), at(d)], ms.NoBody()), level="coarse").resistance[1, 1]
+        missing.append(1.0 - both / (2.0 * alone))
+        assert missing[-1] == pytest.approx(alone / (4.0 * np.pi * d), rel=0.1)
+    assert missing[1] == pytest.approx(0.5 * missing[0], rel=0.05)
+
+
+def test_tails_that_touch_or_have_no_room_are_refused():
+    near = [ms.HelicalTail(**SHORT, position=(0.0, y, 0.0)) for y in (0.0, 0.08)]
+    with pytest.raises(ms.SpecError, match=r"tail\[1\]\.position.*clear of tail\[0\]"):
+        solve(swimmer(near), level="coarse")
+    straight = {"length": 1.0, "amplitude": 0.0, "waves": 1.0, "radius": 0.05}
+    close = [
+        ms.HelicalTail(**straight, position=(0.0, y, 0.0), direction=(1.0, y, 0.0))
+        for y in (0.053, -0.053)
+    ]
+    with pytest.raises(ms.SpecError, match=r"tail\[0\]\.position.*no room"):
+        solve(swimmer(close), level="coarse")
+    with pytest.raises(ms.SpecError, match=r"body\.shape.*several tails"):
+        solve(swimmer(pair(), ms.Cylinder(length=1.0, radius=0.5)), level="coarse")
+
+
+def test_a_tail_beside_the_body_is_refused():
+    off = ms.HelicalTail(**SHORT, position=(0.5, 0.8, 0.0))
+    with pytest.raises(ms.SpecError, match=r"tail\.position.*meets the body"):
+        solve(swimmer(off), level="coarse")
+    assert any("does not touch" in r for r in swimmer(off).gait().info["remarks"])

@@ -11,6 +11,7 @@ from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
+from numpy.typing import NDArray
 from scipy.spatial import SphericalVoronoi
 
 from microswim.errors import SpecError
@@ -87,7 +88,7 @@ def _middles(poles: Array) -> Array:
     return middles
 
 
-def _merged(corners: Array) -> tuple[Array, Array]:
+def _merged(corners: Array) -> tuple[Array, NDArray[np.intp]]:
     """Corners, those that nearly coincide made one, and of each the one it became."""
     near = corners @ corners.T > np.cos(ONE_CORNER * WIDEST)
     which = np.arange(len(corners))
@@ -99,7 +100,7 @@ def _merged(corners: Array) -> tuple[Array, Array]:
     return mean / np.linalg.norm(mean, axis=-1, keepdims=True), np.searchsorted(kept, which)
 
 
-def _cell(middle: Array, corners: Array, of: Array) -> Cell:
+def _cell(middle: Array, corners: Array, of: NDArray[np.intp]) -> Cell:
     own = corners[np.unique(of)]
     first = np.eye(3)[np.argmin(np.abs(middle))]
     first = first - first @ middle * middle

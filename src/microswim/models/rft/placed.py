@@ -9,6 +9,7 @@ thrusts the same wherever it stands, and tails do not feel one another.
 from __future__ import annotations
 
 from collections.abc import Callable
+from functools import reduce
 
 import numpy as np
 
@@ -31,7 +32,7 @@ def sum_over_tails(swimmer: Swimmer, own: Callable[[Swimmer], Series]) -> Series
         The three of a swimmer whose tail stands at the joint.
     """
     each = [moved(own(replaced(swimmer, "tail", t.own)), swimmer, t) for t in swimmer.tail.each]
-    R, F, G = (add(*parts) for parts in zip(*each))
+    R, F, G = (reduce(add, parts) for parts in zip(*each))
     return R, F, G
 
 

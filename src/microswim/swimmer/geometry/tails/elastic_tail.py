@@ -242,7 +242,7 @@ class ElasticTail(Tail):
         return (self.amplitude or 0.0) * c, (self.angle or 0.0) * c
 
     def curve(self, s: Any, phase: Any) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-        """Refuse: the shape is not known before it is solved for.
+        """Refuse to give one: the shape is not known before it is solved for.
 
         Raises
         ------

@@ -153,7 +153,7 @@ class SeveralTails(Tail):
         return np.array([0.0, 1.0])
 
     def curve(self, s: Any, phase: Any) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-        """Refuse: each of them has a centreline, see `each`.
+        """Refuse to give one for all: each of them has a centreline, see `each`.
 
         Raises
         ------

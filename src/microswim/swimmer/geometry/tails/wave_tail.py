@@ -266,7 +266,8 @@ class WaveTail(PlacedTail, ABC):
     def radial(self, s: Any, phase: Any) -> np.ndarray:
         """Return the unit vector (..., 3) across the axis in which the wave swings out at s."""
         if self.is_placed:
-            return self.placement.turned(self._alone.radial(s, phase + self.ahead))
+            own: Any = self.own
+            return self.placement.turned(own.radial(s, phase + self.ahead))
         s, phase = np.broadcast_arrays(s, phase)
         angle = self.wavenumber * s - phase
         if not self.out_of_plane:

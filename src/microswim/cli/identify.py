@@ -229,11 +229,21 @@ def _print_fit(row: dict[str, Any]) -> None:
     if "residual" in row:
         residual = row["residual"]
         click.echo(f"{'residual':22s} {residual:12.3g}   (root mean square, per coordinate)")
-    for other in row.get("alternatives", ()):
-        values = ", ".join(f"{n} = {v:.4g}" for n, v in other.items())
-        click.echo(f"fits as well: {values}")
+    designs = row.get("branches", ())
+    for i, design in enumerate(designs if len(designs) > 1 else ()):
+        click.echo(f"design {i + 1} of {len(designs)}: " + ", ".join(_known(design)))
     for sentence in row.get("warnings", ()):
         click.echo(f"note: {sentence}")
+
+
+def _known(design: dict[str, Any]) -> list[str]:
+    """Each value of a design that fits, with its 95 % interval."""
+    found = []
+    for name, value in design["values"].items():
+        low, high = design["interval_95"][name]
+        known = "not determined" if low is None else f"{low:.4g} to {high:.4g}"
+        found.append(f"{name} = {value:.4g} ({known})")
+    return found
 
 
 SHOWN = {
@@ -291,6 +301,7 @@ def _flat(rows: list[Any]) -> list[dict[str, Any]]:
 
 def _values(row: dict[str, Any]) -> dict[str, Any]:
     line = {"track": row["track"], "residual": row.get("residual", "")}
+    line["designs"] = len(row.get("branches", ())) or ""
     for name, value in row.get("values", {}).items():
         low, high = row["interval_95"][name]
         line |= {name: value, f"{name}_low": low, f"{name}_high": high}

@@ -87,8 +87,13 @@ def test_a_path_alone_leaves_several_helices():
     t, x, _ = planted(swimmer.with_(TRUE_HELIX), TILTED)
     track = Track(time=t, position=x)
     found = ms.identify_swimmer(swimmer, track, sigma=0.002)
-    designs = [found.values, *found.alternatives]
+    designs = [branch.values for branch in found.branches]
     truth = np.array(list(TRUE_HELIX.values()))
+    own = np.array([swimmer.numbers[name] for name in found.names])
+    away = [np.sum(np.log(values / own) ** 2) for values in designs]
+    assert away == sorted(away)  # those nearest to the spec first
+    assert np.isinf(found.interval()).all()
+    assert all(np.isfinite(branch.interval()).all() for branch in found.branches)
     assert len(designs) > 1
     assert min(np.abs(d / truth - 1.0).max() for d in designs) < 0.01
     assert any("fit as well" in w for w in found.warnings)

@@ -6,47 +6,125 @@ and the speed along the smoothed path. A grid of designs is compared with those.
 
 from __future__ import annotations
 
+from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
+from scipy.interpolate import CubicSpline
 
 from microswim.models.rft.batch import evaluate
 from microswim.studies.identification.problem import FREQUENCY, PathProblem
 
 AMPLITUDE, WAVES = "tail.amplitude", "tail.waves"
 PHASES = 16
+MOST = 8  #: designs of a line that are followed
+MISS = 0.02  #: of the speed, by which a near miss may miss
 
 
-def first_guesses(problem: PathProblem, count: int) -> list[dict[str, float]]:
-    """Return designs whose speed, wobble and frequency are those of the track, the best first.
+@dataclass(frozen=True, eq=False)
+class Designs:
+    """Speed and wobble of a grid of designs, at the spec's own frequency.
 
-    They are local minima of the misfit over a grid of amplitudes (0.3 to 3 times the swimmer's own)
-    and numbers of waves (0.75 to 5.5); what is not unknown keeps its value.
+    Parameters
+    ----------
+    problem
+        Whose swimmer it is; what is not unknown keeps its value.
+    amplitude, waves
+        The grid: 0.3 to 3 times the swimmer's own, and 0.75 to 5.5; one value if it is known.
+    result
+        What `evaluate` says of each, the amplitude running slowest.
     """
+
+    problem: PathProblem
+    amplitude: np.ndarray
+    waves: np.ndarray
+    result: dict[str, Any]
+
+    @classmethod
+    def of(cls, problem: PathProblem) -> Designs | None:
+        """Return the grid of a problem, None if neither number is unknown."""
+        own, names = problem.swimmer.numbers, set(problem.names)
+        b, n = np.ones(1), np.ones(1)
+        axes = {}
+        if AMPLITUDE in names:
+            b = own[AMPLITUDE] * np.geomspace(0.3, 3.0, 41)
+        if WAVES in names:
+            n = np.linspace(0.75, 5.5, 96)
+        B, N = np.meshgrid(b, n, indexing="ij")
+        axes = {k: v.ravel() for k, v in ((AMPLITUDE, B), (WAVES, N)) if k in names}
+        if not axes:
+            return None
+        return cls(problem, b, n, evaluate(problem.swimmer, axes, tolerance=1e-3))
+
+    def design(self, i: int, j: int) -> dict[str, float]:
+        """Return the numbers of a cell that are unknown."""
+        found = {AMPLITUDE: float(self.amplitude[i]), WAVES: float(self.waves[j])}
+        return {k: v for k, v in found.items() if k in self.problem.names}
+
+    def like(self, frequency: float, speed: float, wobble: float, count: int) -> list[Any]:
+        """Return designs of a speed and wobble, minima of the misfit over the grid, best first."""
+        misfit = _misfit(*seen(self.problem, self.result, frequency), speed, wobble)
+        cells = _minima(misfit.reshape(self.amplitude.size, self.waves.size))
+        return [self.design(i, j) | {FREQUENCY: frequency} for i, j in cells[:count]]
+
+    def beside(self, found: dict[str, float]) -> list[Any]:
+        """Return designs whose speed and wobble are those of one that fits.
+
+        Along the line of designs that wobble alike the speed swings with the number of waves: each
+        crossing of the one wanted, and each near miss, is a design.
+        """
+        one = {k: np.array([v]) for k, v in found.items() if k in (AMPLITUDE, WAVES)}
+        f = found[FREQUENCY]
+        here = seen(self.problem, evaluate(self.problem.swimmer, one, tolerance=1e-3), f)
+        speed, wobble = float(here[0][0]), float(here[1][0])
+        if min(self.amplitude.size, self.waves.size) == 1:
+            return self.like(f, speed, wobble, MOST)
+        maps = [x.reshape(self.amplitude.size, -1) for x in seen(self.problem, self.result, f)]
+        with np.errstate(divide="ignore", invalid="ignore"):
+            logs = [np.log(x / y) for x, y in zip(maps, (speed, wobble))]
+        lines: dict[int, list[tuple[float, float, float]]] = {}
+        b = np.log(self.amplitude)
+        for j, n in enumerate(self.waves):
+            for k, crossing in enumerate(_crossings(b, logs[1][:, j])):
+                off = float(np.interp(crossing, b, logs[0][:, j]))
+                lines.setdefault(k, []).append((crossing, off, float(n)))
+        pairs = [pair for line in lines.values() for pair in _swings(np.array(line))]
+        return [{AMPLITUDE: float(np.exp(x)), WAVES: n, FREQUENCY: f} for x, n in pairs]
+
+
+def _crossings(x: np.ndarray, y: np.ndarray) -> list[float]:
+    """Where a line through points crosses zero."""
+    i = np.flatnonzero(np.isfinite(y[:-1]) & np.isfinite(y[1:]) & (y[:-1] * y[1:] <= 0.0))
+    return [float(x[k] + (x[k + 1] - x[k]) * y[k] / (y[k] - y[k + 1] or 1.0)) for k in i]
+
+
+def _swings(line: np.ndarray) -> list[tuple[float, float]]:
+    """Crossings and near misses of zero of a smooth line: columns log b, speed, waves."""
+    line = line[np.isfinite(line[:, 1])]
+    if len(line) < 4:
+        return []
+    fine = np.linspace(line[0, 2], line[-1, 2], 20 * len(line))
+    smooth = CubicSpline(line[:, 2], line[:, :2])(fine)
+    b, off = smooth.T
+    across = list(np.flatnonzero(off[:-1] * off[1:] <= 0.0))
+    size = np.abs(off)
+    lowest = 1 + np.flatnonzero((size[1:-1] <= size[:-2]) & (size[1:-1] <= size[2:]))
+    near = [i for i in lowest if size[i] < MISS and not any(abs(i - k) < 3 for k in across)]
+    return [(float(b[i]), float(fine[i])) for i in sorted(across + near)]
+
+
+def first_guesses(problem: PathProblem, designs: Designs | None, count: int) -> list[Any]:
+    """Return designs whose speed, wobble and frequency are those of the track, the best first."""
     frequency, wobble, _ = problem.track.wobble()
-    own = problem.swimmer.numbers
-    names = set(problem.names)
-    b = own.get(AMPLITUDE, 0.0) * (np.geomspace(0.3, 3.0, 41) if AMPLITUDE in names else np.ones(1))
-    free_waves = WAVES in names
-    n = np.linspace(0.75, 5.5, 96) if free_waves else np.ones(1)
-    B, N = np.meshgrid(b, n, indexing="ij")
-    grid = {AMPLITUDE: B.ravel()} if AMPLITUDE in own else {}
-    grid |= {WAVES: N.ravel()} if free_waves else {}
-    if not grid:
+    if designs is None:
         return [{FREQUENCY: frequency}]
-    result = evaluate(problem.swimmer, grid, tolerance=1e-3)
-    misfit = _misfit(problem, result, frequency, wobble).reshape(B.shape)
-    out = []
-    for i, j in _minima(misfit)[:count]:
-        guess = {AMPLITUDE: float(B[i, j])} | ({WAVES: float(N[i, j])} if free_waves else {})
-        out.append(guess | {FREQUENCY: frequency})
-    return out
+    return designs.like(frequency, problem.track.speed, wobble, count)
 
 
-def _misfit(
-    problem: PathProblem, result: dict[str, Any], frequency: float, wobble: float
-) -> np.ndarray:
-    """Squared logarithms of speed and wobble over the track's; NaN becomes infinite.
+def seen(
+    problem: PathProblem, result: dict[str, Any], frequency: float
+) -> tuple[np.ndarray, np.ndarray]:
+    """Return the speed and the size of the wobble of designs that wobble with a frequency.
 
     A circle of radius r shows ``sqrt(2) r`` in `Track.wobble`, seen from the side or in a plane r.
     """
@@ -58,11 +136,13 @@ def _misfit(
         share = share / (1.0 + spin) if FREQUENCY in problem.names else share
     whole = problem.swimmer.tail.is_rigid and problem.track.dimensions == 3
     size = result["velocity_amplitude"][:, 1] * share / (2.0 * np.pi * rate)
-    size = size * (np.sqrt(2.0) if whole else 1.0)
+    return result["swimming_speed"] * share, size * (np.sqrt(2.0) if whole else 1.0)
+
+
+def _misfit(speeds: np.ndarray, sizes: np.ndarray, speed: float, wobble: float) -> np.ndarray:
+    """Squared logarithms of speed and wobble over those wanted; NaN becomes infinite."""
     with np.errstate(divide="ignore", invalid="ignore"):
-        speed = np.log(result["swimming_speed"] * share / max(problem.track.speed, 1e-300))
-        lateral = np.log(size / max(wobble, 1e-300))
-    misfit = speed**2 + lateral**2
+        misfit = np.log(speeds / max(speed, 1e-300)) ** 2 + np.log(sizes / max(wobble, 1e-300)) ** 2
     return np.where(np.isfinite(misfit), misfit, np.inf)
 
 

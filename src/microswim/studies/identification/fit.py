@@ -7,38 +7,43 @@ pose and phase.
 
 from __future__ import annotations
 
+import warnings
 from collections.abc import Callable, Iterable
+from dataclasses import replace
 from functools import partial
 from typing import Any
 
 import numpy as np
-from scipy.optimize import least_squares
 
 from microswim import checks
 from microswim.calibration.calibrate import lift
-from microswim.calibration.identifiability import determined
 from microswim.calibration.unknowns import resolve
 from microswim.errors import MicroswimError
 from microswim.numerics.compiled import settled
+from microswim.studies.identification.branches import (
+    AS_WELL,
+    Branch,
+    branch_of,
+    holds,
+    ranked,
+)
+from microswim.studies.identification.descent import least, lowest
 from microswim.studies.identification.first_guesses import (
     AMPLITUDE,
     WAVES,
+    Designs,
     first_guesses,
     initial_poses,
 )
-from microswim.studies.identification.honesty import (
-    check_shown,
-    covariance_of_model,
-    left_over,
-    model_errors,
-)
+from microswim.studies.identification.honesty import check_shown, left_over, model_errors
 from microswim.studies.identification.problem import FREQUENCY, PathProblem
-from microswim.studies.identification.result import Identification, distinct_from, remarks
+from microswim.studies.identification.result import Identification, remarks
 from microswim.studies.identification.track import Track
 from microswim.swimmer.swimmer import Swimmer
 
 SHAPE = (AMPLITUDE, WAVES, FREQUENCY)
-LEAST = 1e-3  #: of the spec's own value, where what is unknown is a positive number
+ATTITUDE = 0.02  #: rad, noise of an attitude that nobody tells
+FAR = 30.0  #: times the cost of the best, beyond which a fit is not followed
 
 
 @checks.given(
@@ -122,20 +127,68 @@ def identify_swimmer(
     if WAVES in names and WAVES not in swimmer.numbers and "tail.wavelength" in swimmer.numbers:
         swimmer = swimmer.with_({WAVES: float(swimmer.tail.number_of_waves)})
     chosen = resolve(swimmer, names)
-    problem = PathProblem(swimmer, track, chosen, sigma_attitude or 0.02, sigma)
+    problem = PathProblem(swimmer, track, chosen, sigma_attitude or ATTITUDE, sigma)
     check_shown(problem, SHAPE)
-    guesses = [start] if start is not None else first_guesses(problem, starts)
-    fits = []
-    for i, guess in enumerate(guesses):
-        fits += fit(problem, guess, motor=start is not None)
-        if progress is not None:
-            progress(i + 1, len(guesses))
+    fits = _followed(problem, start, starts, progress)
     if not fits:
         raise MicroswimError("no first guess led to a path like the track; give start values")
-    return outcome(problem, sorted(fits, key=lambda done: done.cost), model_error)
+    fits.sort(key=_cost)
+    if problem.weighs:
+        problem, fits = weighed_anew(problem, fits, sigma, sigma_attitude)
+    return outcome(problem, fits, model_error)
 
 
-def fit(problem: PathProblem, guess: dict[str, float], motor: bool = False) -> list[Any]:
+def _followed(
+    problem: PathProblem, start: dict[str, float] | None, starts: int,
+    progress: Callable[[int, int], None] | None,
+) -> list[Any]:  # fmt: skip
+    """Fits from the start, or from a grid of designs until one holds, then from those beside it."""
+    if start is not None:
+        return fit(problem, start, motor=True, phases=1)
+    designs = Designs.of(problem)
+    guesses, fits = first_guesses(problem, designs, starts), []
+    for i, guess in enumerate(guesses):
+        fits += fit(problem, guess)
+        if progress is not None:
+            progress(i + 1, len(guesses))
+        if fits and not left_over(problem, problem.path(min(fits, key=_cost).x)):
+            break
+    if designs is None or not fits:
+        return fits
+    n = len(problem.unknowns)
+    found = dict(zip(problem.names, map(float, min(fits, key=_cost).x[:n])))
+    found.setdefault(FREQUENCY, problem.swimmer.tail.frequency)
+    for guess in designs.beside(found):
+        fits += fit(problem, guess, phases=1)
+    return fits
+
+
+def _cost(done: Any) -> float:
+    return float(done.cost)
+
+
+def weighed_anew(
+    problem: PathProblem, fits: list[Any], sigma: float | None, sigma_attitude: float | None
+) -> tuple[PathProblem, list[Any]]:
+    """Return the problem with the noise that the best fit leaves, and its fits.
+
+    Positions and attitudes have noises of their own; what is not given is what was left over.
+    """
+    left, count = fits[0].fun, problem.track.position.size
+    free = np.sqrt(left.size / max(left.size - fits[0].x.size, 1))
+    size = [float(np.sqrt(np.mean(part**2))) * free for part in (left[:count], left[count:])]
+    noise = problem.scale * size[0] if sigma is None else sigma
+    turn = problem.sigma_attitude * size[1] if sigma_attitude is None else sigma_attitude
+    if not (noise > 0 and turn > 0):
+        return problem, fits
+    known = replace(problem, sigma=noise, sigma_attitude=turn)
+    again = [least(known, done.x) for done in fits if done.cost < FAR * fits[0].cost]
+    return known, sorted((done for done in again if done), key=_cost)
+
+
+def fit(
+    problem: PathProblem, guess: dict[str, float], motor: bool = False, phases: int = 2
+) -> list[Any]:
     """Return the least squares from a guess, with a few initial phases; empty if none works.
 
     `motor`: the guess holds the motor's frequency, not that of the wobble.
@@ -145,135 +198,86 @@ def fit(problem: PathProblem, guess: dict[str, float], motor: bool = False) -> l
     if problem.wobbles and motor:
         i = problem.names.index(FREQUENCY)
         first[i] *= problem.wobble_ratio(first)
-    low = _lowest(problem, own)
-    bounds = (np.concatenate([low, np.full(1 + problem.pose_size(), -np.inf)]), np.inf)
-    best = []
-    for z in initial_poses(problem, np.maximum(first, 1.01 * low), count=1 if motor else 2):
-        try:
-            slope: dict[str, Any] = {"jac": problem.jacobian, "bounds": bounds}
-            with np.errstate(invalid="ignore"):  # of a law far out, on the way
-                done = least_squares(
-                    problem.residuals, z, x_scale=_sizes(problem, z), max_nfev=40, xtol=1e-9,
-                    ftol=1e-9, **slope,
-                )  # fmt: skip
-        except (MicroswimError, np.linalg.LinAlgError, ValueError):
-            continue
-        best.append(done)
-    return [min(best, key=lambda done: done.cost)] if best else []
+    low, best = lowest(problem), []
+    for z in initial_poses(problem, np.maximum(first, 1.01 * low), count=phases):
+        best.append(least(problem, z))
+    best = [done for done in best if done is not None]
+    return [min(best, key=_cost)] if best else []
 
 
-def _lowest(problem: PathProblem, own: dict[str, float]) -> np.ndarray:
-    """Lower bounds: what is positive stays so; a rate and a coupling may have either sign."""
-    free = (FREQUENCY, "coupling")
-    lowest = [
-        0.3 if u.name == WAVES
-        else -np.inf if u.name.startswith(free) or u.value(own) <= 0
-        else LEAST * u.value(own)
-        for u in problem.unknowns
-    ]  # fmt: skip
-    return np.array(lowest)
+def _swimmer_of(problem: PathProblem, values: np.ndarray) -> Swimmer:
+    return lift(problem.swimmer, problem.unknowns, [float(v) for v in values]).with_({})
 
 
-def _sizes(problem: PathProblem, z: np.ndarray) -> np.ndarray:
-    """Typical steps: a tenth of a value; of the frequency a fraction of a cycle."""
-    n = len(problem.unknowns)
-    own = 0.1 * np.maximum(np.abs(z[:n]), 1e-2 * problem.typical)
-    sizes = np.concatenate([own, np.ones(len(z))])
-    sizes = sizes[: len(z)]
-    for i, name in enumerate(problem.names):
-        if name == FREQUENCY:
-            sizes[i] = 0.2 / problem.track.duration
-    d = problem.track.dimensions
-    sizes[-d:] = np.maximum(np.ptp(problem.track.position, axis=0) * 0.1, 1e-9)
-    return sizes
+def _errors(problem: PathProblem, done: Any) -> np.ndarray | None:
+    """Relative errors to expect of the model at the design of a fit."""
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore")  # of laws beyond their range: that is in the errors
+        return model_errors(_swimmer_of(problem, problem.physical(done.x)).gait("auto"))
 
 
-def outcome(problem: PathProblem, fits: list[Any], model_error: bool) -> Identification:
-    """Return everything there is to say about the best fit."""
-    best = fits[0]
-    n, m = len(problem.unknowns), best.fun.size
-    degrees = m - best.x.size
-    spread = np.sqrt(2.0 * best.cost / max(degrees, 1)) if problem.sigma is None else 1.0
-    J = problem.jacobian(best.x) / spread
-    nuisance = np.linalg.qr(J[:, n:])[0]
-    own = (J[:, :n] - nuisance @ (nuisance.T @ J[:, :n])) @ problem.slope(best.x)
-    values = problem.physical(best.x)
-    directions, covariance = determined(own, values, problem.names)
-    covariance = _without_vague(covariance, problem.typical)
-    others = [f for f in fits[1:] if 2.0 * (f.cost - best.cost) < 9.0 * spread**2]
-    distinct = distinct_from(values, [problem.physical(f.x) for f in others], covariance)
-    path = problem.place(problem.body_path(best.x[:n], best.x[n])[0], best.x[n + 1 :])
-    misfit = None if problem.sigma is None else 2.0 * best.cost / degrees
-    said = remarks(problem.names, directions, covariance, distinct, misfit)
-    withheld = left_over(problem, path) or branches(problem, distinct)
-    if model_error and not withheld:
-        covariance, more = _with_model(problem, best.x, own, nuisance, spread, covariance)
-        said += more
-    blind = ~np.isfinite(np.diag(covariance))
-    values = np.where(blind, [u.value(problem.swimmer.numbers) for u in problem.unknowns], values)
-    found = lift(problem.swimmer, problem.unknowns, [float(v) for v in values]).with_({})
-    return Identification(
-        swimmer=found,
-        names=problem.names,
-        values=values,
-        covariance=covariance,
-        residual=float(np.sqrt(np.mean((path - problem.track.position) ** 2))),
-        degrees=degrees,
-        directions=directions,
-        warnings=said if not withheld else (*said, withheld),
-        path=path,
-        alternatives=tuple(sorted(distinct, key=partial(_away, problem))),
-        withheld=withheld,
-        model=problem.own_model,
-    )
-
-
-def _without_vague(covariance: np.ndarray, typical: np.ndarray) -> np.ndarray:
-    """Infinite where a value is known to no better than a hundred times its size."""
-    vague = np.diag(covariance) > (100.0 * typical) ** 2
-    out = covariance.copy()
-    out[vague, :] = out[:, vague] = 0.0
-    out[vague, vague] = np.inf
-    return out
-
-
-def _away(problem: PathProblem, values: np.ndarray) -> float:
-    """How far a design lies from the spec's own, in logarithms where both are positive."""
-    share = values / [u.value(problem.swimmer.numbers) or 1.0 for u in problem.unknowns]
-    return float(np.sum(np.log(np.maximum(share, 1e-9)) ** 2))
-
-
-def branches(problem: PathProblem, distinct: tuple[np.ndarray, ...]) -> str:
-    """Return why one interval would be a choice among designs, or nothing."""
-    if distinct:
-        return "several designs fit alike: no interval is given for one of them alone"
-    shape = set(problem.names) >= {AMPLITUDE, WAVES, FREQUENCY}
-    if shape and problem.swimmer.tail.is_rigid and problem.track.quaternion is None:
+def _about_model(problem: PathProblem, branch: Branch) -> tuple[str, ...]:
+    """What the model's own error does to the interval of a branch, where it matters."""
+    if branch.errors is None:
         return (
-            "a helical path has three numbers, which several helices share: without the attitude, "
-            "or a known number of waves, no interval is given"
-        )
-    return ""
-
-
-def _with_model(
-    problem: PathProblem, z: np.ndarray, own: np.ndarray, nuisance: np.ndarray, spread: float,
-    covariance: np.ndarray,
-) -> tuple[np.ndarray, tuple[str, ...]]:  # fmt: skip
-    """The covariance with what the model's own error adds, or a remark that it is not known."""
-    errors = model_errors(problem.swimmer.gait("auto"))
-    if errors is None:
-        return covariance, (
             f"the error of model {problem.own_model} is not known for this swimmer: the intervals "
             "hold for noise alone",
         )
-    if not np.isfinite(covariance).all():
-        return covariance, ()
-    added = covariance_of_model(problem, z, own, nuisance, spread, errors)
-    largest = np.sqrt(np.max(np.diag(added) / np.diag(covariance)))
-    if largest < 1.0:
-        return covariance + added, ()
-    return covariance + added, (
-        f"the error of model {problem.own_model} (up to {errors.max():.2g} of a velocity) is "
-        f"{largest:.2g} times the noise in these intervals; a calibration narrows them",
+    if branch.by_model < 1.0:
+        return ()
+    return (
+        f"the error of model {problem.own_model} (up to {branch.errors.max():.2g} of a velocity) "
+        f"is {branch.by_model:.2g} times the noise in these intervals; a calibration narrows them",
+    )
+
+
+def _branches(
+    problem: PathProblem, fits: list[Any], spread: float, model_error: bool
+) -> list[Branch]:
+    """The designs that fit as well as the best, each once."""
+    found: list[Branch] = []
+    for done in fits:
+        behind = 2.0 * (done.cost - fits[0].cost) / max(spread**2, 1e-300)
+        values = problem.physical(done.x)
+        if behind > AS_WELL or any(holds(branch, values) for branch in found):
+            continue
+        errors = _errors(problem, done) if model_error else None
+        found.append(branch_of(problem, done, spread, behind, errors))
+    return found
+
+
+def outcome(problem: PathProblem, fits: list[Any], model_error: bool) -> Identification:
+    """Return everything there is to say about the fits, the best of them first."""
+    best = fits[0]
+    degrees = best.fun.size - best.x.size
+    spread = np.sqrt(2.0 * best.cost / max(degrees, 1)) if problem.sigma is None else 1.0
+    withheld = left_over(problem, problem.path(best.x))
+    branches = (branch_of(problem, best, spread, 0.0, None, tried=False),)
+    if not withheld:
+        branches = ranked(problem, _branches(problem, fits, spread, model_error))
+    first = branches[0]
+    path = problem.path(first.parameters)
+    misfit = None if problem.sigma is None else 2.0 * best.cost / degrees
+    said = remarks(problem.names, first.directions, first.covariance, len(branches) - 1, misfit)
+    if model_error and not withheld:
+        said += _about_model(problem, first)
+    several = "several designs fit alike: each has its interval, the track does not tell which"
+    blind = ~np.isfinite(np.diag(first.covariance))
+    own = [u.value(problem.swimmer.numbers) for u in problem.unknowns]
+    values = np.where(blind, own, first.values)
+    why = withheld or (several if len(branches) > 1 else "")
+    return Identification(
+        swimmer=_swimmer_of(problem, values),
+        names=problem.names,
+        values=values,
+        covariance=first.covariance,
+        residual=float(np.sqrt(np.mean((path - problem.track.position) ** 2))),
+        degrees=degrees,
+        directions=first.directions,
+        warnings=said if not why else (*said, why),
+        path=path,
+        branches=() if withheld else branches,
+        alternatives=tuple(branch.values for branch in branches[1:]),
+        withheld=why,
+        model=problem.own_model,
     )

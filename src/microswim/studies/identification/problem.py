@@ -17,6 +17,7 @@ from microswim.gait.gait import Gait
 from microswim.models.rft.gait import gait as surrogate
 from microswim.numerics.rigid_motion import multiply, rotation_matrix
 from microswim.studies.identification.paths import path_of, quaternion_of
+from microswim.studies.identification.spectrum import line
 from microswim.studies.identification.track import Track
 from microswim.swimmer.swimmer import Swimmer
 
@@ -45,11 +46,17 @@ class PathProblem:
 
     @cached_property
     def scale(self) -> float:
-        """Size of the noise that the fit starts from."""
+        """Size of the noise that the fit starts from: given, or the scatter between frames."""
         if self.sigma is not None:
             return self.sigma
-        left = self.track.position - self.track.smooth
-        return max(float(left.std()), 1e-12)
+        wobble = float((self.track.position - self.track.smooth).std())
+        seen = line(self.track.time, self.track.position).noise if self.weighs else wobble
+        return max(seen, 1e-4 * wobble, 1e-300)
+
+    @property
+    def weighs(self) -> bool:
+        """Whether positions and attitudes are weighed against each other."""
+        return self.track.quaternion is not None and not self.planar
 
     def gait(self, z: np.ndarray) -> Gait:
         """Return the gait of a design whose frequency is that of the wobble, see `wobble_ratio`."""
@@ -122,6 +129,11 @@ class PathProblem:
             return path[:, :2] @ np.array([[c, s], [-s, c]]) + pose[1:]
         return (path @ rotation_matrix(quaternion_of(pose[:3])).T)[:, :d] + pose[3:]
 
+    def path(self, z: np.ndarray) -> np.ndarray:
+        """Return the positions of a design, phase and pose, in the track's coordinates."""
+        n = len(self.unknowns)
+        return self.place(self.body_path(z[:n], z[n])[0], z[n + 1 :])
+
     def pose_size(self) -> int:
         """Return the number of pose parameters: heading or rotation vector, and position."""
         return 3 if self.planar else 3 + self.track.dimensions
@@ -139,7 +151,7 @@ class PathProblem:
 
     def _off(self, path: np.ndarray, q: np.ndarray, pose: np.ndarray) -> np.ndarray:
         off = (self.place(path, pose) - self.track.position) / self.scale
-        if self.track.quaternion is None or self.planar:
+        if not self.weighs or self.track.quaternion is None:
             return off.ravel()
         whole = multiply(quaternion_of(pose[:3])[None], q)
         back = self.track.quaternion * np.array([1.0, -1.0, -1.0, -1.0])

@@ -6,11 +6,11 @@ from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
-from scipy.stats import t as student
 
 from microswim import checks
 from microswim.calibration.identifiability import Direction
 from microswim.numerics.array import read_only
+from microswim.studies.identification.branches import Branch
 from microswim.swimmer.swimmer import Swimmer
 
 
@@ -38,11 +38,14 @@ class Identification:
         What cannot be determined, and what does not fit.
     path
         Fitted positions, of the track's shape.
+    branches
+        The designs that fit alike (within chi-squared 9), those nearest to what the spec says
+        first, each with its values and its `interval`; none if the model does not hold.
     alternatives
-        Other designs that fit the track as well (within chi-squared 9), values each; those
-        nearest to what the spec says come first.
+        Values of those after the first.
     withheld
-        Why there is no interval, or nothing: then the values are those of the best path alone.
+        Why there is no single interval, or nothing. Where several designs fit alike the values
+        are those of the first.
     model
         The model whose gaits were fitted.
 
@@ -67,6 +70,7 @@ class Identification:
     directions: tuple[Direction, ...]
     warnings: tuple[str, ...]
     path: np.ndarray
+    branches: tuple[Branch, ...] = ()
     alternatives: tuple[np.ndarray, ...] = ()
     withheld: str = ""
     model: str = "rft"
@@ -83,13 +87,21 @@ class Identification:
 
         It is infinite where the track does not tell and where it is withheld.
         """
-        half = student.ppf(0.5 + level / 2.0, max(self.degrees, 1)) * self.uncertainty
-        return np.stack([self.values - half, self.values + half], axis=-1)
+        if not self.withheld and self.branches:
+            return self.branches[0].interval(level)
+        return np.tile([-np.inf, np.inf], (len(self.values), 1))
+
+    def _branch(self, branch: Branch) -> dict[str, Any]:
+        return {
+            "values": dict(zip(self.names, map(float, branch.values))),
+            "interval_95": dict(zip(self.names, _bounds(branch.interval()))),
+            "chi_squared_behind": branch.behind,
+        }
 
     def as_dict(self) -> dict[str, Any]:
         """Return what there is to print or to store as JSON."""
         u = [float(x) if np.isfinite(x) else None for x in self.uncertainty]
-        bounds = [[float(x) if np.isfinite(x) else None for x in row] for row in self.interval()]
+        bounds = _bounds(self.interval())
         return {
             "values": dict(zip(self.names, map(float, self.values))),
             "uncertainty": dict(zip(self.names, u)),
@@ -97,16 +109,22 @@ class Identification:
             "residual": self.residual,
             "model": self.model,
             "directions": [d.as_dict() for d in self.directions],
+            "branches": [self._branch(branch) for branch in self.branches],
             "alternatives": [dict(zip(self.names, map(float, v))) for v in self.alternatives],
             "warnings": list(self.warnings),
         }
+
+
+def _bounds(interval: np.ndarray) -> list[list[float | None]]:
+    """Ends for JSON: none where they are infinite."""
+    return [[float(x) if np.isfinite(x) else None for x in row] for row in interval]
 
 
 def remarks(
     names: tuple[str, ...],
     directions: tuple[Direction, ...],
     covariance: np.ndarray,
-    others: tuple[np.ndarray, ...],
+    others: int,
     misfit: float | None,
 ) -> tuple[str, ...]:
     """Return what cannot be determined, and whether the given noise explains the misfit."""
@@ -117,25 +135,10 @@ def remarks(
     vague = [d for d in directions if not d.determined and d.singular_value > 0]
     out += [f"not determined by this track: {str(d).rpartition(':')[0]}" for d in vague]
     if others:
-        out.append(f"{len(others)} other design(s) fit as well: see alternatives")
+        out.append(f"{others} other design(s) fit as well: see branches")
     if misfit is not None and misfit > 2.0:
         out.append(
             f"chi-squared per degree of freedom is {misfit:.3g}: the noise is larger than sigma, "
             "or the model does not hold"
         )
     return tuple(out)
-
-
-def distinct_from(
-    best: np.ndarray, others: list[np.ndarray], covariance: np.ndarray
-) -> tuple[np.ndarray, ...]:
-    """Return those of the others that are more than four uncertainties from the best and each
-    other.
-    """
-    variance = np.diag(covariance)
-    near = 4.0 * np.sqrt(np.where(np.isfinite(variance), variance, 1e300)) + 1e-6 * np.abs(best)
-    kept = [best]
-    for x in others:
-        if all(np.any(np.abs(x - y) > near) for y in kept):
-            kept.append(x)
-    return tuple(kept[1:])

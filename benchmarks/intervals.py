@@ -1,0 +1,175 @@
+"""How often the 95 % intervals of `identify_swimmer` hold the truth, over random designs.
+
+    python benchmarks/intervals.py wave helix path --count 200 --out intervals.csv
+
+Every design, its pose, its noise and its sampling are drawn anew; the fit starts from nothing, with
+the preset as all that is known. A line for each fit goes to the file, and what is there already is
+not done again. Kinds: ``wave``, a planar beat in the image; ``helix``, with its attitude; ``path``,
+a helix from its path alone; ``off``, a planar beat whose model is off by its stated error;
+``curved``, a planar beat with a mean curvature.
+"""
+
+from __future__ import annotations
+
+import argparse
+import csv
+import time
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from scipy.stats import beta
+
+import microswim as ms
+from microswim.numerics.rigid_motion import multiply
+from microswim.studies.identification import first_guesses, fit, honesty
+from microswim.studies.identification.paths import path_of
+
+NAMES = ("tail.amplitude", "tail.waves", "tail.frequency")
+OFF = np.array([0.1, 0.1, 0.0, 0.0, 0.0, 0.1])  #: stated relative errors of ``off``
+COLUMNS = ("kind", "seed", "name", "truth", "value", "low", "high", "listed", "why", "seconds")
+
+
+def drawn(rng: np.random.Generator, kind: str) -> dict[str, float]:
+    """Return a design out of the range of cells and robots."""
+    values = {
+        "tail.amplitude": float(np.exp(rng.uniform(np.log(0.05), np.log(0.25)))),
+        "tail.waves": float(rng.uniform(1.0, 4.0)),
+        "tail.frequency": float(rng.uniform(0.7, 1.5)),
+    }
+    if kind == "curved":
+        values["tail.mean_curvature"] = float(rng.uniform(-0.4, 0.4))
+    return values
+
+
+def turned(rng: np.random.Generator, n: int, size: float) -> np.ndarray:
+    """Return n small random turns, quaternions."""
+    half = 0.5 * size * rng.normal(size=(n, 3))
+    q = np.concatenate([np.ones((n, 1)), half], axis=1)
+    return q / np.linalg.norm(q, axis=1, keepdims=True)
+
+
+def planted(kind: str, seed: int) -> tuple[ms.Swimmer, ms.Track, dict[str, float]]:
+    """Return what is known of a swimmer, its track, and the truth."""
+    rng = np.random.default_rng([seed, 23])
+    spatial = kind in ("helix", "path")
+    known = ms.Swimmer.preset("tabak/helix" if spatial else "tabak/plane_wave")
+    if kind == "curved":
+        known = known.with_({"tail.mean_curvature": 0.0})
+    while True:
+        values = drawn(rng, kind)
+        try:
+            swimmer = known.with_(values)
+            gait = swimmer.gait("rft")
+            break
+        except ms.MicroswimError:
+            continue
+    if kind == "off":
+        for k in np.flatnonzero(OFF):
+            gait = honesty.scaled(gait, int(k), OFF[k] / 2.0 * rng.normal())
+    beats, frames = rng.uniform(6.0, 20.0), rng.uniform(8.0, 20.0)
+    n = int(beats * frames)
+    t = np.arange(n) / (frames * values["tail.frequency"])
+    x, q = path_of(swimmer, gait, t, float(rng.uniform(0.0, 2.0 * np.pi)))
+    wobble = float(np.std(x - ms.Track(time=t, position=x).smooth))
+    noise = wobble * float(np.exp(rng.uniform(np.log(0.02), np.log(0.3))))
+    if spatial:
+        pose = rng.normal(size=4)
+        pose /= np.linalg.norm(pose)
+        from scipy.spatial.transform import Rotation
+
+        x = Rotation.from_quat(pose, scalar_first=True).apply(x)
+        q = multiply(multiply(np.tile(pose, (n, 1)), q), turned(rng, n, 0.02))
+    else:
+        z = (x[:, 0] + 1j * x[:, 1]) * np.exp(2j * np.pi * rng.uniform())
+        x = np.stack([z.real, z.imag], axis=-1)
+    x = x + noise * rng.normal(size=x.shape)
+    return known, ms.Track(time=t, position=x, quaternion=q if kind == "helix" else None), values
+
+
+def tried(kind: str, seed: int) -> list[dict[str, Any]]:
+    """Return what a fit says of each unknown."""
+    known, track, truth = planted(kind, seed)
+    begun = time.process_time()
+    line: dict[str, Any] = {"kind": kind, "seed": seed, "listed": "", "why": ""}
+    try:
+        found = ms.identify_swimmer(known, track, tuple(truth), model_error=kind == "off")
+    except ms.MicroswimError as error:
+        line |= {"why": str(error), "seconds": round(time.process_time() - begun, 2)}
+        return [line | {"name": name, "truth": value} for name, value in truth.items()]
+    line |= {"seconds": round(time.process_time() - begun, 2), "why": found.withheld[:60]}
+    line["listed"] = len(found.branches)
+    wanted = np.array(list(truth.values()))
+    if not found.branches:
+        return [line | {"name": name, "truth": value} for name, value in truth.items()]
+    near = min(found.branches, key=lambda b: float(np.sum(((b.values - wanted) / wanted) ** 2)))
+    return [
+        line | {"name": name, "truth": true, "value": value, "low": low, "high": high}
+        for name, true, value, (low, high) in zip(truth, wanted, near.values, near.interval())
+    ]
+
+
+def told(path: Path) -> None:
+    """Print how often the intervals hold, each rate with its own 95 % interval [Clopper 1934]."""
+    with path.open(newline="") as file:
+        rows = list(csv.DictReader(file))
+    for kind in dict.fromkeys(row["kind"] for row in rows):
+        own = [row for row in rows if row["kind"] == kind]
+        tracks = len({row["seed"] for row in own})
+        given = [row for row in own if row["low"]]
+        count = len({row["seed"] for row in given})
+        several = len({row["seed"] for row in given if int(row["listed"]) > 1})
+        print(f"{kind}: {tracks} tracks, {count} with intervals, {several} of them a list")
+        for name in dict.fromkeys(row["name"] for row in given):
+            some = [row for row in given if row["name"] == name]
+            hits = sum(float(r["low"]) <= float(r["truth"]) <= float(r["high"]) for r in some)
+            n = len(some)
+            low = beta.ppf(0.025, hits, n - hits + 1) if hits else 0.0
+            high = beta.ppf(0.975, hits + 1, n - hits) if hits < n else 1.0
+            print(f"  {name:22s} {hits}/{n} = {hits / n:.3f}   ({low:.3f} to {high:.3f})")
+
+
+def main() -> None:
+    """Run what is not there yet, then tell the rates."""
+    options = argparse.ArgumentParser(description=__doc__)
+    options.add_argument("kinds", nargs="+")
+    options.add_argument("--count", type=int, default=200)
+    options.add_argument("--out", type=Path, default=Path("intervals.csv"))
+    given = options.parse_args()
+    done = set()
+    if given.out.is_file():
+        with given.out.open(newline="") as file:
+            done = {(row["kind"], int(row["seed"])) for row in csv.DictReader(file)}
+    for seed in range(given.count):
+        for kind in given.kinds:
+            if (kind, seed) in done:
+                continue
+            lines = tried(kind, seed)
+            new = not given.out.is_file()
+            with given.out.open("a", newline="") as file:
+                writer = csv.DictWriter(file, COLUMNS, restval="")
+                if new:
+                    writer.writeheader()
+                writer.writerows(lines)
+    told(given.out)
+
+
+def once(function: Any) -> Any:
+    """Return a function that works out the grid of the two presets once, not for every track."""
+    kept: dict[Any, Any] = {}
+
+    def called(swimmer: ms.Swimmer, grid: dict[str, np.ndarray], **options: Any) -> Any:
+        key = (swimmer.tail.kind, *grid, *(v.size for v in grid.values()))
+        if max(key[-1:]) < 50:
+            return function(swimmer, grid, **options)
+        if key not in kept:
+            kept[key] = function(swimmer, grid, **options)
+        return kept[key]
+
+    return called
+
+
+if __name__ == "__main__":
+    fit.model_errors = lambda own: OFF
+    first_guesses.evaluate = once(first_guesses.evaluate)
+    main()

@@ -14,6 +14,7 @@ import numpy as np
 from scipy.stats import t as student
 
 from microswim.calibration.identifiability import Direction, determined
+from microswim.numerics.array import read_only
 from microswim.studies.identification.honesty import covariance_of_model
 from microswim.studies.identification.problem import PathProblem
 from microswim.studies.identification.profile import stretches
@@ -23,6 +24,7 @@ VAGUE = 100.0  #: times its own size, beyond which a value is not known at all
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
+@read_only
 class Branch:
     """A design that fits the track as well as any other.
 

@@ -43,6 +43,7 @@ from microswim.swimmer.swimmer import Swimmer
 
 SHAPE = (AMPLITUDE, WAVES, FREQUENCY)
 ATTITUDE = 0.02  #: rad, noise of an attitude that nobody tells
+ROUNDS = 4  #: of looking beside the best fit, while there are better ones
 FAR = 30.0  #: times the cost of the best, beyond which a fit is not followed
 
 
@@ -156,11 +157,20 @@ def _followed(
     if designs is None or not fits:
         return fits
     n = len(problem.unknowns)
-    found = dict(zip(problem.names, map(float, min(fits, key=_cost).x[:n])))
-    found.setdefault(FREQUENCY, problem.swimmer.tail.frequency)
-    for guess in designs.beside(found):
-        fits += fit(problem, guess, phases=1)
+    for _ in range(ROUNDS):
+        best = min(fits, key=_cost)
+        found = dict(zip(problem.names, map(float, best.x[:n])))
+        found.setdefault(FREQUENCY, problem.swimmer.tail.frequency)
+        for guess in designs.beside(found):
+            fits += fit(problem, guess, phases=1)
+        if _alike(best, min(fits, key=_cost)):
+            break
     return fits
+
+
+def _alike(one: Any, better: Any) -> bool:
+    """Whether a fit that is better is so by chance: what the first was like, it is like."""
+    return one.cost - better.cost < better.cost / better.fun.size
 
 
 def _cost(done: Any) -> float:

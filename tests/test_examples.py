@@ -130,6 +130,14 @@ def follow_path(r):
     assert r["distance off the path after a second (mm, rms)"] < 0.2
 
 
+def follow_with_coils(r):
+    """It arrives, off by less than the head's half width with its wobble, on currents of coils."""
+    assert r["arrived"]
+    assert r["off the path (mm, rms)"] < 0.3
+    assert r["largest current (A)"] < 1.0
+    assert np.abs(r["rows"][:, 5:]).max(axis=0).min() > 0.01  # every coil has its part
+
+
 def learn_to_steer(r):
     """It goes along paths that it has not seen, five millimetres and more further."""
     assert r["return on new paths after"] > r["return on new paths before"] + 5.0
@@ -157,7 +165,7 @@ KNOWN = {
         ),
         *(one_point_calibration, beside_a_wall, step_out, made_robots_differ, cells_in_noise),
         screws_from_a_formula,
-        *(follow_path, learn_to_steer, receding_horizon),
+        *(follow_path, follow_with_coils, learn_to_steer, receding_horizon),
     )
 }
 

@@ -12,6 +12,7 @@ from .calibration.validate import validate as validate
 from .control.export.cmodel import CModel as CModel
 from .control.export.cmodel import c_model as c_model
 from .control.export.fmu import export_fmu as export_fmu
+from .control.follower import PathFollower as PathFollower
 from .control.sensor import Sensor as Sensor
 from .control.state import State as State
 from .control.stepper import Stepper as Stepper

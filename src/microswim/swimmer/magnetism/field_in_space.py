@@ -39,6 +39,10 @@ class FieldInSpace(AppliedField):
         return here | {"field_place": np.asarray(place, float)}
 
 
+#: Share of the strongest gradient per ampere below which one is not asked for.
+WEAK = 0.05
+
+
 @checks.by_name
 @dataclass(frozen=True, kw_only=True)
 class DipoleField(FieldInSpace):
@@ -254,8 +258,8 @@ class CoilField(FieldInSpace):
 
     def per_ampere(self, place: Any) -> np.ndarray:
         """Return B, then its gradient row by row, of each coil at one ampere (12, n) at a place."""
-        rows = [[*coil.field(place), *coil.gradient(place).ravel()] for coil in self.coils]
-        return np.array(rows).T
+        pairs = (coil.both(place) for coil in self.coils)
+        return np.array([[*B, *J.ravel()] for B, J in pairs]).T
 
     def currents_for(self, field: Any, place: Any, gradient: Any = None) -> np.ndarray:
         """Return the smallest currents (n,) with which B at a place is as wanted.
@@ -267,30 +271,26 @@ class CoilField(FieldInSpace):
         place
             Where (3,).
         gradient
-            ``dB_i/dx_j`` (3, 3) wanted as well: then all are met as nearly as the coils can, a
-            gradient weighed by the size of the coils' own.
+            ``dB_i/dx_j`` (3, 3) wanted as well: met as nearly as currents that do not change B
+            can, those that hardly change the gradient left out.
 
         Raises
         ------
         SpecError
             If the coils cannot make that field there.
         """
-        A = self.per_ampere(place)
-        wanted = np.concatenate([field, np.zeros(9) if gradient is None else np.ravel(gradient)])
-        weight = np.ones(12)
-        if gradient is None:
-            A, wanted, weight = A[:3], wanted[:3], weight[:3]
-        else:
-            weight[3:] = np.linalg.norm(A[:3]) / np.linalg.norm(A[3:])
-        found = np.linalg.lstsq(weight[:, None] * A, weight * wanted, rcond=1e-9)[0]
-        off = np.linalg.norm((A @ found - wanted)[:3])
-        if gradient is None and off > 1e-6 * np.linalg.norm(wanted):
+        A, wanted = self.per_ampere(place), np.asarray(field, float)
+        found = np.linalg.lstsq(A[:3], wanted, rcond=1e-9)[0]
+        if np.linalg.norm(A[:3] @ found - wanted) > 1e-6 * np.linalg.norm(wanted):
             raise SpecError(
-                "field", list(map(float, wanted)),
-                f"one that these {len(found)} coils can make there",
+                "field", wanted.tolist(), f"one that these {len(found)} coils can make there",
                 "three or more coils in different directions make any",
             )  # fmt: skip
-        return found
+        if gradient is None:
+            return found
+        free = np.linalg.svd(A[:3])[2][3:].T  # currents that make no field here
+        left = np.ravel(gradient) - A[3:] @ found
+        return found + free @ np.linalg.lstsq(A[3:] @ free, left, rcond=WEAK)[0]
 
     @property
     def at_rest(self) -> np.ndarray:

@@ -126,6 +126,10 @@ class GridCoil:
         ]
         return np.moveaxis(np.array(rows), (0, 1), (-2, -1))
 
+    def both(self, places: Any) -> tuple[Array, Array]:
+        """Return B (..., 3) and ``dB_i/dx_j`` (..., 3, 3) per ampere."""
+        return self.field(places), self.gradient(places)
+
     def _derived(self, places: Any, which: int, orders: Array) -> Array:
         from scipy.interpolate import NdBSpline
 

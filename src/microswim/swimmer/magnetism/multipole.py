@@ -71,13 +71,18 @@ class Coil:
     name: str
     sources: tuple[Source, ...]
 
+    def both(self, places: Any) -> tuple[Array, Array]:
+        """Return B (..., 3) and ``dB_i/dx_j`` (..., 3, 3) per ampere."""
+        slopes, bends = zip(*(s.derivatives(places) for s in self.sources))
+        return -np.sum(slopes, axis=0), -np.sum(bends, axis=0)
+
     def field(self, places: Any) -> Array:
         """Return B per ampere (..., 3)."""
-        return -np.sum([s.derivatives(places)[0] for s in self.sources], axis=0)
+        return self.both(places)[0]
 
     def gradient(self, places: Any) -> Array:
         """Return ``dB_i/dx_j`` per ampere (..., 3, 3)."""
-        return -np.sum([s.derivatives(places)[1] for s in self.sources], axis=0)
+        return self.both(places)[1]
 
 
 def solids(r: Array, d: Array, most: int) -> list[Solid]:

@@ -70,3 +70,26 @@ def test_printing_a_stepper_takes_few_lines():
     assert len(text) < 400
     for word in ("rft", "dimensionless", "8 internal steps"):
         assert word in text
+
+
+def test_continuous_in_time_is_the_limit_of_short_steps():
+    """``A_d = 1 + A h``, ``B_d = B h``, off by the square of h; in a field with a gradient too."""
+    one, start = stepper(), ms.State.at([0.2, -0.1, 0.3], TURN, 0.4)
+    bent = {
+        "field": [0.0, 50.0, 20.0],
+        "gradient": [[0.1, 0.3, 0.0], [0.0, 0.0, -0.2], [0.1, 0.0, -0.1]],
+        "field_gradient": [[5.0, 3.0, 0.0], [3.0, 0.0, -2.0], [0.0, -2.0, -5.0]],
+    }
+    magnetic = ms.Stepper(one.gait, one.swimmer, moment=(0.3, 1.0, 0.5), steps=2)
+    wrt = ("motor_rate", "force", "field", "flow")
+    system = magnetic.state_space(start, dt=None, wrt=wrt, **INPUTS, **bent)
+    missed = []
+    for h in (1e-3, 5e-4):
+        A, B, _, _ = magnetic.state_space(start, dt=h, wrt=wrt, **INPUTS, **bent)
+        missed.append(
+            [np.abs((A - np.eye(7)) / h - system.A).max(), np.abs(B / h - system.B).max()]
+        )
+    size = np.abs(system.A).max(), np.abs(system.B).max()
+    assert (np.array(missed[0]) < 0.02 * np.array(size)).all()
+    assert np.array(missed[0]) / np.array(missed[1]) == pytest.approx(2.0, rel=0.02)
+    assert StateSpace(*system).dt is None

@@ -156,7 +156,7 @@ class PathFollower:
         axis = axis if axis @ aim >= 0.0 else -axis  # the robot's axis is a line
         aim = _limited(aim, axis, self.most_turn)
         rate = np.sign(self._speed) * 2.0 * np.pi * self.frequency * aim
-        field = self.strength * self._turned(aim, rate, dt)
+        field = float(self.strength or 0.0) * self._turned(aim, rate, dt)
         coils = self.swimmer.field
         off = float(np.linalg.norm(place - near))
         if not isinstance(coils, CoilField):

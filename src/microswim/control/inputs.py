@@ -6,6 +6,7 @@ from typing import Any
 
 import numpy as np
 
+from microswim import checks
 from microswim.control import motion
 from microswim.errors import SpecError
 
@@ -65,3 +66,18 @@ def _check_gradient(A: np.ndarray) -> None:
         raise SpecError(
             "gradient", f"trace {trace[0]:.3g}", "free of trace: the fluid is incompressible"
         )
+
+
+def columns_of(wrt: Any) -> np.ndarray:
+    """Return the places of some inputs among all, by their names.
+
+    Raises
+    ------
+    SpecError
+        If a name is none of an input.
+    """
+    checks.words("wrt", wrt)
+    wrt = (wrt,) if isinstance(wrt, str) else tuple(wrt)
+    if not set(wrt) <= set(motion.INPUTS):
+        raise SpecError("wrt", wrt, "some of the inputs " + ", ".join(motion.INPUTS))
+    return np.concatenate([np.arange(motion.INPUT)[motion.INPUTS[name]] for name in wrt])

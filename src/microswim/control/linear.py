@@ -2,7 +2,9 @@
 
 The quaternion has four numbers for three freedoms, so a model with all four is not controllable. A
 small rotation theta (rad, body frame) leaves ``q exp(theta/2) = q + G theta``, and ``4 G'`` takes
-it back: ``dx = [position (lab), theta (body), phase]`` has seven.
+it back: ``dx = [position (lab), theta (body), phase]`` has seven. In continuous time
+
+    theta' = d omega/d(x, q, phase) dx - omega x theta + d omega/du du
 """
 
 from __future__ import annotations
@@ -14,6 +16,8 @@ import numpy as np
 
 class StateSpace(NamedTuple):
     """``x[k+1] = A x[k] + B u[k]``, ``y[k] = C x[k] + D u[k]``, in small differences.
+
+    In continuous time ``x' = A x + B u``.
 
     Parameters
     ----------
@@ -41,3 +45,13 @@ def error_state(A: np.ndarray, B: np.ndarray, q: np.ndarray, after: np.ndarray) 
     into[7, 6] = back[6, 7] = 1.0
     B = back @ B
     return StateSpace(back @ A @ into, B, np.eye(7), np.zeros_like(B))
+
+
+def continuous(slope: np.ndarray, A: np.ndarray, B: np.ndarray, q: np.ndarray) -> StateSpace:
+    """Return state space of velocities (7,) and their derivatives (7, 8), (7, m) at attitude q."""
+    into = np.zeros((8, 7))
+    into[:3, :3], into[3:7, 3:6], into[7, 6] = np.eye(3), attitude_columns(q), 1.0
+    A = A @ into
+    x, y, z = slope[3:6]
+    A[3:6, 3:6] -= np.array([[0.0, -z, y], [z, 0.0, -x], [-y, x, 0.0]])
+    return StateSpace(A, B, np.eye(7), np.zeros_like(B))

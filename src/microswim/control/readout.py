@@ -83,3 +83,32 @@ def derivatives(
         advance(twist, strain, magnetic, limits, z, w, dt, n, work)
         J[:, k] = z.imag / STEP
     return J[:, :STATE], J[:, STATE:]
+
+
+@compiled
+def slopes(twist: Any, strain: Any, magnetic: Any, y: Any, u: Any, columns: Any) -> Any:
+    """Return velocity (lab), angular velocity (body) and phase rate (7), and their derivatives
+    with respect to the state (7, 8) and to some inputs (7, m), by complex steps.
+    """
+    found, J = np.empty(7), np.empty((7, STATE + columns.size))
+    work, bends = np.empty(WORK, dtype=np.complex128), graded(u)
+    for k in range(-1, J.shape[1]):
+        z, w = y.astype(np.complex128), u.astype(np.complex128)
+        if 0 <= k < STATE:
+            z[k] += 1j * STEP
+        elif k >= STATE:
+            w[columns[k - STATE]] += 1j * STEP
+        if k >= STATE:
+            bends = graded(w)
+        q, x, B = (z[3], z[4], z[5], z[6]), (z[0], z[1], z[2]), (w[7], w[8], w[9])
+        V = velocity(twist, strain, magnetic, q, x, z[7], w, B, bends, work)
+        for i in range(6):
+            if k < 0:
+                found[i] = V[i].real
+            else:
+                J[i, k] = V[i].imag / STEP
+        if k < 0:
+            found[6] = w[0].real
+        else:
+            J[6, k] = w[0].imag / STEP
+    return found, J[:, :STATE], J[:, STATE:]

@@ -95,3 +95,16 @@ def check_finite(values: np.ndarray) -> None:
             "the state or the velocity would not be finite: state and inputs must be finite, and "
             "not so large that their products overflow"
         )
+
+
+def check_state(state: Any) -> None:
+    """Refuse what is no state."""
+    if not isinstance(state, State):
+        raise SpecError("state", state, "a State", "State.at makes one")
+
+
+def check_one(state: Any) -> None:
+    """Refuse what is not the state of one swimmer."""
+    check_state(state)
+    if state.values.ndim != 1:
+        raise SpecError("state", f"{len(state.values)} swimmers", "one swimmer")

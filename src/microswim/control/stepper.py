@@ -15,9 +15,9 @@ import numpy as np
 
 from microswim import checks
 from microswim.control import linear, motion, readout, thermal
-from microswim.control.inputs import rows
+from microswim.control.inputs import columns_of, rows
 from microswim.control.response import Response, response, step_limits
-from microswim.control.state import State, check_finite
+from microswim.control.state import State, check_finite, check_one, check_state
 from microswim.errors import SpecError
 from microswim.gait import doors
 from microswim.gait.gait import Gait
@@ -194,7 +194,7 @@ class Stepper:
         MicroswimError
             If the state would not be finite.
         """
-        _check_state(state)
+        check_state(state)
         if type(dt) is not float or not 0.0 < dt < np.inf:
             checks.positive("dt", dt, "time")
         Y = state.values.reshape(-1, motion.STATE).copy()
@@ -264,7 +264,7 @@ class Stepper:
         The torque is what the motor gives per unit phase rate: for a helix the torque about its
         axis. Inputs as of `step`.
         """
-        _check_state(state)
+        check_state(state)
         Y = state.values.reshape(-1, motion.STATE)
         U = self.held(Y.shape[0], inputs)
         out = np.empty((Y.shape[0], 7))
@@ -298,24 +298,24 @@ class Stepper:
         With respect to the state, and to the inputs named in `wrt`, by default all 37 numbers in
         the order of `motion.INPUTS`; by complex steps through the compiled step.
         """
-        _check_state(state)
-        if state.values.shape != (motion.STATE,):
-            raise SpecError("state", f"{len(state.values)} swimmers", "one swimmer")
+        check_one(state)
+        u, columns = self.held(1, inputs)[0], columns_of(wrt)
         checks.positive("dt", dt, "time")
-        u = self.held(1, inputs)[0]
-        checks.words("wrt", wrt)
-        wrt = (wrt,) if isinstance(wrt, str) else tuple(wrt)
-        if not set(wrt) <= set(motion.INPUTS):
-            raise SpecError("wrt", wrt, "some of the inputs " + ", ".join(motion.INPUTS))
         self._check_turn(u[None], dt)
-        columns = np.concatenate([np.arange(motion.INPUT)[motion.INPUTS[name]] for name in wrt])
         return readout.derivatives(*self._model, state.values, u, dt, self.steps or 0, columns)
 
     @checks.given()
     def state_space(
-        self, state: State, *, dt: float, wrt: tuple[str, ...] = tuple(motion.INPUTS), **inputs: Any
+        self,
+        state: State,
+        *,
+        dt: float | None,
+        wrt: tuple[str, ...] = tuple(motion.INPUTS),
+        **inputs: Any,
     ) -> linear.StateSpace:
         """Return the step of one swimmer as state space in small differences, for a controller.
+
+        Without a time, ``dt=None``, continuous in time: ``scipy.signal.StateSpace(*system)``.
 
         The state has seven numbers, ``[position (lab), small rotation (rad, body), phase]``,
         about the state given and about the one that follows; the inputs are those of `wrt`, in
@@ -339,11 +339,11 @@ class Stepper:
         >>> A.shape, B.shape
         ((7, 7), (7, 4))
         """
+        if dt is None:
+            check_one(state)
+            u = self.held(1, inputs)[0]
+            slopes: Any = readout.slopes(*self._model[:3], state.values, u, columns_of(wrt))
+            return linear.continuous(*slopes, state.quaternion)
         A, B = self.derivatives(state, dt=dt, wrt=wrt, **inputs)
         after = self.step(state, dt=dt, **inputs)
         return linear.error_state(A, B, state.quaternion, after.quaternion)
-
-
-def _check_state(state: Any) -> None:
-    if not isinstance(state, State):
-        raise SpecError("state", state, "a State", "State.at makes one")

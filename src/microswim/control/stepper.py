@@ -309,7 +309,7 @@ class Stepper:
         self,
         state: State,
         *,
-        dt: float | None,
+        dt: float | None = None,
         wrt: tuple[str, ...] = tuple(motion.INPUTS),
         **inputs: Any,
     ) -> linear.StateSpace:
@@ -342,8 +342,8 @@ class Stepper:
         if dt is None:
             check_one(state)
             u = self.held(1, inputs)[0]
-            slopes: Any = readout.slopes(*self._model[:3], state.values, u, columns_of(wrt))
-            return linear.continuous(*slopes, state.quaternion)
+            V, A, B = readout.slopes(*self._model[:3], state.values, u, columns_of(wrt))
+            return linear.continuous(V, A, B, state.quaternion)
         A, B = self.derivatives(state, dt=dt, wrt=wrt, **inputs)
         after = self.step(state, dt=dt, **inputs)
         return linear.error_state(A, B, state.quaternion, after.quaternion)

@@ -74,7 +74,7 @@ def test_a_field_is_set_in_one_or_in_all():
         ({"tail[2].radius": 1.0}, r"^tail\[2\]\.radius.*\[0\] to \[1\]"),
         ({"tail[1].kind": "screw"}, r"^tail\[1\]\.kind.*one of"),
         ({"tail[1].kind": "none"}, r"^tail\[1\]"),
-        ({"tail[1].frequency": 2.0}, r"^tail\[1\]\.frequency"),
+        ({"tail[1].frequency": 2.01}, r"^tail\[1\]\.frequency"),
         ({"tail[1].direction": [0, 0, 0]}, r"^tail\[1\]\.direction"),
         ({"tail[1].position": [0, 0]}, r"^tail\[1\]\.position"),
         ({"tail[0].length": "2 mm"}, "must have a unit|bare number"),

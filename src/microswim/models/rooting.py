@@ -64,7 +64,7 @@ def check_all(body: Body, tail: Tail, phase: float) -> list[str]:
 def _check_one(body: Body, tail: Tail, phase: float) -> list[str]:
     if tail.is_placed and attachment.misses(body, tail, phase):
         raise attachment.refusal(tail)
-    return check(seen_from(body, tail), tail.own, phase + float(tail.ahead))
+    return check(seen_from(body, tail), tail.own, float(tail.own_phase(phase)))
 
 
 def _filament(tail: Tail, phase: float) -> Array:

@@ -70,6 +70,19 @@ def shifted(series: np.ndarray, ahead: Any) -> np.ndarray:
     return out
 
 
+def of_multiple(series: np.ndarray, k: int) -> np.ndarray:
+    """Return the series of ``f(k phase)``, k a whole number of either sign."""
+    if k == 0:
+        return evaluate(series, 0.0)[None]
+    H = len(series) // 2
+    out = np.zeros((1 + 2 * H * abs(k), *series.shape[1:]), series.dtype)
+    out[0] = series[0]
+    for h in range(1, H + 1):
+        out[2 * h * abs(k) - 1] = series[2 * h - 1]
+        out[2 * h * abs(k)] = series[2 * h] * (1.0 if k > 0 else -1.0)
+    return out
+
+
 def _rotation_terms() -> tuple[np.ndarray, np.ndarray]:
     """Linear maps from ``R(0)`` and ``F(0)`` to the series of ``Q R Q'`` and ``Q F``.
 

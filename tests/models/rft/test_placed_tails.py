@@ -1,5 +1,7 @@
 """Tails that stand anywhere, one or several, by resistive force theory: laws, not numbers."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
@@ -171,3 +173,64 @@ def test_who_cannot_take_placed_tails_says_so_in_a_sentence():
     assert robot.gait("auto").model == "rft"
     with pytest.raises(ms.SpecError, match="off the axis"):
         swimmer(robot.tail, motion=ms.Motion(frequency_frame="lab"))
+
+
+def test_reversing_one_motor_is_that_tail_beating_backwards():
+    """Tails of rates f and -f: at each phase the sum of what each does alone at its own phase."""
+    one, other = around(2)
+    both = swimmer([one, replace(other, frequency=-1.0)], ms.NoBody()).gait()
+    each = [swimmer(t, ms.NoBody()).gait() for t in (one, other)]
+    for phase in PHASES:
+        R = each[0].resistance(phase) + each[1].resistance(-phase)
+        assert np.allclose(both.resistance(phase), R, atol=1e-13)
+        F = each[0].propulsion(phase) - each[1].propulsion(-phase)
+        assert np.allclose(both.propulsion(phase), F, atol=1e-13)
+    forth, back = (swimmer([one, replace(other, frequency=f)]).gait() for f in (1.0, -1.0))
+    assert forth.mean_velocity[0] < -0.05
+    assert abs(back.mean_velocity[0]) < 0.5 * abs(forth.mean_velocity[0])
+    assert np.linalg.norm(back.mean_velocity[4:]) > np.linalg.norm(forth.mean_velocity[4:]) + 0.01
+
+
+@pytest.mark.parametrize(
+    ("rates", "shared", "beats"),
+    [
+        ((1.0, 1.0), 1.0, (1, 1)),
+        ((2.0, -2.0), 2.0, (1, -1)),
+        ((-2.0, -2.0), -2.0, (1, 1)),
+        ((100.0, 150.0), 50.0, (2, 3)),
+        ((0.3, 0.1), 0.1, (3, 1)),
+        ((0.0, 4.0), 4.0, (0, 1)),
+        ((0.0, 0.0), 0.0, (1, 1)),
+        ((1e-3, 12e-3, -6e-3), 1e-3, (1, 12, -6)),
+    ],
+)
+def test_tails_share_the_period_of_the_largest_common_frequency(rates, shared, beats):
+    tails = [
+        ms.HelicalTail(**WAVE, position=(0, 0.3 * n, 0), frequency=f) for n, f in enumerate(rates)
+    ]
+    tail = ms.SeveralTails(tails=tails)
+    assert tail.frequency == pytest.approx(shared, rel=1e-12)
+    assert tuple(t.beats for t in tail.each) == beats
+    for t in tail.each:
+        assert t.pace * tail.frequency == pytest.approx(t.frequency, rel=1e-12)
+        _, _, velocity = t.centreline(1.0, 0.3)
+        step = 1e-6
+        up, down = (t.centreline(1.0, 0.3 + d)[0] for d in (step, -step))
+        assert np.allclose(velocity, (up - down) / (2.0 * step), atol=1e-8)
+
+
+@pytest.mark.parametrize("rates", [(1.0, np.sqrt(2.0)), (1.0, 13.0), (1.0, 1.01)])
+def test_beats_that_share_no_period_are_refused(rates):
+    with pytest.raises(ms.SpecError, match=r"tail\[1\]\.frequency.*whole multiples"):
+        ms.SeveralTails(tails=[ms.HelicalTail(**WAVE, frequency=f) for f in rates])
+
+
+def test_the_derivative_by_one_rate_is_what_that_motor_adds():
+    """At held phases the velocity is linear in the rates: they add up to the velocity."""
+    one, other = around(2)
+    robot = swimmer([one, replace(other, frequency=-2.0)])
+    slopes = robot.gradient("mean_velocity", ["tail[0].frequency", "tail[1].frequency"])
+    total = slopes["tail[0].frequency"] - 2.0 * slopes["tail[1].frequency"]
+    assert np.allclose(total, robot.gait().mean_velocity, atol=1e-12)
+    still = swimmer([one, replace(other, frequency=0.0)])
+    assert np.linalg.norm(still.gait().mean_velocity) > 0.01

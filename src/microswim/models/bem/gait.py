@@ -130,7 +130,8 @@ def gait(
         With ``info``: unknowns, seconds of geometry, assembly and solve, asymmetry of R, error.
     """
     chosen = level if isinstance(level, Level) else get_level(level, order)
-    count = 1 if turns_as_a_whole(swimmer) else chosen.phases
+    quickest = max(abs(tail.beats) for tail in swimmer.tail.each)
+    count = 1 if turns_as_a_whole(swimmer) else chosen.phases * quickest
     signs = half_period_signs(swimmer)
     wanted = count // 2 if count > 1 and signs is not None else count
     solutions = []

@@ -205,8 +205,8 @@ class Grown:
 
 def grown(body: Body, tail: Tail, phase: float, r: Resolution) -> Grown:
     """Return the patches of one tail of a body."""
-    place, seen, phase = tail.placement, seen_from(body, tail), phase + float(tail.ahead)
-    tail = tail.own
+    place, seen, phase = tail.placement, seen_from(body, tail), float(tail.own_phase(phase))
+    tail, pace = tail.own, float(tail.pace)
     joint = None if body.is_absent else root(seen, tail, phase)
     start = 0.0 if joint is None else joint.s
     first = None
@@ -223,4 +223,4 @@ def grown(body: Body, tail: Tail, phase: float, r: Resolution) -> Grown:
     X, s = _joined(parts)
     motion = geometry.surface_velocity(tail, X, s, phase)
     inner = inner_pressures(tail, phase, s)
-    return Grown(place.placed(X), place.turned(motion), inner, joint, is_flat)
+    return Grown(place.placed(X), pace * place.turned(motion), inner, joint, is_flat)

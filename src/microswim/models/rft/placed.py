@@ -1,9 +1,10 @@
 """Tails that stand anywhere, one or several: what each has in its own frame, moved and added.
 
-    B_t = sum_i Ad_i B_i(phase + ahead_i) Ad_i',    F_p = sum_i Ad_i F_i,    G = sum_i G_i
+    B_t = sum_i Ad_i B_i(phase_i) Ad_i',    F_p = sum_i k_i Ad_i F_i(phase_i)
+    phase_i = k_i phase + ahead_i,          G = sum_i k_i^2 G_i(phase_i)
 
-with Ad of `swimmer.geometry.tails.placement`. Resistive force theory is local: a tail drags and
-thrusts the same wherever it stands, and tails do not feel one another.
+with the pace k of each and Ad of `swimmer.geometry.tails.placement`. Resistive force theory is
+local: a tail drags and thrusts the same wherever it stands, and tails do not feel one another.
 """
 
 from __future__ import annotations
@@ -13,7 +14,7 @@ from functools import reduce
 
 import numpy as np
 
-from microswim.numerics.fourier import add, shifted
+from microswim.numerics.fourier import add, of_multiple, shifted
 from microswim.swimmer.geometry.tails.kinds import Tail
 from microswim.swimmer.parts import replaced
 from microswim.swimmer.swimmer import Swimmer
@@ -37,11 +38,11 @@ def sum_over_tails(swimmer: Swimmer, own: Callable[[Swimmer], Series]) -> Series
 
 
 def moved(own: Series, swimmer: Swimmer, tail: Tail) -> Series:
-    """Return the series of a tail in its own frame, moved to its place and ahead by its phase."""
-    R, F, G = (shifted(series, tail.ahead) for series in own)
+    """Return the series of a tail in its own frame, moved to its place and to its own phase."""
+    R, F, G = (of_multiple(shifted(series, tail.ahead), tail.beats) for series in own)
     centre = swimmer.body.centre
     Ad = tail.placement.adjoint(centre, centre)
-    return Ad @ R @ Ad.T, F @ Ad.T, G
+    return Ad @ R @ Ad.T, tail.pace * F @ Ad.T, tail.pace**2 * G
 
 
 def remarks_on(tail: Tail) -> list[str]:

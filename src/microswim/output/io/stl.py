@@ -110,7 +110,7 @@ def _body(body: Body, fineness: float) -> Triangles:
 
 def _tube(body: Body, tail: Tail, phase: float, fineness: float) -> Triangles:
     """The tube with a round tip; its near end, closed flat, lies within the body."""
-    place, body, phase = tail.placement, seen_from(body, tail), phase + float(tail.ahead)
+    place, body, phase = tail.placement, seen_from(body, tail), float(tail.own_phase(phase))
     tail = tail.own
     waves = max(1.0, float(tail.number_of_waves))
     rings, around = int(28 * fineness * min(waves, 40.0)) + 1, max(8, int(14 * fineness))

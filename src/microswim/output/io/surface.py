@@ -70,7 +70,7 @@ def surface(swimmer: Swimmer, phase: float = 0.0, *, fineness: float = 1.0) -> S
     faces, count = len(quads), len(points)
     parts, cells = [points], [quads]
     for t in tail.each:
-        own = _tube(t.own, phase + float(t.ahead), fineness, body.is_absent)
+        own = _tube(t.own, float(t.own_phase(phase)), fineness, body.is_absent)
         grid = t.placement.placed(own) - body.centre
         parts.append(grid.reshape(-1, 3))
         cells.append(closed_grid(*grid.shape[:2]) + count)

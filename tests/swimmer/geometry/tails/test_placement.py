@@ -102,7 +102,7 @@ def test_tails_that_make_no_set_are_refused():
         ((one,), "two to 100"),
         ((one, "helix"), r"tail\[1\]"),
         ((one, ms.NoTail()), r"tail\[1\]\.kind"),
-        ((one, ms.HelicalTail(**WAVE, frequency=2.0)), r"tail\[1\]\.frequency"),
+        ((one, ms.HelicalTail(**WAVE, frequency=2.01)), r"tail\[1\]\.frequency"),
         ((one,) * 101, "two to 100"),
     ):
         with pytest.raises(ms.SpecError, match=match):

@@ -50,7 +50,9 @@ class PlacedTail(Tail, ABC):
     @property
     def is_placed(self) -> bool:
         if self.position is None and self.direction is None and self.phase is None:
-            return False  # nearly always, and then quickly
+            return self.pace != 1  # nearly always, and then quickly
+        if self.pace != 1:
+            return True
         across = (self.direction or ALONG_S)[1:]
         moved = (*(self.position or AT_JOINT), *across, self.ahead)
         return any(bool(x) for x in moved) or self._points_back

@@ -3,7 +3,7 @@
 A tail's own frame has its root at the origin and its axis along s. With the root ``x_0`` and the
 rotation A that takes ``e_s`` to the axis d by the shortest way,
 
-    X = x_0 + A X_own,     A = I + [v]_x + [v]_x^2 / (1 + d_s),    v = e_s x d
+    X = x_0 + A X_own,     A = I + [v]_x + w [v]_x^2,    v = e_s x d,   w = 1 / (1 + d_s)
 
 and a wrench about a point ``c_own`` of the tail's frame, seen from another point c of the body's,
 
@@ -46,12 +46,16 @@ class Placement:
     def rotation(self) -> np.ndarray:
         """Matrix A (3, 3) from the tail's own axes to s, q, r."""
         d = np.array(self.axis)
-        d = d / np.sqrt(np.sum(d * d))
-        if np.real(d[0]) < -1.0 + 1e-14:
-            return np.diag([-1.0, -1.0, 1.0]) + np.zeros((), d.dtype)
-        zero = 0.0 * d[0]
-        v = np.array([[zero, -d[1], -d[2]], [d[1], zero, zero], [d[2], zero, zero]])
-        return np.eye(3) + v + v @ v / (1.0 + d[0])
+        d_s, q, r = d / np.sqrt(np.sum(d * d))
+        across = q * q + r * r
+        if np.real(d_s) >= 0.0:
+            w = 1.0 / (1.0 + d_s)
+        elif across == 0.0:
+            return np.diag([-1.0, -1.0, 1.0])
+        else:
+            w = (1.0 - d_s) / across  # the same, without cancellation
+        rows = [[d_s, -q, -r], [q, 1.0 - q * q * w, -q * r * w], [r, -q * r * w, 1.0 - r * r * w]]
+        return np.array(rows)
 
     def placed(self, X: np.ndarray) -> np.ndarray:
         """Return points (..., 3) of the tail's own frame in the frame ``sqr``."""

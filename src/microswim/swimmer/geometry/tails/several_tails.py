@@ -1,8 +1,16 @@
-"""Several tails on one body that turn together: one motor rate, one phase."""
+"""Several tails on one body, each with its motor: the phase that they share.
+
+Tails whose frequencies are whole multiples ``f_i = k_i f`` of a common one, reversed ones among
+them (``k_i < 0``), beat in one period: tail i is at ``k_i phase + ahead_i`` and moves at
+``k_i`` times the rate of the phase.
+"""
 
 from __future__ import annotations
 
 from dataclasses import dataclass
+from fractions import Fraction
+from functools import cached_property
+from math import gcd, lcm
 from typing import Any, ClassVar
 
 import numpy as np
@@ -10,14 +18,16 @@ import numpy as np
 from microswim import checks
 from microswim.errors import SpecError
 from microswim.swimmer.geometry.tails.tail import Sections, SurfaceMotion, Tail
+from microswim.swimmer.parts import replaced
 
-MOST = 100  #: tails
+#: Tails, and periods of one of them in that of the swimmer's phase.
+MOST, MOST_BEATS = 100, 12
 
 
 @checks.by_name
 @dataclass(frozen=True, kw_only=True)
 class SeveralTails(Tail):
-    """Tails of one swimmer that turn together, each with its own shape, hand, place and phase.
+    """Tails of one swimmer, each with its own shape, hand, place, phase and frequency.
 
     ``Swimmer(tail=[first, second], ...)`` makes them; ``swimmer.tail.each`` is the single tails.
     The numbers of all of them that models scale by are the largest, the radius the smallest.
@@ -25,12 +35,12 @@ class SeveralTails(Tail):
     Parameters
     ----------
     tails
-        Two or more single tails of one frequency, 100 at most.
+        Single tails, 2 to 100; their frequencies are whole multiples of a common one.
 
     Raises
     ------
     SpecError
-        If there are too few or too many, one is none or elastic, or frequencies differ.
+        If there are too few or too many, one is none or elastic, or their beats share no period.
 
     Examples
     --------
@@ -62,18 +72,33 @@ class SeveralTails(Tail):
             if tail.is_absent or tail.settles:
                 mend = "leave the table out" if tail.is_absent else "an elastic tail is alone"
                 raise SpecError(f"{name}.kind", tail.kind, "one that has a given shape", mend)
-            if tail.frequency != self.tails[0].frequency:
-                raise SpecError(
-                    f"{name}.frequency",
-                    tail.frequency,
-                    f"that of the first, {self.tails[0].frequency!r}",
-                    "several tails turn together; a negative hand or phase tells them apart",
-                )
+        _ = self._shared
 
-    @property
+    @cached_property
+    def _shared(self) -> tuple[float, tuple[int, ...]]:
+        """Frequency of the swimmer's phase, and how often each tail beats in its period."""
+        rates = [float(np.real(t.frequency)) for t in self.tails]
+        first = next((f for f in rates if f), 0.0)
+        if not first:
+            return 0.0, (1,) * len(rates)
+        ratios = [Fraction(f / first).limit_denominator(MOST_BEATS) for f in rates]
+        common = lcm(*(r.denominator for r in ratios))
+        beats = [int(r * common) for r in ratios]
+        shared = gcd(*beats)
+        beats = [b // shared for b in beats]
+        for n, (f, r) in enumerate(zip(rates, ratios)):
+            if abs(f / first - r) > 1e-9 * abs(r) or abs(beats[n]) > MOST_BEATS:
+                raise SpecError(
+                    f"tail[{n}].frequency", f, "such that all frequencies are whole multiples, up "
+                    f"to {MOST_BEATS}, of a common one", "else no period holds the beat of them all"
+                )  # fmt: skip
+        return first * shared / common, tuple(beats)
+
+    @cached_property
     def each(self) -> tuple[Tail, ...]:
-        """The single tails, in their order."""
-        return self.tails
+        """The single tails, in their order, each at its own pace."""
+        frequency, beats = self._shared
+        return tuple(_at_pace(t, frequency, b) for t, b in zip(self.tails, beats))
 
     @property
     def is_placed(self) -> bool:
@@ -89,8 +114,8 @@ class SeveralTails(Tail):
 
     @property
     def frequency(self) -> Any:  # type: ignore[override]
-        """Cycles per time of all of them."""
-        return self.tails[0].frequency
+        """Cycles per time of the phase that they share."""
+        return self._shared[0]
 
     @property
     def radius(self) -> Any:  # type: ignore[override]
@@ -161,3 +186,16 @@ class SeveralTails(Tail):
             Always.
         """
         raise SpecError("tail", "several", "a single tail here", "ask each of tail.each")
+
+
+def _at_pace(tail: Tail, frequency: float, beats: int) -> Tail:
+    """Return a tail that beats so many times in a period of the frequency.
+
+    Its rate over that of the phase is the same number, but for the complex step of a derivative.
+    """
+    if beats == 1 and tail.frequency == frequency:
+        return tail
+    made = replaced(tail, "frequency", tail.frequency)
+    stepped = isinstance(tail.frequency, complex)
+    object.__setattr__(made, "pace", tail.frequency / frequency if stepped else beats)
+    return made

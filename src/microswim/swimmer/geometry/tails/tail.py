@@ -40,6 +40,8 @@ class Tail(ABC):
         Signs of ``[U; Omega]`` that carry phase to phase + pi at the joint, None if nothing does.
     yaw_axis
         Index of the body's rotation that the tail drives across s (4 about q, 5 about r).
+    pace
+        Its rate over that of the swimmer's phase: a whole number, which one of several tails has.
     settles
         Whether its shape is not given but settles under drag; `Swimmer.settled` has it then.
     """
@@ -52,6 +54,7 @@ class Tail(ABC):
     half_period_signs: ClassVar[np.ndarray | None] = None
     yaw_axis: ClassVar[int] = 5
     settles: ClassVar[bool] = False
+    pace: Any = 1
 
     section: tuple[float, float] | None = None
     radius: float
@@ -86,6 +89,15 @@ class Tail(ABC):
     def ahead(self) -> Any:
         """Phase (rad) by which it is ahead of the swimmer's."""
         return 0.0
+
+    @property
+    def beats(self) -> int:
+        """Number of its periods in one of the swimmer's; negative if it turns the other way."""
+        return round(float(np.real(self.pace)))
+
+    def own_phase(self, phase: Any) -> Any:
+        """Return its own phase (rad) at a phase of the swimmer."""
+        return self.beats * phase + self.ahead
 
     @property
     def is_placed(self) -> bool:
@@ -159,9 +171,9 @@ class Tail(ABC):
         """
         if not self.is_placed:
             return self.curve(s, phase)
-        P, slope, velocity = self.curve(s, phase + self.ahead)
+        P, slope, velocity = self.curve(s, self.own_phase(phase))
         place = self.placement
-        return place.placed(P), place.turned(slope), place.turned(velocity)
+        return place.placed(P), place.turned(slope), self.pace * place.turned(velocity)
 
     @property
     def reach(self) -> float:

@@ -267,7 +267,7 @@ class WaveTail(PlacedTail, ABC):
         """Return the unit vector (..., 3) across the axis in which the wave swings out at s."""
         if self.is_placed:
             own: Any = self.own
-            return self.placement.turned(own.radial(s, phase + self.ahead))
+            return self.placement.turned(own.radial(s, self.own_phase(phase)))
         s, phase = np.broadcast_arrays(s, phase)
         angle = self.wavenumber * s - phase
         if not self.out_of_plane:

@@ -41,6 +41,16 @@ def two_swimmers(r):
     assert 0.1 < r["change at a distance of 2"] < 0.4
 
 
+def run_and_tumble(r):
+    """Reversing all motors reverses the motion; a tumble turns the cell, a run does not."""
+    assert r["forwards"] == pytest.approx(-r["forwards"][::-1], abs=1e-9)
+    assert r["end over end"] == pytest.approx(r["end over end"][::-1], abs=1e-9)
+    assert r["end over end"][0] < 1e-9
+    assert r["end over end"][2] == r["end over end"].max()
+    assert (r["turned by tumbles"] > 20.0).all()
+    assert r["running speed (um/s)"] == pytest.approx(1e6 * r["forwards"][0])
+
+
 def scallop(r):
     """Time reversal: half a turn forth and back ends where it began, at any pace."""
     assert r["displacement after three cycles"] < 1e-9
@@ -158,6 +168,7 @@ KNOWN = {
             one_period,
             scallop,
             two_swimmers,
+            run_and_tumble,
             tail_that_bends,
             laws_of_resistance,
             best_helix,

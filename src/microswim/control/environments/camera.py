@@ -15,6 +15,7 @@ from microswim.control.environments.random_streams import normals
 from microswim.errors import SpecError
 from microswim.numerics.compiled import njit
 from microswim.numerics.rigid_motion import to_lab
+from microswim.swimmer.noise import BOLTZMANN
 
 FRAME = 6  # position, heading
 MM = 1e-3
@@ -27,11 +28,13 @@ def conditions(
     angle_noise: float = 0.05,
     frame_interval: int = 2,
     latency: int = 2,
+    temperature: float = 0.0,
     max_steps: int,
 ) -> dict[str, float]:
     """Return what the tasks have in common, in SI units: flow, camera and length of an episode.
 
-    Lengths in mm, disturbance in mm/s, the camera's times in steps.
+    Lengths in mm, disturbance in mm/s, the camera's times in steps; the temperature (K) is that of
+    the thermal noise, none at 0.
 
     Raises
     ------
@@ -41,6 +44,7 @@ def conditions(
     sizes = {"disturbance": disturbance, "position_noise": position_noise}
     for name, value in (sizes | {"angle_noise": angle_noise}).items():
         checks.number(name, value, "a number from 0 to 1000", least=0.0, most=1e3)
+    checks.number("temperature", temperature, "a number from 0 to 1e30 (K)", least=0.0, most=1e30)
     whole = {
         "frame_interval": (frame_interval, 1, 10**9),
         "latency": (latency, 0, 10**4),  # frames under way are kept
@@ -55,6 +59,7 @@ def conditions(
         "gust": disturbance * MM,
         "noise": position_noise * MM,
         "angle_noise": angle_noise,
+        "energy": BOLTZMANN * temperature,
         "interval": int(frame_interval),
         "latency": int(latency),
         "steps": int(max_steps),

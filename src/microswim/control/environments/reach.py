@@ -20,6 +20,7 @@ from microswim.control.environments.camera import (
     fill,
     seen,
 )
+from microswim.control.environments.jostle import jostle
 from microswim.control.environments.random_streams import direction, uniform
 from microswim.control.environments.world import World, robot
 from microswim.control.motion import INPUT, substep
@@ -37,7 +38,7 @@ LIMIT = 20.0
 TURN = 1.01  # rad of the tail per internal step
 
 Settings = namedtuple(
-    "Settings", "dt field top swing gust noise angle_noise interval latency steps near"
+    "Settings", "dt field top swing gust noise angle_noise energy interval latency steps near"
 )
 
 
@@ -78,7 +79,7 @@ def start(mem: Any, count: Any, ring: Any, keys: Any, i: int, s: Any) -> None:
 
 
 @compiled
-def drive(mem: Any, action: Any, u: Any, work: Any, model: Any, s: Any) -> None:
+def drive(mem: Any, action: Any, u: Any, work: Any, model: Any, s: Any, keys: Any, i: int) -> None:
     """Step the physics; the field turns by ``swing dt`` at most."""
     mem[MOTOR] = min(max(action[0], -1.0), 1.0)
     turn = s.swing * min(max(action[1], -1.0), 1.0)
@@ -90,6 +91,8 @@ def drive(mem: Any, action: Any, u: Any, work: Any, model: Any, s: Any) -> None:
     h = s.dt / n
     for k in range(n):
         substep(model[0], model[1], model[2], mem, u, k * h, h, 0, work)
+    if s.energy > 0.0:
+        jostle(model[0], mem, np.sqrt(2.0 * s.energy * s.dt), keys, i)
     mem[7] = np.mod(mem[7], 2.0 * np.pi)
     mem[ANGLE] = np.mod(mem[ANGLE] + turn * s.dt, 2.0 * np.pi)
 
@@ -124,7 +127,7 @@ def one(
         watch(mem, count, ring, s, obs)
         ends[0], ends[1] = False, False
         return 0.0
-    drive(mem, action, u, work, model, s)
+    drive(mem, action, u, work, model, s, keys, i)
     count[STEP] += 1
     if count[STEP] % s.interval == 0:
         row = (count[STEP] // s.interval) % ring.shape[0]

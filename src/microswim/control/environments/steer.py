@@ -21,6 +21,7 @@ from microswim.control.environments.camera import (
     fill,
     seen,
 )
+from microswim.control.environments.jostle import jostle
 from microswim.control.environments.paths import POINTS, locate, point, resampled, wander
 from microswim.control.environments.random_streams import direction, normals, uniform
 from microswim.control.environments.world import World, robot
@@ -41,7 +42,7 @@ TURN = 0.64  # rad of the field per internal step
 
 Settings = namedtuple(
     "Settings",
-    "dt field top gust calm noise angle_noise interval latency steps length bend lost ahead",
+    "dt field top gust calm noise angle_noise energy interval latency steps length bend lost ahead",
 )
 
 
@@ -124,6 +125,8 @@ def drive(mem: Any, u: Any, work: Any, model: Any, s: Any, keys: Any, i: int) ->
     h = s.dt / n
     for k in range(n):
         substep(model[0], model[1], model[2], mem, u, k * h, h, 0, work)
+    if s.energy > 0.0:
+        jostle(model[0], mem, np.sqrt(2.0 * s.energy * s.dt), keys, i)
     b0, b1, b2 = field_at(u, s.dt)
     mem[B], mem[B + 1], mem[B + 2] = b0 / s.field, b1 / s.field, b2 / s.field
 

@@ -22,6 +22,7 @@ from microswim import __version__, checks
 from microswim.control.export import cmodel, compiler
 from microswim.control.export.actuators import Actuators, actuators_of
 from microswim.control.stepper import Stepper
+from microswim.control.thermal import energy_of
 from microswim.errors import MicroswimError
 from microswim.numerics.files import scratch
 
@@ -32,6 +33,7 @@ SI_UNITS = {
     "T": 'kg="1" s="-2" A="-1"', "A.m2": 'A="1" m="2"', "A": 'A="1"',
     "Pa.s": 'kg="1" m="-1" s="-1"',
     "m/s": 'm="1" s="-1"', "rad/s": 's="-1" rad="1"', "rad": 'rad="1"', "1/s": 's="-1"',
+    "J": 'kg="1" m="2" s="-2"',
     "T/m": 'kg="1" m="-1" s="-2" A="-1"', "A.m2/T": 'kg="-1" m="2" s="2" A="2"',
 }  # fmt: skip
 
@@ -61,10 +63,13 @@ def variables(stepper: Stepper) -> list[dict[str, Any]]:
     add(" ".join(f"soft_{i}" for i in ("ss", "qq", "rr", "sq", "sr", "qr")), "tunable", "A.m2/T",
         "moment per field of a soft magnet, body frame",
         stepper.magnetic[list(cmodel.SOFT)])  # fmt: skip
+    add("thermal_energy", "tunable", "J", "k_B T of the noise of each step, 0 for none",
+        [energy_of(stepper.swimmer) or 0.0])  # fmt: skip
     add("start_x start_y start_z", "fixed", "m", "position of the body's centre at the start, lab")
     add("start_qw start_qx start_qy start_qz", "fixed", "", "attitude at the start, body to lab",
         [1, 0, 0, 0])  # fmt: skip
     add("start_phase", "fixed", "rad", "phase of the tail at the start")
+    add("noise_seed", "fixed", "", "seed of the noise, a whole number")
     rate = 0.0 if stepper.locked else float(stepper.gait.rate)
     add("motor_rate", "input", "rad/s", "phase rate of the motor, negative = reversed", [rate])
     for name, unit, about in (
@@ -212,6 +217,7 @@ def _wrapper(model: cmodel.CModel, made: Actuators, known: list[dict[str, Any]],
     }
     values = {
         "name": model.name,
+        "NAME": model.name.upper(),
         "banner": model.banner,
         "token": "@token@",
         "first_start": str(first["fixed"]),

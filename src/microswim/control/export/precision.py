@@ -20,6 +20,8 @@ PRECISIONS = {
         "trace": "1e-9",
         "wrap": "",
         "wrapped": "",
+        "shift": "11",
+        "steps_of_one": "9007199254740992.0",
     },
     "float": {
         "bits": "uint32_t",
@@ -28,15 +30,17 @@ PRECISIONS = {
         "trace": "1e-5",
         "wrap": "\n    next.phase -= 6.283185307179586 * floor(next.phase / 6.283185307179586);",
         "wrapped": ", from 0 to 2 pi",
+        "shift": "40",
+        "steps_of_one": "16777216.0",
     },
 }
 #: Values of a template that hold numbers of C.
 FIGURES = (
     *("limits", "locked", "viscosity_value", "moment_values", "soft_values", "rate_value"),
-    *("declared", "actuate", "tables", "small", "trace", "wrap"),
+    *("declared", "actuate", "tables", "small", "trace", "wrap", "energy", "steps_of_one"),
 )
 _LITERAL = re.compile(r"(?<![\w.@])(\d+\.\d*(?:e[-+]?\d+)?|\d+e[-+]?\d+)(?![\w.])")
-_FUNCTION = re.compile(r"\b(sqrt|sin|cos|fabs|fmax|ceil|floor)\(")
+_FUNCTION = re.compile(r"\b(sqrt|sin|cos|log|fabs|fmax|ceil|floor)\(")
 
 
 def single(text: str) -> str:

@@ -9,6 +9,8 @@ from .calibration.region.calibrate import calibrate_region as calibrate_region
 from .calibration.region.outcome import RegionCalibration as RegionCalibration
 from .calibration.validate import Validation as Validation
 from .calibration.validate import validate as validate
+from .control.elastic_stepper import ElasticState as ElasticState
+from .control.elastic_stepper import ElasticStepper as ElasticStepper
 from .control.export.cmodel import CModel as CModel
 from .control.export.cmodel import c_model as c_model
 from .control.export.fmu import export_fmu as export_fmu

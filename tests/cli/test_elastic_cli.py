@@ -178,3 +178,26 @@ def test_any_swimmer_can_be_held(preset):
     assert held["mean_velocity"] == held["velocity_amplitude"] == [0.0] * 6
     assert held["held_wrench"] == pytest.approx(free["held_wrench"])
     assert held["held_wrench"][0] < 0.0
+
+
+def test_a_path_from_rest(spec, tmp_path):
+    """Files and numbers of a tail followed in time, and of one that its magnet drives."""
+    free = ["--set", "motion.free=all", "--set", "tail.bending=1"]
+    out = tmp_path / "out"
+    made = run("path", spec, *free, "--time", "0.5", "--from-rest", "--out", out, "--json")
+    assert made.exit_code == 0, made.output
+    found = json.loads(made.stdout)
+    assert found["model"] == "elastic"
+    assert found["motor_work"] > found["dissipated"] > 0.0  # some of it bends the tail
+    assert {"path.nc", "path.csv", "path.png", "spec.toml"} <= {p.name for p in out.iterdir()}
+    magnetic = [*free, "--set", "tail.drive=none", "--set", "tail.magnet=[0.1, 0, 0]"]
+    field = 'field={kind = "uniform", strength = 1.0, direction = [0, 1, 0]}'
+    text = spec.read_text().replace("amplitude = 0.02\n", "").replace('"hinged"', '"clamped"')
+    spec.write_text(text)
+    turned = json.loads(
+        run("path", spec, *magnetic, "--set", field, "--time", "0.5", "--json").stdout
+    )
+    assert turned["motor_work"] == 0.0
+    assert turned["quaternion"][3] > 0.0
+    wrong = run("path", "--preset", "tabak/helix", "--time", "1s", "--from-rest")
+    assert "for a tail of kind elastic" in wrong.output

@@ -38,6 +38,7 @@ FILES = {
     "spec.toml": "the spec it came from",
     _kept.CHECKPOINT: "what --resume goes on from",
 }
+UNJUDGED = "not measured for a tail followed in time; its drag is local"
 FRAMES = 120  #: of the swimmer for ParaView
 
 
@@ -46,6 +47,7 @@ FRAMES = 120  #: of the swimmer for ParaView
         "microswim path robot.toml --time 10s",
         "microswim path robot.toml --time 60s --from 0um,0um,20um --tilt 10deg --out path",
         "microswim path robot.toml --time 60s --out path --resume     after it was killed",
+        "microswim path soft.toml --time 2s --from-rest     an elastic tail from rest on",
         "microswim path cell.toml --time 30s --paths 200 --seed 1 --json     with [noise]",
     )
 )
@@ -82,6 +84,11 @@ FRAMES = 120  #: of the swimmer for ParaView
     help="Number of paths with [noise].",
 )
 @click.option("--seed", type=click.IntRange(0), default=0, show_default=True, help="Of the noise.")
+@click.option(
+    "--from-rest",
+    is_flag=True,
+    help="Follow an elastic tail from its shape at rest on; always so if nothing drives its base.",
+)
 @json_option
 @out_option
 @click.option("--resume", is_flag=True, help="Go on with the path in --out, if there is one.")
@@ -93,6 +100,7 @@ def command(
     tilt: str | None,
     model: str,
     level: str | None,
+    from_rest: bool,
     as_json: bool,
     out: Path | None,
     resume: bool,
@@ -110,7 +118,7 @@ def command(
 
     asked |= _start(given, time, start, tilt)
     _check(out, resume, force)
-    about = _gait(given, model, level)
+    about = _gait(given, model, level, from_rest)
     begun = clock.perf_counter()
     if out is not None:
         asked["keep"] = _kept.begin(out, given.text)
@@ -137,10 +145,15 @@ def _show(name: str, report: dict[str, Any]) -> None:
         click.echo(f"  note: {remark}")
 
 
-def _gait(given: Given, model: str, level: str | None) -> dict[str, Any]:
-    """Return the gait; beside a wall at every pose."""
+def _gait(given: Given, model: str, level: str | None, from_rest: bool) -> dict[str, Any]:
+    """Return the gait; beside a wall at every pose; none where the tail's shape is followed."""
     from microswim.cli import _print
+    from microswim.path.remembering import remembers
 
+    if from_rest and not given.swimmer.tail.settles:
+        raise SpecError("--from-rest", given.swimmer.tail.kind, "for a tail of kind elastic")
+    if from_rest or remembers(given.swimmer):
+        return {"memory": True}
     if given.swimmer.wall is not None:
         from microswim.calibration.poses.wall import beside_wall
         from microswim.cli._progress import bar
@@ -183,16 +196,17 @@ def _report(
     import numpy as np
 
     from microswim.calibration.atlas.expected import expected_error
+    from microswim.gait.gait import DEGREES_OF_FREEDOM
 
     poses = solved.get("poses")
-    gait = solved["gait"] if poses is None else poses.gait
+    gait = solved.get("gait") if poses is None else poses.gait
     many = "path" in found.dims
     x, q = found.position.values, found.quaternion.values
     ends = x[:, -1] if many else x[-1:]
     about = found.attrs
     report = {
         "swimmer": given.name,
-        "model": gait.model,
+        "model": about["model"],
         "units": about["units"],
         "time": float(found.time[-1]),
         "position": ends.mean(axis=0),
@@ -211,7 +225,11 @@ def _report(
     if "motor_work" in found:
         report["motor_work"] = float(found.motor_work[-1])
         report["dissipated"] = float(found.dissipated[-1])
-    velocity = expected_error(given.swimmer, gait)
+    velocity = (
+        expected_error(given.swimmer, gait)
+        if gait is not None
+        else {**dict.fromkeys(DEGREES_OF_FREEDOM), "how": UNJUDGED}
+    )
     position = about["position_error"]
     return report | {
         "expected_error": {
@@ -257,7 +275,7 @@ def _write(out: Path, given: Given, found: xr.Dataset) -> None:
     io.save(run, out / "path.nc")
     io.save(run, out / "path.csv")
     write(out / "path.png", png(picture(found)))
-    if "path" in found.dims:
+    if "path" in found.dims or "filament" in found:  # no swimmer of one shape, or of one gait
         return
     with scratch(out / "frames", out) as new:
         vtk.write_swimmer(new, given.swimmer.settled, run, FRAMES)

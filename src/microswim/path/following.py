@@ -24,6 +24,7 @@ from microswim.path.course import Course, Followed, follow
 from microswim.path.in_space import length_of
 from microswim.path.loads import loads_of
 from microswim.path.march import gaps_along
+from microswim.path.remembering import period_of, remember, remembers
 from microswim.path.trajectory import dataset
 from microswim.swimmer.magnetism.applied_field import AppliedField
 from microswim.swimmer.swimmer import Swimmer
@@ -62,6 +63,7 @@ def _at_every_pose(name: str, value: Any) -> None:
     seed=checks.at_least(0),
     step=checks.above_zero("time"),
     keep=checks.place,
+    memory=checks.truth,
     progress=checks.function,
 )
 def path(
@@ -83,6 +85,7 @@ def path(
     paths: int = 1,
     seed: int = 0,
     step: float | None = None,
+    memory: bool | None = None,
     keep: str | PathLike[str] | None = None,
     progress: Callable[[int, int], None] | None = None,
 ) -> xr.Dataset:
@@ -122,6 +125,11 @@ def path(
     step
         Time step with noise; by default 1/24 of a period, and short enough that noise turns the
         swimmer by less than 0.1 rad.
+    memory
+        Whether an elastic tail is followed from its shape at rest, every piece of it under the
+        loads; otherwise the swimmer has the beat that its tail settles to. By default where no
+        drive makes it beat: ``drive = "none"``, or a magnetic filament. Of a wall such a tail
+        knows a short-range repulsion alone; there is no noise.
     keep
         File in which the path is kept while it grows; a call that finds it there goes on.
     progress
@@ -131,8 +139,9 @@ def path(
     -------
     xarray.Dataset
         ``position`` (time, axis), ``quaternion`` (time, wxyz) and ``phase`` as of `trajectory`;
-        ``gap`` to the boundary; without noise ``motor_work`` and ``dissipated`` since the start;
-        as attributes ``outcome``, ``circle_radius``, ``circle_sense`` (seen from above),
+        ``gap`` to the boundary; with memory ``filament`` (time, point, axis), points along the
+        filament in the lab; without noise ``motor_work`` and ``dissipated`` since the start; as
+        attributes ``outcome``, ``circle_radius``, ``circle_sense`` (seen from above),
         ``gap_mean``, ``drift`` and ``position_error`` (of the last place, by the time steps alone).
 
     Raises
@@ -150,6 +159,16 @@ def path(
     >>> found.attrs["outcome"], bool(found.position[-1, 0] < 0)
     ('free', True)
     """
+    if memory is None:
+        memory = gait is None and poses is None and remembers(swimmer)
+    if memory:
+        pushes = {"force": _three("force", force), "torque": _three("torque", torque)}
+        start = _start(swimmer, _rest_start(swimmer), position, quaternion, tilt)
+        return remember(
+            swimmer, _times(period_of(swimmer), time, samples), position=start[0],
+            quaternion=start[1], phase=float(phase), tolerance=float(tolerance),
+            keep=None if keep is None else Path(keep), progress=progress, **pushes,
+        )  # fmt: skip
     poses = _poses(swimmer, model, gait, progress) if poses is None else poses
     made = poses.gait
     if swimmer.field is not None and swimmer.magnet is not None:
@@ -160,9 +179,9 @@ def path(
     if paths > MOST_PATHS:
         raise SpecError("paths", paths, f"at most {MOST_PATHS}")
     loads = loads_of(swimmer, made, _three("force", force), _three("torque", torque), contact)
-    start = _start(swimmer, poses, position, quaternion, tilt)
+    start = _start(swimmer, poses.start, position, quaternion, tilt)
     _check_clear(poses, *start, phase)
-    times = _times(made, time, samples)
+    times = _times(float(made.period), time, samples)
     energy = swimmer.noise.energy(swimmer.units) if noisy else 0.0  # type: ignore[union-attr]
     length = length_of(made)
     course = Course(
@@ -218,9 +237,9 @@ def _three(name: str, value: Any) -> Array:
 
 
 def _start(
-    swimmer: Swimmer, poses: Poses, position: Any, quaternion: Any, tilt: float | None
+    swimmer: Swimmer, usual: tuple[Array, Array], position: Any, quaternion: Any, tilt: float | None
 ) -> tuple[Array, Array]:
-    x, q = poses.start
+    x, q = usual
     if position is not None:
         x = _three("position", position)
     if quaternion is not None and tilt is not None:
@@ -239,11 +258,18 @@ def _start(
     return x, q
 
 
-def _times(gait: Gait, time: float, samples: int | None) -> Array:
+def _rest_start(swimmer: Swimmer) -> tuple[Array, Array]:
+    """Pose at the start of a tail that remembers: that of the wall's spec, or the origin."""
+    if swimmer.wall is not None:
+        beside: tuple[Array, Array] = doors.go(doors.START_BESIDE_WALL, swimmer.wall)
+        return beside
+    return np.zeros(3), np.array([1.0, 0.0, 0.0, 0.0])
+
+
+def _times(period: float, time: float, samples: int | None) -> Array:
     """Times at which the path is kept."""
     if samples is not None:
         return np.linspace(0.0, time, int(samples))
-    period = float(gait.period)
     turns = time / period
     if not turns > 0 or A_PERIOD * turns <= MOST_SAMPLES:
         count = int(np.clip(np.ceil(A_PERIOD * turns), 200, MOST_SAMPLES)) if turns else 1000

@@ -301,7 +301,7 @@ def _half_steps(t: np.ndarray, counts: np.ndarray) -> np.ndarray:
     return out
 
 
-def dataset(gait: Gait, t: Any, x: Any, q: Any, angle: Any) -> xr.Dataset:
+def dataset(gait: Any, t: Any, x: Any, q: Any, angle: Any) -> xr.Dataset:
     """Return positions, quaternions and phases at the times, of one path or of several."""
     import xarray as xr
 

@@ -50,6 +50,11 @@ class DragInSpace:
     offset: float
     free: tuple[int, ...]
 
+    def along(self, rod: Filament) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+        """Return the tangential, normal and spinning resistance of each node."""
+        W_t, W_n = (c * rod.weight + self.tip * rod.end for c in (self.tangential, self.normal))
+        return W_t, W_n, self.spin * rod.weight
+
 
 @dataclass(frozen=True, eq=False)
 class Pose:
@@ -102,8 +107,7 @@ def balance_in_space(
     given = (drag.normal, drag.tangential, drag.spin, drag.tip, drag.body, drag.offset)
     q = q.astype(np.result_type(q, V, at.place, rod.stiffness, rod.rest, *given))
     at = Pose(at.directors.astype(q.dtype), at.place.astype(q.dtype))
-    t, n = at.directors[:, 2], rod.count
-    ahead = heading(rod, at.directors)
+    t = at.directors[:, 2]
     X = at.place + drag.offset * AXIS
     phi, moved = shapes_of(rod, at)  # (m, 3, 3 n) each
     rigid_phi, rigid = rigid_motions(X, drag.free)
@@ -111,12 +115,12 @@ def balance_in_space(
 
     whole = V[3:] + rate * AXIS
     v = V[:3] + np.cross(V[3:], X) + rate * np.cross(AXIS, at.place)
-    W_t, W_n = (c * rod.weight + drag.tip * rod.end for c in (drag.tangential, drag.normal))
-    W_r, extra = drag.spin * rod.weight, W_t - W_n
+    W_t, W_n, W_r = drag.along(rod)
+    extra = W_t - W_n
     along, spin = _dot(t, v), t @ whole
     f = W_n[:, None] * v + (extra * along)[:, None] * t
     m = (W_r * spin)[:, None] * t
-    residual = _flat(shift).T @ f.ravel() + _flat(turn).T @ m.ravel()
+    residual = flat(shift).T @ f.ravel() + flat(turn).T @ m.ravel()
     free, count = list(drag.free), len(drag.free)
     own = drag.body[free]
     K = rod.stiffness.ravel()
@@ -124,31 +128,51 @@ def balance_in_space(
     residual[count:] += K * (q - rod.rest).ravel()
 
     tangent, spun = (_dot(t[..., None], c) for c in (shift, turn))  # (m, f + 3 n)
-    R = _flat(shift).T @ _flat(W_n[:, None, None] * shift)
+    R = flat(shift).T @ flat(W_n[:, None, None] * shift)
     R += tangent.T @ (extra[:, None] * tangent) + spun.T @ (W_r[:, None] * spun)
     R[:count, :count] += own[:, free]
 
-    dt = _cross(phi, t[..., None])
-    dv = _cross(np.broadcast_to(whole[:, None], moved.shape), moved)
+    dt = cross_columns(phi, t[..., None])
+    dv = cross_columns(np.broadcast_to(whole[:, None], moved.shape), moved)
     d_along = _dot(dt, v[..., None]) + _dot(dv, t[..., None])
     df = W_n[:, None, None] * dv + (
         (extra[:, None] * d_along)[:, None] * t[..., None] + (extra * along)[:, None, None] * dt
     )
     d_spin = _dot(dt, np.broadcast_to(whole[:, None], dt.shape))
     dm = (W_r[:, None] * d_spin)[:, None] * t[..., None] + (W_r * spin)[:, None, None] * dt
-    G = _flat(shift).T @ _flat(df) + _flat(turn).T @ _flat(dm)
+    G = flat(shift).T @ flat(df) + flat(turn).T @ flat(dm)
+    G += as_it_bends(rod, at, (phi, moved), (f, m), drag.free)
+    G[count:] += np.diag(K)
+    return BalanceInSpace(residual, R, G)
+
+
+def as_it_bends(
+    rod: Filament, at: Pose, by: tuple[np.ndarray, np.ndarray],
+    of: tuple[np.ndarray, np.ndarray], free: tuple[int, ...],
+) -> np.ndarray:  # fmt: skip
+    """Return how the work of forces that stay changes by the coordinates, (f + 3 n, 3 n).
+
+    Parameters
+    ----------
+    by
+        ``phi_k`` and ``X_k``, (m, 3, 3 n) each.
+    of
+        Force and torque on each node, (m, 3) each.
+    """
+    (phi, moved), (f, m), n, count = by, of, rod.count, len(free)
+    ahead = heading(rod, at.directors)
+    G = np.zeros((count + 3 * n, 3 * n), dtype=np.result_type(phi, f, m))
     N = rod.along.T @ f
     M = rod.turns.T @ (np.cross(ahead, N) + m)
-    d_ahead = _cross(phi, ahead[..., None])
-    G[count:] += _flat(phi).T @ _flat(_cross(d_ahead, N[..., None]))
+    d_ahead = cross_columns(phi, ahead[..., None])
+    G[count:] += flat(phi).T @ flat(cross_columns(d_ahead, N[..., None]))
     for i in range(3):  # phi_k . (d_i x M) p_i
         bent = _dot(np.cross(at.directors[:, i], M)[..., None], phi)
         G[count + i * n : count + (i + 1) * n] += rod.curvatures.T @ bent
-    arms = _cross(moved, f[..., None]).sum(axis=0)  # torque of the drag as its points move
+    arms = cross_columns(moved, f[..., None]).sum(axis=0)  # torque as the points move
     turning = [name >= 3 for name in free]
     G[:count][turning] += arms[[name - 3 for name in free if name >= 3]]
-    G[count:] += np.diag(K)
-    return BalanceInSpace(residual, R, G)
+    return G
 
 
 def shapes_of(rod: Filament, at: Pose) -> tuple[np.ndarray, np.ndarray]:
@@ -157,7 +181,7 @@ def shapes_of(rod: Filament, at: Pose) -> tuple[np.ndarray, np.ndarray]:
     directors = np.swapaxes(at.directors, 1, 2)[..., None]  # (m, 3, director, 1)
     integrand = (directors * rod.curvatures[:, None, None]).reshape(m, 3, 3 * n)
     phi = (rod.turns @ integrand.reshape(m, -1)).reshape(m, 3, 3 * n)
-    speed = _cross(phi, heading(rod, at.directors)[..., None])
+    speed = cross_columns(phi, heading(rod, at.directors)[..., None])
     return phi, (rod.along @ speed.reshape(m, -1)).reshape(m, 3, 3 * n)
 
 
@@ -167,11 +191,11 @@ def rigid_motions(X: np.ndarray, free: tuple[int, ...]) -> tuple[np.ndarray, np.
     turn, shift = np.zeros((2, m, 3, 6), dtype=X.dtype)
     turn[:, :, 3:] = np.eye(3)
     shift[:, :, :3] = np.eye(3)
-    shift[:, :, 3:] = _cross(np.broadcast_to(np.eye(3), (m, 3, 3)), X[..., None])
+    shift[:, :, 3:] = cross_columns(np.broadcast_to(np.eye(3), (m, 3, 3)), X[..., None])
     return turn[..., list(free)], shift[..., list(free)]
 
 
-def _flat(a: np.ndarray) -> np.ndarray:
+def flat(a: np.ndarray) -> np.ndarray:
     """Nodes and components in one row, (3 m, k)."""
     return a.reshape(-1, a.shape[-1])
 
@@ -181,7 +205,7 @@ def _dot(a: np.ndarray, b: np.ndarray) -> np.ndarray:
     return (a * b).sum(axis=1)
 
 
-def _cross(a: np.ndarray, b: np.ndarray) -> np.ndarray:
+def cross_columns(a: np.ndarray, b: np.ndarray) -> np.ndarray:
     """Vector product over the axis of components, the second."""
     (x, y, z), (u, v, w) = np.moveaxis(a, 1, 0), np.moveaxis(b, 1, 0)
     return np.stack([y * w - z * v, z * u - x * w, x * v - y * u], axis=1)

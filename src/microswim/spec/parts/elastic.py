@@ -5,7 +5,7 @@ from __future__ import annotations
 from typing import Annotated, Literal
 
 from microswim.spec.fields import About
-from microswim.spec.types import Angle, Bending, Length, Number, Table, Torque
+from microswim.spec.types import Angle, Bending, Length, Moment, Number, Table, Torque
 
 
 class ElasticFields(Table):
@@ -43,6 +43,14 @@ class ElasticFields(Table):
     ] = None
     file: Annotated[
         str | None, About("File", "table of s, q, r (or x, y, z): points of the shape at rest")
+    ] = None
+    magnet: Annotated[
+        list[Moment] | None,
+        About("Moment of the filament", "magnetic, spread along it: [along, across, across]",
+              entries=("Moment along", "Moment across, q", "Moment across, r")),
+    ] = None  # fmt: skip
+    magnet_span: Annotated[
+        list[Number] | None, About("Magnetic part", "of the filament, from and to: [0, 0.3]")
     ] = None
 
 

@@ -66,6 +66,11 @@ class ElasticTail(Tail):
     rest
         Points ``(s, q, r)`` along the filament at rest, from the joint on, in place of the helix;
         the curve through them is drawn to the length.
+    magnet
+        Magnetic moment of the filament, spread evenly along `magnet_span`: along its tangent and
+        across it, ``(s, q, r)`` where it is straight (A m^2, or torque per field).
+    magnet_span
+        Where the filament is magnetic, from and to which part of its length.
     wavelength
         Of the inner moments, along the filament. Else for laws of local resistance that need
         one; Cox's law, which needs none, where the swimmer chooses no law.
@@ -100,6 +105,8 @@ class ElasticTail(Tail):
     rest_radius: float | None = None
     rest_pitch: float | None = None
     rest: Any = None
+    magnet: tuple[float, float, float] | None = None
+    magnet_span: tuple[float, float] = (0.0, 1.0)
     wavelength: float | None = None
     sections: Sections = "perpendicular"
     surface_motion: SurfaceMotion = "bending"
@@ -118,6 +125,7 @@ class ElasticTail(Tail):
         checks.choice("tail.drive", self.drive, get_args(Drive))
         self._check_rest()
         self._check_drive()
+        self._check_magnet()
 
     def _check_drive(self) -> None:
         needed = SIZE.get(self.drive)
@@ -170,6 +178,16 @@ class ElasticTail(Tail):
         if not np.linalg.norm(np.diff(points, axis=0), axis=1).all():
             raise SpecError("tail.rest", "two points in the same place", allowed)
         object.__setattr__(self, "rest", tuple(map(tuple, points.tolist())))
+
+    def _check_magnet(self) -> None:
+        if self.magnet is not None:
+            checks.numbers("tail.magnet", self.magnet, 3, "three numbers [s, q, r]")
+            object.__setattr__(self, "magnet", tuple(map(float, self.magnet)))
+        checks.numbers("tail.magnet_span", self.magnet_span, 2, "two fractions of the length")
+        first, last = map(float, self.magnet_span)
+        if not 0.0 <= first < last <= 1.0:
+            raise SpecError("tail.magnet_span", [first, last], "rising, from 0 to 1")
+        object.__setattr__(self, "magnet_span", (first, last))
 
     @property
     def is_bent(self) -> bool:

@@ -1,0 +1,161 @@
+"""What pulls at body and filament: weight, magnetic field, wall, and the fluid's own flow.
+
+    filament, per length   (rho - rho_f) pi r^2 g,   m_l x B and J' m_l,   push exp(-gap / reach) n
+    body                   (rho_b - rho_f) V_b g,    m x B and J' m,       the same push
+
+The repulsion of a wall is short-ranged and has no lubrication in it: it lets nothing through.
+Lengths are in L, forces in ``B / L^2``, time over the unit of rate; the field keeps its own unit.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from microswim.models.elastic.filament import Filament
+from microswim.models.elastic.space import Pose
+from microswim.swimmer.flow import Flow
+
+
+@dataclass(frozen=True, eq=False)
+class Wall:
+    """The plane z = 0: push per length, range, half thickness of filament and body (s, q, r)."""
+
+    push: float
+    reach: float
+    radius: float
+    girth: np.ndarray
+
+    def on(self, gap: Any) -> tuple[Any, Any]:
+        """Return the force away from the wall at a gap, and how it falls with it."""
+        force = self.push * np.exp(-np.minimum(gap, 40.0 * self.reach) / self.reach)
+        return force, force / self.reach
+
+
+@dataclass(frozen=True, eq=False)
+class Loads:
+    """Loads on an elastic swimmer, without units.
+
+    Parameters
+    ----------
+    weight, body_weight
+        Of the filament per length and of the body, lab frame, (3,).
+    arm
+        From the body's centre to where its weight acts, body frame, (3,).
+    force, torque
+        Further ones on the body about its centre, lab frame, (3,).
+    magnetic
+        Torque per field of the body's magnet: m_0, then C row by row, body frame, (12,).
+    along
+        Moment of the whole filament by its own axes ``t, d_1, d_2``, (3,).
+    share
+        Of that moment at each node, (m,).
+    field, gradient
+        B (3,) at a time, and ``dB_i/dx_j`` (3, 3), lab frame, at a place; None: no field.
+    flow
+        Velocity (..., 3) at places (..., 3), lab frame; None: at rest.
+    spin
+        Half the curl of the flow, lab frame, (3,).
+    wall
+        Beside the swimmer, or None.
+    """
+
+    weight: np.ndarray
+    body_weight: np.ndarray
+    arm: np.ndarray
+    force: np.ndarray
+    torque: np.ndarray
+    magnetic: np.ndarray | None
+    along: np.ndarray | None
+    share: np.ndarray | None
+    field: Callable[[float, np.ndarray], tuple[np.ndarray, np.ndarray]] | None
+    flow: Callable[[np.ndarray], np.ndarray] | None
+    spin: np.ndarray
+    wall: Wall | None
+
+
+@dataclass(frozen=True, eq=False)
+class Pull:
+    """What the loads do at one moment, body frame, and how it changes as things move.
+
+    Parameters
+    ----------
+    force, torque
+        On each node, (m, 3).
+    wrench
+        On the body about its centre, (6,).
+    shifting, turning
+        Fall of force with the node's place, and of torque with its rotation, (m, 3, 3).
+    body
+        The same of the wrench, (6, 6).
+    """
+
+    force: np.ndarray
+    torque: np.ndarray
+    wrench: np.ndarray
+    shifting: np.ndarray
+    turning: np.ndarray
+    body: np.ndarray
+
+
+def pull(
+    loads: Loads, rod: Filament, at: Pose, X: np.ndarray, time: float, x: np.ndarray, Q: np.ndarray
+) -> Pull:
+    """Return what pulls at the nodes, places X (m, 3) from the body's centre at x (lab).
+
+    Q is the rotation matrix from the body to the lab.
+    """
+    m = len(rod.s)
+    force = rod.weight[:, None] * (loads.weight @ Q)
+    torque, wrench = np.zeros((m, 3)), np.zeros(6)
+    shifting, turning, body = np.zeros((m, 3, 3)), np.zeros((m, 3, 3)), np.zeros((6, 6))
+    heavy = loads.body_weight @ Q
+    wrench[:3] = (loads.force @ Q) + heavy
+    wrench[3:] = (loads.torque @ Q) + np.cross(loads.arm, heavy)
+    if loads.field is not None:
+        B, J = loads.field(time, x)
+        B, J = B @ Q, Q.T @ J @ Q
+        if loads.magnetic is not None:
+            moment = loads.magnetic[:3] + loads.magnetic[3:].reshape(3, 3) @ B
+            wrench[:3] += J.T @ moment
+            wrench[3:] += np.cross(moment, B)
+            body[3:, 3:] += _turned(moment, B)
+        if loads.along is not None:
+            axes = at.directors[:, [2, 0, 1]]
+            moment = np.einsum("m,i,mij->mj", loads.share, loads.along, axes)
+            here = B + X @ J.T
+            torque += np.cross(moment, here)
+            force += moment @ J
+            turning += _turned(moment, here)
+    if loads.wall is not None:
+        _push(loads.wall, rod, X, x, Q, force, wrench, shifting, body)
+    return Pull(force, torque, wrench, shifting, turning, body)
+
+
+def _turned(moment: np.ndarray, B: np.ndarray) -> np.ndarray:
+    """How ``m x B`` falls as m turns: ``(m . B) I - m B'``."""
+    size = (moment * B).sum(axis=-1)[..., None, None] * np.eye(3)
+    return size - moment[..., :, None] * B[..., None, :]
+
+
+def _push(
+    wall: Wall, rod: Filament, X: np.ndarray, x: np.ndarray, Q: np.ndarray,
+    force: np.ndarray, wrench: np.ndarray, shifting: np.ndarray, body: np.ndarray,
+) -> None:  # fmt: skip
+    up = Q[2]  # z by the body's axes
+    on, fall = wall.on(x[2] + X @ up - wall.radius)
+    both = np.outer(up, up)
+    force += (rod.weight * on)[:, None] * up
+    shifting += (rod.weight * fall)[:, None, None] * both
+    own, own_fall = wall.on(x[2] - np.sqrt(((wall.girth * up) ** 2).sum()))
+    wrench[:3] += own * up
+    body[:3, :3] += own_fall * both
+
+
+def half_curl(flow: Flow) -> np.ndarray:
+    """Return half the curl (3,) of a flow whose gradient is the same everywhere."""
+    A = flow.gradient
+    return np.array([A[2, 1] - A[1, 2], A[0, 2] - A[2, 0], A[1, 0] - A[0, 1]]) / 2.0

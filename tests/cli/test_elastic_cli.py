@@ -183,6 +183,9 @@ def test_any_swimmer_can_be_held(preset):
 def test_a_path_from_rest(spec, tmp_path):
     """Files and numbers of a tail followed in time, and of one that its magnet drives."""
     free = ["--set", "motion.free=all", "--set", "tail.bending=1"]
+    refused = run("path", spec, *free, "--time", "0.5", "--from-rest")
+    assert "a hinge to nothing has no angle" in refused.output
+    free += ["--set", 'body.shape="sphere"', "--set", "body.radius=0.2"]
     out = tmp_path / "out"
     made = run("path", spec, *free, "--time", "0.5", "--from-rest", "--out", out, "--json")
     assert made.exit_code == 0, made.output

@@ -123,7 +123,7 @@ def pull(
             wrench[:3] += J.T @ moment
             wrench[3:] += np.cross(moment, B)
             body[3:, 3:] += _turned(moment, B)
-        if loads.along is not None:
+        if loads.along is not None and loads.share is not None:
             axes = at.directors[:, [2, 0, 1]]
             moment = np.einsum("m,i,mij->mj", loads.share, loads.along, axes)
             here = B + X @ J.T

@@ -67,6 +67,9 @@ def in_time(swimmer: Swimmer, modes: int, phase: float = 0.0, **more: Any) -> In
         raise SpecError("channel: an elastic tail is not followed in a tube; remove it")
     if swimmer.noise is not None:
         raise SpecError("noise: an elastic tail is followed without it; remove [noise]")
+    if tail.base == "hinged" and swimmer.body.is_absent and any(swimmer.motion.mask[3:]):
+        raise SpecError("tail.base", "hinged", '"clamped" where there is no body',
+                        "a hinge to nothing has no angle; or hold the rotations")  # fmt: skip
     rod = filament_of(swimmer, modes)
     size = float(getattr(tail, SIZE.get(tail.drive, ""), None) or 0.0)
     if tail.drive == "heave":

@@ -176,7 +176,7 @@ def as_it_bends(
 
 
 def shapes_of(rod: Filament, at: Pose) -> tuple[np.ndarray, np.ndarray]:
-    """``phi_k`` and ``X_k`` of each coordinate at the nodes, (m, 3, 3 n)."""
+    """Return ``phi_k`` and ``X_k`` of each coordinate at the nodes, (m, 3, 3 n)."""
     m, n = rod.curvatures.shape
     directors = np.swapaxes(at.directors, 1, 2)[..., None]  # (m, 3, director, 1)
     integrand = (directors * rod.curvatures[:, None, None]).reshape(m, 3, 3 * n)
@@ -186,7 +186,7 @@ def shapes_of(rod: Filament, at: Pose) -> tuple[np.ndarray, np.ndarray]:
 
 
 def rigid_motions(X: np.ndarray, free: tuple[int, ...]) -> tuple[np.ndarray, np.ndarray]:
-    """The same of the body's free velocities, (m, 3, f)."""
+    """Return the same of the body's free velocities, (m, 3, f)."""
     m = len(X)
     turn, shift = np.zeros((2, m, 3, 6), dtype=X.dtype)
     turn[:, :, 3:] = np.eye(3)
@@ -196,7 +196,7 @@ def rigid_motions(X: np.ndarray, free: tuple[int, ...]) -> tuple[np.ndarray, np.
 
 
 def flat(a: np.ndarray) -> np.ndarray:
-    """Nodes and components in one row, (3 m, k)."""
+    """Return nodes and components in one row, (3 m, k)."""
     return a.reshape(-1, a.shape[-1])
 
 
@@ -206,6 +206,6 @@ def _dot(a: np.ndarray, b: np.ndarray) -> np.ndarray:
 
 
 def cross_columns(a: np.ndarray, b: np.ndarray) -> np.ndarray:
-    """Vector product over the axis of components, the second."""
+    """Return the vector product over the axis of components, the second."""
     (x, y, z), (u, v, w) = np.moveaxis(a, 1, 0), np.moveaxis(b, 1, 0)
     return np.stack([y * w - z * v, z * u - x * w, x * v - y * u], axis=1)

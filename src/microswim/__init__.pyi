@@ -41,6 +41,7 @@ from .output import plots as plots
 from .output import report as report
 from .path.following import path as path
 from .path.of_group import group_path as group_path
+from .path.own_motors import own_motors as own_motors
 from .path.regimes import Regimes as Regimes
 from .path.regimes import regimes as regimes
 from .path.trajectory import trajectory as trajectory

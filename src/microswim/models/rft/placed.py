@@ -11,6 +11,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from functools import reduce
+from typing import Any
 
 import numpy as np
 
@@ -37,9 +38,18 @@ def sum_over_tails(swimmer: Swimmer, own: Callable[[Swimmer], Series]) -> Series
     return R, F, G
 
 
-def moved(own: Series, swimmer: Swimmer, tail: Tail) -> Series:
-    """Return the series of a tail in its own frame, moved to its place and to its own phase."""
-    R, F, G = (of_multiple(shifted(series, tail.ahead), tail.beats) for series in own)
+def at_own_rates(tail: Tail) -> tuple[Tail, ...]:
+    """Return the single tails, the phase of each its own."""
+    return tuple(replaced(one, "frequency", one.frequency) for one in tail.each)
+
+
+def moved(own: Series, swimmer: Swimmer, tail: Tail, ahead: Any = None) -> Series:
+    """Return the series of a tail in its own frame, moved to its place and to its own phase.
+
+    `ahead` stands for its own where it is given.
+    """
+    ahead = tail.ahead if ahead is None else ahead
+    R, F, G = (of_multiple(shifted(series, ahead), tail.beats) for series in own)
     centre = swimmer.body.centre
     Ad = tail.placement.adjoint(centre, centre)
     return Ad @ R @ Ad.T, tail.pace * F @ Ad.T, tail.pace**2 * G

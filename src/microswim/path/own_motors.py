@@ -1,0 +1,242 @@
+"""Tails whose motors give a torque: each turns as fast as it can, and their phases drift or lock.
+
+Each tail has its own phase ``phi_i``; by resistive force theory R is the body's and the sum of the
+tails', each at its own phase, and with the rates ``w_i`` of the motors
+
+    R(phi) V + sum_i F_i(phi_i) w_i = 0             on the free axes
+    F_i . V + G_i(phi_i) w_i = tau_i = T_i (1 - w_i / W_i)
+
+the second the torque that motor i gives: constant T, or falling in a straight line to none at its
+rate without load W. What phases do to one another goes through the motion of the body.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from microswim import checks
+from microswim.errors import MicroswimError, SpecError
+from microswim.gait.units import unit
+from microswim.models.rft.gait import body_resistance, tail_series
+from microswim.models.rft.placed import at_own_rates, moved
+from microswim.numerics.array import Array, sealed
+from microswim.numerics.fourier import evaluate
+from microswim.swimmer.parts import replaced
+from microswim.swimmer.physical_sense import require_drag, require_tail
+from microswim.swimmer.swimmer import Swimmer
+
+if TYPE_CHECKING:
+    import xarray as xr
+
+#: Of the phases and the pose, relative and absolute (rad, body lengths).
+TOLERANCE = 1e-8
+#: Evaluations of a path, after which it is given up: some minutes.
+MOST = 2_000_000
+
+
+@dataclass(frozen=True, eq=False)
+class Motors:
+    """A swimmer of n tails, each with its own motor and phase.
+
+    Parameters
+    ----------
+    body
+        Resistance of the body (6, 6).
+    tails
+        Of each tail the series of ``B_t``, ``F_p`` and G in its own phase.
+    free
+        Which of the six motions are free, (6,).
+    torque
+        T of each motor, (n,).
+    no_load
+        Rate of each motor without load (rad per time), (n,); infinite for a constant torque.
+    """
+
+    body: Array
+    tails: tuple[tuple[Array, ...], ...]
+    free: NDArray[np.bool_]
+    torque: Array
+    no_load: Array
+
+    def at(self, phases: Array) -> tuple[Array, Array, Array]:
+        """Return R (6, 6), F (6, n) and G (n,) at the phases (n,)."""
+        each = [[evaluate(s, p) for s in tail] for tail, p in zip(self.tails, phases)]
+        R, F, G = zip(*each)
+        return self.body + np.sum(R, axis=0), np.array(F).T, np.array(G)
+
+    def turning(self, phases: Array) -> tuple[Array, Array]:
+        """Return twist V (6,) and rates (n,) at the phases (n,)."""
+        R, F, G = self.at(phases)
+        R, F = R[np.ix_(self.free, self.free)], F[self.free]
+        slope = np.diag(G + self.torque / self.no_load)
+        both: Any = np.linalg.solve(
+            np.block([[R, F], [F.T, slope]]), np.concatenate([np.zeros(len(R)), self.torque])
+        )
+        V = np.zeros(6)
+        V[self.free] = both[: len(R)]
+        return V, both[len(R) :]
+
+
+def motors_of(swimmer: Swimmer, torque: Any, no_load: Any = None) -> Motors:
+    """Return the motors of a swimmer by resistive force theory.
+
+    Raises
+    ------
+    SpecError
+        If torques or rates are not one number, or one for each tail.
+    """
+    require_tail(swimmer, "motors of their own")
+    require_drag(swimmer)
+    if swimmer.tail.settles or swimmer.region is not None:
+        raise SpecError(
+            "tail: motors of given torque turn tails of a given shape, by the surrogate without a "
+            "region calibration; leave [region] out, or take another kind of tail"
+        )
+    tails = at_own_rates(swimmer.tail)
+    T = _one_for_each("torque", torque, len(tails), "a torque, or one for each tail")
+    W = np.full(len(tails), np.inf)
+    if no_load is not None:
+        allowed = "a rate other than zero (rad per time), or one for each tail"
+        W = _one_for_each("no_load", no_load, len(tails), allowed)
+        if not (W * T > 0.0).all():
+            raise SpecError("no_load", no_load, "of the sign of the torque", allowed)
+    series = tuple(
+        moved(tail_series(replaced(swimmer, "tail", t.own)), swimmer, t, ahead=0.0) for t in tails
+    )
+    free = np.array(swimmer.motion.mask)
+    return Motors(body_resistance(swimmer), series, free, T, W)
+
+
+def _one_for_each(name: str, value: Any, count: int, allowed: str) -> Array:
+    each = list(value) if np.ndim(value) == 1 else [value] * count
+    checks.numbers(name, each, count, allowed)
+    return np.array(each, float)
+
+
+@checks.given(swimmer=checks.swimmer, times=checks.series)
+def own_motors(
+    swimmer: Swimmer, times: Any, *, torque: Any, no_load: Any = None, phase: Any = None
+) -> xr.Dataset:
+    """Follow a swimmer whose motors give a torque each; their phases drift, or lock.
+
+    By resistive force theory, where tails feel one another through the body's motion alone.
+
+    Parameters
+    ----------
+    swimmer
+        With one tail or several; their frequencies do not matter.
+    times
+        Increasing, (m,).
+    torque
+        Of the motors, one number or n; it turns a tail the way a positive frequency does.
+    no_load
+        Rate of the motors without load (rad per time), one number or n: their torque falls in a
+        straight line from `torque` at rest to none there. None: the torque is constant.
+    phase
+        Of the tails at the start (rad), n; by default ``tail.phase`` of each.
+
+    Returns
+    -------
+    Dataset
+        Over ``time``: ``phase`` and ``rate`` (time, tail), ``torque`` (time, tail), ``position``,
+        ``quaternion``, ``velocity`` (body frame).
+
+    Raises
+    ------
+    SpecError
+        If an argument has the wrong shape or is out of range.
+    MicroswimError
+        If so many turns do not end.
+
+    Examples
+    --------
+    >>> import numpy as np, microswim as ms
+    >>> robot = ms.Swimmer.preset("tabak/helix")
+    >>> found = ms.own_motors(robot, np.linspace(0.0, 2.0, 5), torque=120.0)
+    >>> bool(abs(found.rate[-1, 0] - 2 * np.pi) < 1.0)
+    True
+    """
+    t = np.atleast_1d(np.asarray(times, dtype=float))
+    if t.ndim != 1 or t.size < 2 or not np.isfinite(t).all() or (np.diff(t) <= 0).any():
+        raise SpecError("times", times, "two or more, finite and increasing")
+    motors = motors_of(swimmer, torque, no_load)
+    count = len(motors.tails)
+    ahead = [float(tail.ahead) for tail in swimmer.tail.each]
+    start = _one_for_each("phase", ahead if phase is None else phase, count, "n phases (rad)")
+    y = _followed(motors, t, start, float(np.real(swimmer.body_length)))
+    V, rate = map(np.array, zip(*(motors.turning(p) for p in y[:, :count])))
+    given = motors.torque * (1.0 - rate / motors.no_load)
+    return _dataset(swimmer, t, y, V, rate, given)
+
+
+def _followed(motors: Motors, t: Array, start: Array, length: float) -> Array:
+    """Phases, place and quaternion at the times, (m, n + 7)."""
+    from scipy.integrate import solve_ivp
+
+    n, calls = len(start), 0
+
+    def slope(_: float, y: Array) -> Array:
+        nonlocal calls
+        calls += 1
+        if calls > MOST:
+            raise MicroswimError(
+                f"times: after {MOST:,} evaluations the motors have not come to the end; ask for a "
+                "shorter time"
+            )
+        V, rate = motors.turning(y[:n])
+        w, x, y_, z = y[n + 3 :] / np.linalg.norm(y[n + 3 :])
+        axis = np.array([x, y_, z])
+        twice = 2.0 * np.cross(axis, V[:3])
+        moved = V[:3] + w * twice + np.cross(axis, twice)
+        turned = w * V[3:] + np.cross(axis, V[3:])
+        return np.concatenate([rate, moved, 0.5 * np.array([-axis @ V[3:], *turned])])
+
+    first = np.concatenate([start, np.zeros(3), [1.0, 0.0, 0.0, 0.0]])
+    scale = np.concatenate([np.ones(n), np.full(3, length), np.ones(4)])
+    found = solve_ivp(slope, (t[0], t[-1]), first, "DOP853", t, rtol=TOLERANCE,
+                      atol=TOLERANCE * scale)  # fmt: skip
+    if not found.success:
+        raise MicroswimError(f"the motors' phases were not followed: {found.message}")
+    y = found.y.T.copy()
+    y[:, n + 3 :] /= np.linalg.norm(y[:, n + 3 :], axis=1, keepdims=True)
+    return y
+
+
+def _dataset(
+    swimmer: Swimmer, t: Array, y: Array, V: Array, rate: Array, torque: Array
+) -> xr.Dataset:
+    import xarray as xr
+
+    from microswim.gait.gait import DEGREES_OF_FREEDOM
+
+    n = rate.shape[1]
+
+    def told(kind: str, text: str) -> dict[str, str]:
+        return {"units": unit(swimmer.units, kind), "long_name": text}
+
+    phase = {"units": "rad", "long_name": "phase of each tail"}
+    turns = told("angular rate", "rate of each motor, relative to the body")
+    return sealed(
+        xr.Dataset(
+            {
+                "phase": (("time", "tail"), y[:, :n], phase),
+                "rate": (("time", "tail"), rate, turns),
+                "torque": (("time", "tail"), torque, told("torque", "that each motor gives")),
+                "position": (("time", "axis"), y[:, n : n + 3], told("length", "body centre, lab")),
+                "quaternion": (("time", "wxyz"), y[:, n + 3 :], {"units": "1"}),
+                "velocity": (("time", "dof"), V, {"long_name": "velocity, body frame"}),
+            },
+            coords={
+                "time": ("time", t, {"units": unit(swimmer.units, "time")}),
+                "tail": np.arange(n),
+                "axis": list("xyz"),
+                "wxyz": list("wxyz"),
+                "dof": list(DEGREES_OF_FREEDOM),
+            },
+            attrs={"model": "rft", "units": swimmer.units},
+        )
+    )

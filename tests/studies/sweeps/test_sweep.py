@@ -63,7 +63,7 @@ def test_a_sweep_does_not_depend_on_what_was_computed_before(preset):
 
 @pytest.fixture
 def small_blocks(monkeypatch):
-    monkeypatch.setitem(importlib.import_module("microswim.studies.sweeps.sweep").BLOCK, "rft", 4)
+    monkeypatch.setitem(importlib.import_module("microswim.studies.sweeps.sweep").BLOCK, "auto", 4)
 
 
 @pytest.mark.parametrize("preset", ["tabak/helix", "tabak/plane_wave"])
@@ -194,7 +194,7 @@ def test_plain_xarray_reads_the_store_with_its_provenance(tmp_path):
     speed = result.mean_velocity.sel({"component": "us", "tail.handedness": "left"})
     assert bool((speed < 0).all())
     assert result.attrs["microswim_version"] == ms.__version__
-    assert result.attrs["model"] == "rft"
+    assert result.attrs["model"] == "auto"
     spec = json.loads(result.attrs["spec"])
     assert spec["tail"]["amplitude"] == HELIX.tail.amplitude
     assert spec["body"] == {"shape": "sphere", "radius": 0.5}

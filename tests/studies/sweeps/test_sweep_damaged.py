@@ -29,7 +29,7 @@ def same(one, other):
 
 @pytest.fixture
 def blocks(monkeypatch):
-    monkeypatch.setitem(sweeps.BLOCK, "rft", 3)
+    monkeypatch.setitem(sweeps.BLOCK, "auto", 3)
 
 
 @pytest.fixture

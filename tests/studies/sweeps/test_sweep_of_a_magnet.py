@@ -30,7 +30,7 @@ def test_each_design_has_what_regimes_and_run_say_of_it():
     for i, B in enumerate(strength):
         for j, n in enumerate(waves):
             one = robot().with_({"field.strength": B, "tail.waves": n})
-            said = ms.io.numbers(one, one.gait("rft"))
+            said = ms.io.numbers(one, one.gait("auto"))
             for name in NAMES:
                 assert float(found[name][i, j]) == pytest.approx(said[name], rel=1e-10)
     assert found.step_out.attrs["units"] == "Hz"

@@ -5,7 +5,7 @@ from __future__ import annotations
 import textwrap
 from collections.abc import Mapping, Sequence
 from functools import partial
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import numpy as np
 import xarray as xr
@@ -16,6 +16,7 @@ from microswim.gait.quantities import QUANTITIES, current
 from microswim.gait.readable import quantity
 from microswim.gait.units import unit
 from microswim.output.io.surface import surface
+from microswim.output.plots import doubt
 from microswim.output.plots.drawing import Camera, draw_surface, scale_bar
 from microswim.output.plots.style import BLUE, ORANGE, WIDE, blank, few_ticks, look, readable
 from microswim.swimmer.swimmer import Swimmer
@@ -79,19 +80,21 @@ def design_map(
     label: str | None = None,
 ) -> Figure:
     """Return contours of a result of a sweep over two numbers, with the optimum and the
-    neighbourhood.
+    neighbourhood; over one number its curve.
+
+    How wrong u_s may be is drawn where it is known: as lines on a map, hatched from 20 % on and
+    where it is not known, and as a band about a curve of a speed.
 
     Parameters
     ----------
     result
-        Of `sweep`, over two dotted names; failed designs stay white.
+        Of `sweep`, over one or two dotted names; failed designs stay white.
     merit
         Its variable; ``mean_velocity.us`` takes a component.
     optimum
         Marked, and drawn to scale beside the map.
     region
-        Dotted name to ``(low, high)``: the calibrated neighbourhood, drawn as a frame. Where the
-        result holds expected errors, their 5 % and 10 % lines are drawn as well.
+        Dotted name to ``(low, high)``: the calibrated neighbourhood, drawn as a frame.
     label
         Name of the colours.
 
@@ -103,7 +106,7 @@ def design_map(
     Raises
     ------
     SpecError
-        If the result does not vary over two numbers, or has no such variable.
+        If the result does not vary over one or two numbers, or has no such variable.
 
     Examples
     --------
@@ -117,8 +120,11 @@ def design_map(
     if name not in result:
         raise SpecError("merit", merit, "a variable of the result", nearest(name, map(str, result)))
     values = result[name].sel(component=component) if component else result[name]
+    if values.ndim == 1 and values.dims[0] in result.coords:
+        return _curve(result, values, merit, label)
     if values.ndim != 2:
-        raise SpecError("result", f"over {', '.join(map(str, values.dims))}", "over two numbers")
+        over = ", ".join(map(str, values.dims))
+        raise SpecError("result", f"over {over}", "over one or two numbers")
     y, x = values.dims
     with look():
         figure = blank(WIDE, 3.4)
@@ -138,7 +144,7 @@ def design_map(
         levels = np.asarray(filled.levels)[::3]
         lines = axes.contour(at_x, at_y, shown, levels=levels, colors="white", linewidths=0.4)
         axes.clabel(lines, fontsize=6, fmt="%.3g")
-        _expected(axes, result, at_x, at_y)
+        doubt.on_map(axes, result, at_x, at_y)
         if region and x in region and y in region:
             (a, b), (c, d) = np.multiply(region[str(x)], fx), np.multiply(region[str(y)], fy)
             axes.plot([a, b, b, a, a], [c, c, d, d, c], "w--", lw=1.2, label="calibrated")
@@ -148,6 +154,21 @@ def design_map(
             _make_room(axes, star)
         if axes.get_legend_handles_labels()[0]:
             axes.legend(loc="best", frameon=True, facecolor="white", framealpha=0.8)
+        axes.set(xlabel=name_x, ylabel=name_y)
+    return figure
+
+
+def _curve(result: xr.Dataset, values: xr.DataArray, merit: str, label: str | None) -> Figure:
+    """Values over one number."""
+    with look():
+        figure = blank(WIDE * 0.62, 2.8)
+        axes = figure.subplots()
+        (x,) = values.dims
+        (fx, name_x), (fy, name_y) = (
+            _axis(result[x], str(x)),
+            _axis(values, label or merit.replace("_", " ")),
+        )
+        doubt.curve(axes, fx * result[x], fy * values, result, merit in doubt.OF_SPEED)
         axes.set(xlabel=name_x, ylabel=name_y)
     return figure
 
@@ -171,15 +192,6 @@ def _make_room(axes: Axes, place: Sequence[float]) -> None:
         margin = 0.05 * (high - low)
         ends = low - margin * (at < low + margin), high + margin * (at > high - margin)
         getattr(axes, f"set_{side}lim")(*ends)
-
-
-def _expected(axes: Axes, result: xr.Dataset, x: Any, y: Any) -> None:
-    """Lines of 5 % and 10 % expected error, where the surrogate knows its error."""
-    error = result.get("expected_error")
-    if error is None or not np.isfinite(error.values).any() or np.nanmax(error) < 0.05:
-        return
-    lines = axes.contour(x, y, error, levels=[0.05, 0.1], colors="k", linestyles=["-", "--"])
-    axes.clabel(lines, fontsize=6, fmt=lambda v: f"{100 * v:.0f} % error")
 
 
 @checks.given(result=checks.dataset, swimmer=checks.swimmer, drawn=checks.at_least(0))
@@ -223,6 +235,7 @@ def front(result: xr.Dataset, swimmer: Swimmer, drawn: int = 4) -> Figure:
         figure = blank(WIDE, 3.4)
         axes, side = figure.subplots(1, 2, width_ratios=[1.6, 1.0])
         third = result[texts[2]] if len(texts) > 2 else None
+        doubt.bars(axes, result[x], result[y], result, (x, y))
         dots = axes.scatter(result[x], result[y], c=BLUE if third is None else third, s=9)
         if third is not None:
             figure.colorbar(dots, ax=axes, label=texts[2])

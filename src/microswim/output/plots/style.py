@@ -24,6 +24,7 @@ LINES = ((BLUE, "-"), (ORANGE, (0, (5, 1.5))), (BLACK, (0, (5, 1, 1, 1))))
 WIDE, NARROW = 7.2, 3.5  # inches: two columns, one
 
 STYLE: dict[str, Any] = {
+    "hatch.linewidth": 0.4,
     "font.family": "DejaVu Sans",
     "font.size": 8,
     "mathtext.fontset": "dejavusans",

@@ -73,7 +73,7 @@ Engine = Callable[[Iterable[Task]], Iterator[tuple[Task, Rows]]]
 def sweep(
     swimmer: Swimmer,
     over: Any,
-    model: Literal["rft", "auto", "atlas", "elastic", "bem", "fem"] = "rft",
+    model: Literal["rft", "auto", "atlas", "elastic", "bem", "fem"] = "auto",
     *,
     out: str | os.PathLike[str] | None = None,
     resume: bool = False,
@@ -94,8 +94,8 @@ def sweep(
         mappings of dotted names to values, or a table with such columns. Values are numbers or,
         for choices such as ``tail.handedness`` and ``tail.kind``, words.
     model
-        ``"rft"`` (batched kernel), ``"auto"`` (the atlas where it covers a design and nobody chose
-        a law or coefficients, else ``"rft"``; each with its expected error), ``"atlas"``,
+        ``"auto"`` (the atlas where it covers a design and nobody chose a law or coefficients, else
+        ``"rft"``; each with its expected error), ``"rft"`` (batched kernel), ``"atlas"``,
         ``"elastic"``, ``"bem"`` or ``"fem"``.
     out
         Zarr store to write as results come; killed at any moment it loses at most the solves in

@@ -203,5 +203,5 @@ def test_a_path_from_rest(spec, tmp_path):
     )
     assert turned["motor_work"] == 0.0
     assert turned["quaternion"][3] > 0.0
-    wrong = run("path", "--preset", "tabak/helix", "--time", "1s", "--from-rest")
+    wrong = run("path", "--preset", "tabak/helix", "--time", "1", "--from-rest")
     assert "for a tail of kind elastic" in wrong.output

@@ -31,6 +31,16 @@ def thrust(sperm_number, base="clamped", drive="heave", hook=None):
     return -float(w @ np.real(Y_x * np.conj(1j * Y)) / 2)
 
 
+def turning_torque(sperm_number):
+    """Torque of a small tilt that turns about the axis, ``Sp^4 int |Y|^2 dx``, in ``B / L``."""
+    k = sperm_number * np.exp(1j * (-np.pi / 8 + np.pi / 2 * np.arange(4)))
+    tip = np.exp(k)
+    a = np.linalg.solve(np.array([np.ones(4), k, k**2 * tip, k**3 * tip]), [0, 1, 0, 0])
+    x, w = np.polynomial.legendre.leggauss(80)
+    Y = np.exp(np.outer((x + 1) / 2, k)) @ a
+    return float(sperm_number**4 * (w / 2 @ np.abs(Y) ** 2))
+
+
 def moment_thrust(sperm_number, waves):
     """The same for a clamped base that stands still, by waves of inner moment, per size squared.
 

@@ -15,14 +15,15 @@ import numpy as np
 from scipy.optimize import brentq
 
 from microswim import checks
-from microswim.errors import MicroswimError
+from microswim.errors import MicroswimError, SpecError
 from microswim.models.elastic.plane import Base, Loads, balance
 from microswim.models.elastic.problem import Problem, elastic_tail, problem
 from microswim.models.elastic.rod import rod
+from microswim.models.elastic.speeding import critical
 from microswim.swimmer.geometry.tails.elastic_tail import ElasticTail
 from microswim.swimmer.swimmer import Swimmer
 
-Pull = Literal["tip", "along", "end", "weight"]
+Pull = Literal["tip", "along", "end", "weight", "motor"]
 #: Powers of L that turn ``B / L^n`` into each load.
 POWER = {"tip": 2, "end": 2, "along": 3, "weight": 3}
 LARGEST, STEPS, MODES = 1e3, 400, 16
@@ -38,9 +39,12 @@ class Threshold:
     Parameters
     ----------
     load
-        A force, or a force per length.
+        A force, a force per length, or the motor's torque.
     rate
-        Angular frequency (rad per time) of what begins there; 0 where it buckles.
+        Angular frequency (rad per time) of what begins there, of a tail that turns in the axes
+        that turn with it; 0 where it buckles.
+    motor_rate
+        Rate of the motor (rad per time) with that torque; None where no motor turns it.
 
     Examples
     --------
@@ -51,6 +55,7 @@ class Threshold:
 
     load: float
     rate: float
+    motor_rate: float | None = None
 
     @property
     def flutters(self) -> bool:
@@ -60,16 +65,19 @@ class Threshold:
 
 @checks.given(swimmer=checks.swimmer, load=checks.one_of(*get_args(Pull)))
 def stability(swimmer: Swimmer, load: Pull = "tip") -> Threshold:
-    """Return the load along an elastic tail that its straight shape does not survive.
+    """Return the load that the shape of an elastic tail does not survive.
 
     Parameters
     ----------
     swimmer
-        With an `ElasticTail`, whose drive does not count; held or free as its `motion` says.
+        With an `ElasticTail`, held or free as its `motion` says; its drive counts for the load
+        ``"motor"`` alone.
     load
         Towards the base: ``"tip"``, a force at the free end that follows the tangent there;
         ``"along"``, such a force per length; ``"end"`` and ``"weight"``, the same with a fixed
-        direction along s.
+        direction along s. ``"motor"``: the torque of a motor that speeds up from rest and turns
+        the tail about s, with its tilt, its hook and its shape at rest; a straight tail whirls, a
+        tilted one jumps to a helix, a hook buckles.
 
     Returns
     -------
@@ -81,7 +89,7 @@ def stability(swimmer: Swimmer, load: Pull = "tip") -> Threshold:
     SpecError
         If the tail is not elastic or the load is none of these.
     MicroswimError
-        If the straight shape survives any load up to 1000 ``B / L^2`` (or per length).
+        If the shape survives any load up to 1000 ``B / L^2`` (or per length).
 
     Examples
     --------
@@ -94,7 +102,13 @@ def stability(swimmer: Swimmer, load: Pull = "tip") -> Threshold:
     >>> round(ms.stability(swimmer, "tip").load, 2)
     37.7
     """
-    made, tail = problem(swimmer), elastic_tail(swimmer)
+    tail = elastic_tail(swimmer)
+    if load == "motor":
+        if not tail.turns:
+            raise SpecError("tail.drive", tail.drive, '"rotate" for the load motor')
+        motor_rate, torque, beats = critical(swimmer)
+        return Threshold(load=torque, rate=beats, motor_rate=motor_rate)
+    made = problem(swimmer)
     loads = np.linspace(0.0, LARGEST, STEPS + 1)[1:]
     below = 0.0
     for above in loads:

@@ -156,7 +156,7 @@ def whirl(swimmer: Swimmer) -> Whirl:
         n += more
         rod = filament_of(swimmer, n)
         at = replace(found, rod=rod, shape=np.pad(found.shape, ((0, 0), (0, more))))
-        found = _settled(at) or _sped_up(replace(at, shape=rod.rest))
+        found = settled_at(at) or _sped_up(replace(at, shape=rod.rest))
     raise MicroswimError("the turning tail bends too sharply to be resolved; stiffen it")
 
 
@@ -176,7 +176,7 @@ def _sped_up(straight: Whirl) -> Whirl:
     drag, at = straight.drag, straight
     share, faster, done = min(1.0, 1.0 / float(np.real(drag.normal))), 5.0, 0.0
     while done < 1.0:
-        found = _settled(replace(at, drag=_slowed(drag, share)))
+        found = settled_at(replace(at, drag=slowed(drag, share)))
         if found is None:
             faster **= 0.5
             if faster < 1.02:
@@ -190,13 +190,14 @@ def _sped_up(straight: Whirl) -> Whirl:
     return at
 
 
-def _slowed(drag: DragInSpace, share: float) -> DragInSpace:
+def slowed(drag: DragInSpace, share: float) -> DragInSpace:
+    """Return the resistances where the motor turns at a share of its rate."""
     names = ("tangential", "normal", "spin", "tip", "body")
     return replace(drag, **{name: share * getattr(drag, name) for name in names})
 
 
-def _settled(at: Whirl) -> Whirl | None:
-    """Implicit steps in phase, each longer than the last, down to Newton's method."""
+def settled_at(at: Whirl) -> Whirl | None:
+    """Return where implicit steps in phase, each longer than the last, end; None if nowhere."""
     step, last = 10.0, np.inf
     for _ in range(STEPS):
         change = _change(at, at.balance, step)

@@ -60,7 +60,7 @@ def critical(swimmer: Swimmer) -> tuple[float, float, float]:
     else:
         raise MicroswimError("the turning tail keeps its shape at any rate of the motor")
     grows = found is not None and _grows(found)
-    root = found.rates[np.argmax(found.rates.real)] if found is not None and grows else 0.0
+    root = found.rates[np.argmax(np.real(found.rates))] if found is not None and grows else 0.0
     torque = torque_of(at) * float(np.real(tail.bending / tail.length))
     speed = abs(float(np.real(tail.rate)))
     beats = abs(np.imag(root)) * share * speed

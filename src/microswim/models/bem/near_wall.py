@@ -35,13 +35,41 @@ def refined(surface: Surface, height: Height, most: float = CHANGE) -> Surface:
 
     Halves of a patch are the same polynomials: the surface does not change.
     """
+    fine: list[Surface] = []
     for _ in range(DEPTH):
         u, v = _change(surface.controls, height)
         coarse = np.maximum(u, v) > most
+        fine.append(chosen(surface, ~coarse))
         if not coarse.any():
             break
-        surface = halved(surface, coarse & (u >= v), coarse & (u < v))
-    return surface
+        u, v = u[coarse], v[coarse]
+        surface = halved(chosen(surface, coarse), u >= v, u < v)
+    else:
+        fine.append(surface)
+    return together(fine)
+
+
+def chosen(surface: Surface, which: NDArray[np.bool_]) -> Surface:
+    """Return some patches of a surface."""
+    return replace(
+        surface,
+        controls=surface.controls[which],
+        motion=surface.motion[which],
+        on_tail=surface.on_tail[which],
+        inner=None if surface.inner is None else surface.inner[:, which],
+    )
+
+
+def together(parts: list[Surface]) -> Surface:
+    """Return one surface of the patches of several."""
+    inner = [p.inner for p in parts if p.inner is not None]
+    return replace(
+        parts[0],
+        controls=np.ascontiguousarray(np.concatenate([p.controls for p in parts])),
+        motion=np.ascontiguousarray(np.concatenate([p.motion for p in parts])),
+        on_tail=np.concatenate([p.on_tail for p in parts]),
+        inner=np.concatenate(inner, axis=1) if inner else None,
+    )
 
 
 def _change(controls: Array, height: Height) -> tuple[Array, Array]:

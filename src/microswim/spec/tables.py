@@ -268,6 +268,7 @@ class ChannelTable(_Table):
               entries=("Place along", "Place across, q", "Place across, r")),
     ] = [0.0, 0.0, 0.0]  # fmt: skip
     tilt: Annotated[Angle, About("Tilt", "of the swimmer about r", usual=_TILT)] = 0.0
+    azimuth: Annotated[Angle, About("Tilt about, from r", "about s", usual=(-180.0, 180.0))] = 0.0
     ends: Annotated[Literal["closed", "open"], About("Ends", "closed: walls | open")] = "closed"
 
 

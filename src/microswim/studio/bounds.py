@@ -31,6 +31,7 @@ def scene(swimmer: Swimmer) -> dict[str, Any] | None:
             "length": float(channel.length),
             "middle": [float(x) for x in middle(swimmer)],
             "tilt": float(channel.tilt),
+            "azimuth": float(channel.azimuth),
             "open": channel.ends == "open",
         }
     return None

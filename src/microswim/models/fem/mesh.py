@@ -203,6 +203,7 @@ def _channel_solid(outline: Outline, channel: Channel) -> Any:
         solid.faces.Min(occ.X).name = "end"
         solid.faces.Max(occ.X).name = "end"
     turned = solid.Rotate(occ.Axis(occ.Pnt(0, 0, 0), occ.Z), -np.degrees(channel.tilt))
+    turned = turned.Rotate(occ.Axis(occ.Pnt(0, 0, 0), occ.X), np.degrees(channel.azimuth))
     return turned.Move(occ.Vec(*outline.middle_of(channel)))
 
 

@@ -110,6 +110,8 @@ class Channel:
         middle of the channel, in the channel's axes (length).
     tilt
         Angle (rad) by which the swimmer is turned about r against the channel's axis.
+    azimuth
+        Angle (rad) about s of the axis about which it is turned by the tilt, from r.
     ends
         ``"closed"``: walls, no slip. ``"open"``: free of traction (by boundary elements: into fluid
         at rest).
@@ -131,6 +133,7 @@ class Channel:
     shape: Literal["cylinder", "box"] = "cylinder"
     position: tuple[float, float, float] = (0.0, 0.0, 0.0)
     tilt: float = 0.0
+    azimuth: float = 0.0
     ends: Literal["closed", "open"] = "closed"
 
     def __post_init__(self) -> None:
@@ -141,6 +144,7 @@ class Channel:
         checks.numbers("channel.position", self.position, 3, "three lengths [s, q, r]")
         object.__setattr__(self, "position", tuple(float(x) for x in self.position))
         _angle("channel.tilt", self.tilt, math.pi / 2, "within a right angle (rad)")
+        _angle("channel.azimuth", self.azimuth, 2 * math.pi, "within a full turn (rad)")
 
     @property
     def is_cylinder(self) -> bool:
@@ -165,7 +169,8 @@ class Channel:
     def axes(self) -> np.ndarray:
         """Channel axes (columns: along, across, up) in the swimmer's frame."""
         c, n = math.cos(self.tilt), math.sin(self.tilt)
-        return np.array([[c, n, 0.0], [-n, c, 0.0], [0.0, 0.0, 1.0]])
+        a, b = math.cos(self.azimuth), math.sin(self.azimuth)
+        return np.array([[c, n, 0.0], [-n * a, c * a, -b], [-n * b, c * b, a]])
 
     def clearance(self, points: np.ndarray) -> np.ndarray:
         """Return the distance to the nearest wall of points (n, 3) in the channel's axes from its

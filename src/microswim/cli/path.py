@@ -111,7 +111,8 @@ def command(
 
     With --out the path is kept in parts while it grows: killed at any moment, --resume goes on from
     there to the same numbers. The swimmer heads for -x at the start. With [wall], the plane z = 0,
-    it is first solved at some hundred poses beside it, which are kept for the next time.
+    or [channel], a tube about the x axis, it is first solved at some hundred poses there, which are
+    kept for the next time.
     """
     from microswim.cli._progress import bar
     from microswim.path.following import path
@@ -146,7 +147,7 @@ def _show(name: str, report: dict[str, Any]) -> None:
 
 
 def _gait(given: Given, model: str, level: str | None, from_rest: bool) -> dict[str, Any]:
-    """Return the gait; beside a wall at every pose; none where the tail's shape is followed."""
+    """Return the gait; beside a wall and in a tube at every pose; none where the tail's shape is followed."""
     from microswim.cli import _print
     from microswim.path.remembering import remembers
 
@@ -154,12 +155,15 @@ def _gait(given: Given, model: str, level: str | None, from_rest: bool) -> dict[
         raise SpecError("--from-rest", given.swimmer.tail.kind, "for a tail of kind elastic")
     if from_rest or remembers(given.swimmer):
         return {"memory": True}
-    if given.swimmer.wall is not None:
-        from microswim.calibration.poses.wall import beside_wall
+    boundary = "beside the wall" if given.swimmer.wall is not None else "in the tube"
+    if given.swimmer.wall is not None or given.swimmer.channel is not None:
+        from microswim.calibration.poses.around import around
         from microswim.cli._progress import bar
+        from microswim.path.in_tube import check
 
-        with bar(f"poses of {given.name} beside the wall") as progress:
-            return {"poses": beside_wall(given.swimmer, level=level, progress=progress)}
+        check(given.swimmer)
+        with bar(f"poses of {given.name} {boundary}") as progress:
+            return {"poses": around(given.swimmer, level=level, progress=progress)}
     return {"gait": _print.timed_gait(given.swimmer, model, level)[0]}
 
 
@@ -207,6 +211,7 @@ def _report(
     report = {
         "swimmer": given.name,
         "model": about["model"],
+        "boundary": _boundary(given.swimmer),
         "units": about["units"],
         "time": float(found.time[-1]),
         "position": ends.mean(axis=0),
@@ -244,6 +249,12 @@ def _report(
     }
 
 
+def _boundary(swimmer: Any) -> str | None:
+    if swimmer.channel is not None:
+        return "channel"
+    return None if swimmer.wall is None else "wall"
+
+
 def _remarks(swimmer: Any) -> list[str]:
     from microswim.gait.gait import DEGREES_OF_FREEDOM
 
@@ -254,6 +265,9 @@ def _remarks(swimmer: Any) -> list[str]:
             f"motion.free holds {', '.join(held)}: in these the swimmer goes with the fluid, and "
             "neither load nor noise moves it"
         )
+    if swimmer.channel is not None:
+        said.append("the tube is taken as endless: its ends and its length do not act")
+        return said
     if swimmer.flow is not None and (swimmer.flow.gradient.any() or swimmer.flow.bends):
         said.append(
             "what a strain of the flow does to the tail is at the level of local drag, the body "
@@ -302,8 +316,9 @@ def _table(who: str, report: dict[str, Any]) -> Table:
         rows.append(("root mean square displacement", q(spread, "length")))
     else:
         rows.append(("outcome", report["outcome"]))
+    seen = "+x" if report["boundary"] == "channel" else "above"
     if report["circle_sense"]:
-        circle = f"{q(report['circle_radius'], 'length')}, {report['circle_sense']} from above"
+        circle = f"{q(report['circle_radius'], 'length')}, {report['circle_sense']} from {seen}"
         rows.append(("radius of its circle", circle))
     if report["gap_mean"] == report["gap_mean"]:
         rows.append(("mean gap", q(report["gap_mean"], "length")))

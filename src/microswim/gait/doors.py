@@ -54,7 +54,7 @@ MODELS: dict[str, str] = {
     "fem": "microswim.models.fem:channel_gait",
 }
 SETTLED = "microswim.models.elastic.gait:settled_swimmer"
-BESIDE_WALL = "microswim.calibration.poses.wall:beside_wall"
+AT_POSES = "microswim.calibration.poses.around:around"
 START_BESIDE_WALL = "microswim.calibration.poses.wall:start_of"
 ISOLATED = "microswim.models.bem.isolated:resistance"
 GROUP_BLOCKS = "microswim.models.group.blocks:prepare"

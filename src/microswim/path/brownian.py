@@ -26,7 +26,7 @@ from microswim.path.velocity import WORK as VELOCITY_WORK
 from microswim.path.velocity import velocity
 
 #: Scratch of a path.
-WORK = 96 + VELOCITY_WORK
+WORK = 110 + VELOCITY_WORK
 NORMALS = 12  #: random numbers of a step: the kick, and the direction of the random difference
 SMALL = 1e-4  #: of a length and a radian, of that difference
 
@@ -62,7 +62,7 @@ def add_divergence(
     kick: Any, work: Any,
 ) -> None:  # fmt: skip
     """Add an unbiased ``k_B T div M``: M at two poses a random way n apart, times that way."""
-    R, F, V, touch = work[:36].reshape((6, 6)), work[36:42], work[42:48], work[48:55]
+    R, F, V, touch = work[:36].reshape((6, 6)), work[36:42], work[42:48], work[96:110]
     place, turned, way = work[55:58], work[58:62], work[62:65]
     for sense in (-1.0, 1.0):
         for i in range(3):
@@ -77,7 +77,7 @@ def add_divergence(
         place[0] += sense * SMALL * length * (u + w * d + b * f - c * e)
         place[1] += sense * SMALL * length * (v + w * e + c * d - a * f)
         place[2] += sense * SMALL * length * (s + w * f + a * e - b * d)
-        resist(table, place, turned, phase, R, F, touch, work[96:])
+        resist(table, place, turned, phase, R, F, touch, work[110:])
         if touch[0] <= 0.0:
             return
         for i in range(6):
@@ -97,8 +97,8 @@ def noisy_step(
     If the step would reach through a boundary, x and q stay.
     """
     kick, out, u, s = work[65:71], work[71:79], work[79:82], work[82:85]
-    place, turned, rest = work[85:88], work[88:92], work[96:]
-    R, F, touch = work[:36].reshape((6, 6)), work[36:42], work[48:55]
+    place, turned, rest = work[85:88], work[88:92], work[110:]
+    R, F, touch = work[:36].reshape((6, 6)), work[36:42], work[96:110]
     resist(table, x, q, phase + loads.rate * h / 2.0, R, F, touch, rest)
     before = touch[0]
     kicked(R, loads.free, np.sqrt(2.0 * energy / h), normals, kick)

@@ -16,10 +16,10 @@ from microswim.gait import doors
 from microswim.gait.gait import Gait
 from microswim.gait.held import warn_if_held
 from microswim.gait.poses.face import FreePoses, Poses
-from microswim.gait.poses.table import FREE
+from microswim.gait.poses.table import FREE, TUBE
 from microswim.numerics.array import Array
 from microswim.numerics.rigid_motion import multiply
-from microswim.path import outcome
+from microswim.path import in_tube, outcome
 from microswim.path.course import Course, Followed, follow
 from microswim.path.in_space import length_of
 from microswim.path.loads import loads_of
@@ -98,16 +98,17 @@ def path(
     time
         How long.
     model, gait
-        Model of the gait, or the gait itself. Beside a wall poses are solved by boundary elements,
-        whatever the model, and kept in the user's cache: minutes, once.
+        Model of the gait, or the gait itself. Beside a wall and in a tube poses are solved by
+        boundary elements, whatever the model, and kept in the user's cache: minutes, once.
     poses
-        A gait at every pose, as beside a wall, in place of `gait`.
+        A gait at every pose, as beside a wall or in a tube, in place of `gait`.
     position, quaternion, phase
         Pose at the start, lab frame, and phase of the motor. By default the origin and the lab's
         axes, in which the swimmer heads for -x; beside a wall, which is the plane z = 0, as the
-        wall says.
+        wall says; in a tube, whose axis is the x axis, as the channel says.
     tilt
-        Angle (rad) by which it noses down at the start, in place of `quaternion`.
+        Angle (rad) by which it noses down at the start, in place of `quaternion`; in a tube as
+        `Channel` has it.
     force, torque
         Further ones on the body about its centre, constant, lab frame (3,).
     samples
@@ -142,6 +143,9 @@ def path(
         ``gap`` to the boundary; with memory ``filament`` (time, point, axis), points along the
         filament in the lab; without noise ``motor_work`` and ``dissipated`` since the start; as
         attributes ``outcome``, ``circle_radius``, ``circle_sense`` (seen from above),
+        ``gap`` to the boundary; without noise ``motor_work`` and ``dissipated`` since the start;
+        as attributes ``outcome``, ``circle_radius``, ``circle_sense`` (seen from above; in a tube
+        about its axis, seen from +x),
         ``gap_mean``, ``drift`` and ``position_error`` (of the last place, by the time steps alone).
 
     Raises
@@ -169,6 +173,8 @@ def path(
             quaternion=start[1], phase=float(phase), tolerance=float(tolerance),
             keep=None if keep is None else Path(keep), progress=progress, **pushes,
         )  # fmt: skip
+    if poses is None and gait is None:
+        in_tube.check(swimmer)
     poses = _poses(swimmer, model, gait, progress) if poses is None else poses
     made = poses.gait
     if swimmer.field is not None and swimmer.magnet is not None:
@@ -213,10 +219,10 @@ def _in_space(swimmer: Swimmer) -> AppliedField | None:
 
 
 def _poses(swimmer: Swimmer, model: str, gait: Gait | None, progress: Any) -> Poses:
-    """Return the gait at every pose: solved beside a wall, the same in free fluid."""
-    if gait is None and swimmer.wall is not None:
-        beside: Poses = doors.go(doors.BESIDE_WALL, swimmer, progress=progress)
-        return beside
+    """Return the gait at every pose: solved by a wall or in a tube, the same in free fluid."""
+    if gait is None and (swimmer.wall is not None or swimmer.channel is not None):
+        around: Poses = doors.go(doors.AT_POSES, swimmer, progress=progress)
+        return around
     free: Any = FreePoses(swimmer.gait(model) if gait is None else gait)  # type: ignore[arg-type]
     return free
 
@@ -252,10 +258,17 @@ def _start(
         q = q / np.linalg.norm(q)
     if tilt is not None:
         checks.number("tilt", tilt, "an angle (rad)", least=-7.0, most=7.0)
-        own = swimmer.wall.tilt if swimmer.wall is not None else 0.0
-        half = (own - tilt) / 2.0
-        q = multiply(np.array([np.cos(half), 0.0, np.sin(half), 0.0]), q)
+        q = _tilted(swimmer, tilt, q)
     return x, q
+
+
+def _tilted(swimmer: Swimmer, tilt: float, q: Array) -> Array:
+    """Return the attitude with another tilt: about y, in a tube about the axis of its tilt, z."""
+    if swimmer.channel is not None:
+        half = (tilt - swimmer.channel.tilt) / 2.0
+        return multiply(np.array([np.cos(half), 0.0, 0.0, np.sin(half)]), q)
+    half = ((swimmer.wall.tilt if swimmer.wall is not None else 0.0) - tilt) / 2.0
+    return multiply(np.array([np.cos(half), 0.0, np.sin(half), 0.0]), q)
 
 
 def _rest_start(swimmer: Swimmer) -> tuple[Array, Array]:
@@ -320,8 +333,10 @@ def _ends(
 ) -> dict[str, Any]:
     """Return how each path ended, and its numbers."""
     x = found.position[0]
-    up = np.array([0.0, 0.0, 1.0])
-    radius, turn = outcome.circling(x, up)
+    if course.table.kind == TUBE:
+        radius, turn = outcome.winding(x)
+    else:
+        radius, turn = outcome.circling(x, np.array([0.0, 0.0, 1.0]))
     sense = None if turn is None else ("counterclockwise" if turn > 0 else "clockwise")
     span = course.times[-1] - course.times[0]
     gaps = np.atleast_2d(told["gap"])[0] if bounded else np.full(1, np.inf)
@@ -338,6 +353,8 @@ def _ends(
         "position_error": np.nan if course.energy else _off(course, found),
         "steps": found.steps,
         "contact": course.loads.contact[1],
+        "boundary": ("none", "wall", "tube")[course.table.kind],
+        "tube_radius": float(course.table.boundary[6]) if course.table.kind == TUBE else np.nan,
     }
 
 

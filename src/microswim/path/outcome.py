@@ -63,6 +63,19 @@ def circling(x: Array, up: Array) -> tuple[float | None, float | None]:
     return radius, turn
 
 
+def winding(x: Array) -> tuple[float | None, float | None]:
+    """Return mean distance and turn (rad) of a path (n, 3) that goes round the x axis.
+
+    A positive turn is counterclockwise, seen from +x. None twice if it turns by less than
+    `FEWEST`.
+    """
+    turn = np.unwrap(np.arctan2(x[:, 2], x[:, 1]))
+    whole = float(turn[-1] - turn[0])
+    if abs(whole) < FEWEST:
+        return None, None
+    return float(np.hypot(x[:, 1], x[:, 2]).mean()), whole
+
+
 def ended(gaps: Array, least: float, length: float, reach: float, turn: float | None) -> str:
     """Return how a path ended, from its gaps in time and the least of all.
 

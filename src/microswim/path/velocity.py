@@ -14,8 +14,8 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
+from microswim.gait.poses.table import TUBE, carry, resist
 from microswim.gait.poses.table import WORK as POSE_WORK
-from microswim.gait.poses.table import resist
 from microswim.gait.stepping import row
 from microswim.numerics.compiled import compiled
 from microswim.numerics.solve6 import solve
@@ -78,8 +78,8 @@ class Loads(NamedTuple):
 
 
 #: Scratch of `velocity`: R, its copy, F_p, W, touch, rotation, gradient, a row of a table.
-WORK = 36 + 36 + 6 + 6 + 7 + 9 + 9 + POSE_WORK
-_TABLE = 36 + 36 + 6 + 6 + 7 + 9 + 9
+WORK = 36 + 36 + 6 + 6 + 14 + 9 + 9 + POSE_WORK
+_TABLE = 36 + 36 + 6 + 6 + 14 + 9 + 9
 
 
 @compiled()
@@ -210,6 +210,23 @@ def add_contact(loads: Any, touch: Any, W: Any) -> None:
 
 
 @compiled()
+def add_carried(
+    table: Any, loads: Any, x: Any, q: Any, phase: Any, R: Any, W: Any, work: Any
+) -> None:
+    """Add R times what Poiseuille's flow gives a swimmer in its tube beyond the flow itself."""
+    if loads.bends != CURVED:
+        return
+    along = 0.0
+    for i in range(3):
+        along += loads.tube[i] * table.boundary[3 + i]
+    D = work[-6:]
+    carry(table, x, q, phase, D, work)
+    for i in range(6):
+        for j in range(6):
+            W[i] += loads.tube[6] * along * R[i, j] * D[j]
+
+
+@compiled()
 def velocity(
     table: Any, loads: Any, t: Any, x: Any, q: Any, phase: Any, kick: Any, out: Any, work: Any
 ) -> Any:
@@ -219,9 +236,9 @@ def velocity(
     written. `kick` (6,) is a further twist, body frame.
     """
     R, A = work[:36].reshape((6, 6)), work[36:72].reshape((6, 6))
-    F, W, touch = work[72:78], work[78:84], work[84:91]
-    Q, G, values = work[91:100].reshape((3, 3)), work[100:109].reshape((3, 3)), work[_TABLE:]
-    resist(table, x, q, phase, R, F, touch, values)
+    F, W, touch = work[72:78], work[78:84], work[84:98]
+    Q, G, values = work[98:107].reshape((3, 3)), work[107:116].reshape((3, 3)), work[_TABLE:]
+    held = resist(table, x, q, phase, R, F, touch, values)
     if touch[0] <= 0.0:
         return touch[0]
     matrix(q, Q)
@@ -230,17 +247,22 @@ def velocity(
         for j in range(6):
             A[i, j] = R[i, j]
     lifted = add_loads(loads, t, phase, Q, W, values)
-    if touch[0] < 40.0 * loads.contact[1]:
-        add_contact(loads, touch, W)
+    for part in (0, 7):
+        if touch[part] < 40.0 * loads.contact[1]:
+            add_contact(loads, touch[part : part + 7], W)
     u0, u1, u2 = background(loads, x, G)
-    if loads.bends != STILL:
-        add_strain(loads, phase, Q, G, W, values)
-    if loads.bends == CURVED:
-        add_curvature(loads, phase, Q, W, values)
+    if table.kind == TUBE:
+        add_carried(table, loads, x, q, phase, R, W, values)
+    else:
+        if loads.bends != STILL:
+            add_strain(loads, phase, Q, G, W, values)
+        if loads.bends == CURVED:
+            add_curvature(loads, phase, Q, W, values)
     for i in range(6):
         W[i] -= F[i] * loads.rate
     solve(A, W, loads.free)
     row(loads.activity, phase, values)
+    values[0] = held if held > 0.0 else values[0]
     work_of_tail, spent = values[0] * loads.rate, 0.0
     for i in range(6):
         work_of_tail += F[i] * W[i]

@@ -41,7 +41,7 @@ def planted(swimmer: ms.Swimmer, made: Any) -> PoseTable:
 
 
 def asked(table: PoseTable, x: Any, q: Any, phase: float, compile_it: bool = True) -> Any:
-    R, F, touch = np.empty((6, 6)), np.empty(6), np.empty(7)
+    R, F, touch = np.empty((6, 6)), np.empty(6), np.empty(14)
     with settled(compile_it):
         resist(
             table, np.asarray(x, float), np.asarray(q, float), phase, R, F, touch, np.empty(WORK)
@@ -88,7 +88,7 @@ def test_coordinates_and_poses_are_inverse(swimmer: ms.Swimmer) -> None:
     ]:
         beside = wall.beside(swimmer, shape, xi, sigma, psi)
         x, q = wall.start_of(beside.wall)
-        touch, at = np.zeros(7), np.zeros(8)
+        touch, at = np.zeros(14), np.zeros(8)
         with settled(False):
             beside_wall.contact(
                 np.array([0.0, 0, 0, 0, 0, 1]), shape.numbers, shape.body, shape.tail, x, q, 0.0,
@@ -106,9 +106,9 @@ def test_factors_and_matrices_are_inverse() -> None:
     A = rng.normal(size=(6, 6))
     R, F = A @ A.T + np.eye(6), rng.normal(size=6)
     numbers = layout.shape_of(ROBOT, 0.01).numbers
-    touch, S, H = np.zeros(7), np.empty((6, 6)), np.empty(6)
-    touch[4:] = rotation_matrix(turned([0.3, -0.5, 0.8], 2.1)).T @ [0.0, 0.0, 1.0]
-    one = fit.factors(R, F, touch[4:], *numbers[[6, 7]])
+    touch, S, H = np.zeros(14), np.empty((6, 6)), np.empty(6)
+    touch[4:7] = rotation_matrix(turned([0.3, -0.5, 0.8], 2.1)).T @ [0.0, 0.0, 1.0]
+    one = fit.factors(R, F, touch[4:7], *numbers[[6, 7]])
     beside_wall.from_factors(numbers, touch, one, S, H, np.empty(6))
     assert pytest.approx(R, rel=1e-9, abs=1e-9) == S
     assert pytest.approx(F, rel=1e-9, abs=1e-9) == H
@@ -169,9 +169,9 @@ def test_interpolation_is_of_fourth_order_between_and_smooth_in_phase() -> None:
         x, q = wall.start_of(beside.wall)
         R, F, touch = asked(table, x, q, 0.0)
         units = shape.numbers[[6, 7]]
-        found = fit.factors(R, F, touch[4:], *units)
+        found = fit.factors(R, F, touch[4:7], *units)
         found -= fit.factors(
-            ROBOT.gait().resistance(0.0), ROBOT.gait().propulsion(0.0), touch[4:], *units
+            ROBOT.gait().resistance(0.0), ROBOT.gait().propulsion(0.0), touch[4:7], *units
         )
         assert found == pytest.approx(smooth(xi, sigma, psi), abs=1e-6)
 

@@ -26,7 +26,7 @@ def test_compiled_and_python_agree() -> None:
     table = FreePoses(ms.Swimmer.preset("tabak/helix").gait()).table
     found = []
     for compile_it in (False, True):
-        R, F, touch = np.empty((6, 6)), np.empty(6), np.empty(7)
+        R, F, touch = np.empty((6, 6)), np.empty(6), np.empty(14)
         with settled(compile_it):
             q = np.array([1.0, 0.0, 0.0, 0.0])
             resist(table, np.zeros(3), q, 0.7, R, F, touch, np.empty(WORK))

@@ -14,9 +14,9 @@ from microswim.calibration.region import body_flow as shaded
 from microswim.calibration.region import positive_definite as blocks
 from microswim.calibration.region.beats import OTHER_HAND
 from microswim.calibration.region.kriging import Surfaces
-from microswim.calibration.region.matern import matern_of_arrays
 from microswim.models.rft.plane_wave import fill_rows
 from microswim.numerics.fourier import MIRROR_R
+from microswim.numerics.matern import matern_of_arrays
 from microswim.numerics.solve6 import solve
 from microswim.swimmer.swimmer import Swimmer
 

@@ -43,7 +43,7 @@ class Shape:
 
     def touch(self, tilt: float, psi: float) -> float:
         """Return the height of the body's centre over the wall at which the swimmer touches it."""
-        wall, found = np.zeros(6), np.zeros(7)
+        wall, found = np.zeros(6), np.zeros(14)
         wall[3:] = np.sin(tilt), np.cos(tilt), 0.0
         with settled(False):
             still = np.array([1.0, 0.0, 0.0, 0.0])

@@ -11,15 +11,13 @@ import numpy as np
 
 from microswim.calibration.poses.fit import coefficients, factors
 from microswim.calibration.poses.layout import Shape, shape_of
-from microswim.errors import MicroswimError, SpecError
-from microswim.gait.gait import DEGREES_OF_FREEDOM, Gait
+from microswim.calibration.poses.solved import error_of, solved
+from microswim.errors import SpecError
+from microswim.gait.gait import Gait
 from microswim.gait.poses.face import Tabulated
 from microswim.gait.poses.table import WALL, PoseTable
 from microswim.gait.stepping import pack
-from microswim.jobs import references
-from microswim.models.bem.levels import get_level
 from microswim.numerics.array import Array
-from microswim.numerics.files import cache_folder
 from microswim.numerics.sobol import points
 from microswim.swimmer.geometry.surroundings import Wall
 from microswim.swimmer.swimmer import Swimmer
@@ -110,82 +108,18 @@ def beside_wall(
     start = start_of(swimmer.wall)
     shape = shape_of(swimmer, grid.smallest)
     free_swimmer = replace(swimmer, wall=None, channel=None)
-    places = _places(shape, grid)
-    asked = [beside(free_swimmer, shape, *p) for p in places]
-    on = len(places) - grid.left_out
-
-    def told(done: int, _: int) -> None:
-        if progress is not None:
-            progress(done, len(asked) + 1)
-
-    options: dict[str, Any] = {"workers": workers, "progress": told}
-    options["folder"] = cache_folder("poses") if folder is None else folder
-    chosen = FEW if level is None else replace(get_level(level), phases=1)
-    free, *solved = _all_solved([free_swimmer, *asked[:on]], level=chosen, **options)
-    options["progress"] = lambda done, of: told(on + 1 + done, of)
-    finer = replace(get_level("standard"), phases=1)
-    judged = _all_solved(asked[on:], level=finer, **options)
-    values = _values(shape, grid, asked[:on], solved, free)
+    asked = [beside(free_swimmer, shape, *p) for p in _places(shape, grid)]
+    free, found, judged = solved(
+        free_swimmer, asked, grid.left_out, level, folder=folder, workers=workers, progress=progress
+    )
+    on = len(found)
+    values = _values(shape, grid, asked[:on], found, free)
     table = PoseTable(
         WALL, np.ascontiguousarray(pack(free)), np.array([0.0, 0, 0, 0, 0, 1]), shape.numbers,
         shape.body, shape.tail, shape.kinks, coefficients(values),
     )  # fmt: skip
-    error = _expected_error(table, free, asked[on:], judged)
+    error = error_of(table, free, [start_of(s.wall) for s in asked[on:]], judged)
     return WallPoses(free, table, start, error)
-
-
-#: Longer patches on the tail than at level coarse: in u_s within half a per cent of level standard.
-_COARSE = get_level("coarse")
-FEW = replace(
-    _COARSE,
-    name="few",
-    phases=1,
-    resolution=replace(
-        _COARSE.resolution, panel=5.0, stretch=8.0, bend=1.6, wave=2.0, slender=1.0, around=3
-    ),
-)
-
-
-def _all_solved(swimmers: list[Swimmer], **options: Any) -> list[Gait]:
-    """Return the gaits of all, or say why there is none of one."""
-    made = []
-    for gait in references.gaits(swimmers, "bem", **options):
-        if isinstance(gait, str):
-            raise MicroswimError(f"a pose beside the wall cannot be solved: {gait}")
-        made.append(gait)
-    return made
-
-
-def _expected_error(
-    table: PoseTable, free: Gait, asked: list[Swimmer], solved: list[Gait]
-) -> dict[str, Any]:
-    """Return by how much poses left out are missed: 95 % of them by no more, each velocity.
-
-    In units of the speed in free fluid, or of its rate of turning.
-    """
-    if not asked:
-        return {}
-    speed = free.at_rate(1.0).velocity(0.0)
-    scale = np.repeat([np.linalg.norm(speed[:3]), np.linalg.norm(speed[3:])], 3)
-    missed = []
-    for swimmer, gait in zip(asked, solved, strict=True):
-        x, q = start_of(swimmer.wall)
-        R, F = Table(table).at(x, q, 0.0)
-        near = replace(gait, resistance_series=R[None], propulsion_series=F[None], rate=1.0)
-        missed.append(np.abs(near.velocity(0.0) - gait.at_rate(1.0).velocity(0.0)))
-    most = np.quantile(missed, 0.95, axis=0) / np.where(scale > 0, scale, 1.0)
-    how = (
-        f"95 % of {len(asked)} poses left out are met within this, in units of the speed and of "
-        "the rate of turning in free fluid, against boundary elements of level standard"
-    )
-    return {**dict(zip(DEGREES_OF_FREEDOM, most.tolist(), strict=True)), "how": how}
-
-
-@dataclass(frozen=True, eq=False)
-class Table(Tabulated):
-    """A table that can be asked."""
-
-    table: PoseTable
 
 
 def _places(shape: Shape, grid: Grid) -> list[tuple[float, float, float]]:
@@ -212,13 +146,11 @@ def beside(swimmer: Swimmer, shape: Shape, xi: float, sigma: float, psi: float) 
     return replace(swimmer, wall=wall)
 
 
-def _values(
-    shape: Shape, grid: Grid, asked: list[Swimmer], solved: list[Gait], free: Gait
-) -> Array:
+def _values(shape: Shape, grid: Grid, asked: list[Swimmer], found: list[Gait], free: Gait) -> Array:
     """Return what the wall adds (2, gaps, tilts, phases, 27) on the grid; 0 at the last gap."""
     units = float(shape.numbers[6]), float(shape.numbers[7])
     added = []
-    for swimmer, gait in zip(asked, solved, strict=True):
+    for swimmer, gait in zip(asked, found, strict=True):
         assert swimmer.wall is not None
         normal = np.array(swimmer.wall.normal)
         near, far = (factors(g.resistance(0.0), g.propulsion(0.0), normal, *units)

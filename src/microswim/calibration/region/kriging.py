@@ -18,9 +18,9 @@ from typing import Any
 
 import numpy as np
 
-from microswim.calibration.region.matern import matern, matern_of_arrays
 from microswim.numerics.array import read_only
 from microswim.numerics.compiled import FAST, compiled
+from microswim.numerics.matern import matern, matern_of_arrays
 
 PHASORS = 3
 NOISE = (1e-11, 1e-2)  # variance of the noise over that of the signal

@@ -49,14 +49,19 @@ def contact(
     boundary: Any, numbers: Any, body: Any, tail: Any, x: Any, q: Any, phase: Any, touch: Any,
     at: Any,
 ) -> None:  # fmt: skip
-    """Write gap, nearest point, normal to touch (7,); tilt and azimuth of the normal to at[:2]."""
+    """Write gap, nearest point, normal to touch (14,); tilt and azimuth of the normal to at[:2].
+
+    Of body or tail, whichever is nearer, and then of the other.
+    """
     n0, n1, n2 = to_lab(q, boundary[3], boundary[4], boundary[5], -1.0)
     height = 0.0
     for i in range(3):
         height += (x[i] - boundary[i]) * boundary[3 + i]
     across = np.sqrt(n1 * n1 + n2 * n2)
     azimuth = np.arctan2(n2, n1)
-    touch[0] = np.inf
+    for i in range(14):
+        touch[i] = 0.0
+    touch[0] = touch[7] = np.inf
     if body.shape[0] > 0:  # the support of the body in the direction -n
         where = np.arctan2(across, -n0) / np.pi * (body.shape[0] - 1)
         i = min(int(where), body.shape[0] - 2)
@@ -89,15 +94,19 @@ def contact(
         u = min(max(u, -1.0), 1.0)
         w0, w1, w2 = 0.5 * u * (u - 1.0), 1.0 - u * u, 0.5 * u * (u + 1.0)
         gap = height + w0 * y0 + w1 * y1 + w2 * y2 - numbers[1]
-        if gap < touch[0]:
-            touch[0] = gap
-            p0 = w0 * tail[k - 1, 0] + w1 * tail[k, 0] + w2 * tail[k + 1, 0]
-            p1 = w0 * tail[k - 1, 1] + w1 * tail[k, 1] + w2 * tail[k + 1, 1]
-            p2 = w0 * tail[k - 1, 2] + w1 * tail[k, 2] + w2 * tail[k + 1, 2]
-            touch[1] = p0 - numbers[1] * n0
-            touch[2] = p1 * ct - p2 * st - numbers[1] * n1
-            touch[3] = p1 * st + p2 * ct - numbers[1] * n2
-    touch[4], touch[5], touch[6] = n0, n1, n2
+        k0 = 0 if gap < touch[0] else 7
+        if k0 == 0:
+            for i in range(4):
+                touch[7 + i] = touch[i]
+        touch[k0] = gap
+        p0 = w0 * tail[k - 1, 0] + w1 * tail[k, 0] + w2 * tail[k + 1, 0]
+        p1 = w0 * tail[k - 1, 1] + w1 * tail[k, 1] + w2 * tail[k + 1, 1]
+        p2 = w0 * tail[k - 1, 2] + w1 * tail[k, 2] + w2 * tail[k + 1, 2]
+        touch[k0 + 1] = p0 - numbers[1] * n0
+        touch[k0 + 2] = p1 * ct - p2 * st - numbers[1] * n1
+        touch[k0 + 3] = p1 * st + p2 * ct - numbers[1] * n2
+    for i in (4, 11):
+        touch[i], touch[i + 1], touch[i + 2] = n0, n1, n2
     at[0], at[1] = np.arctan2(n0, across), azimuth
 
 

@@ -74,7 +74,7 @@ class Tabulated:
     table: PoseTable
 
     def _asked(self, position: Any, quaternion: Any, phase: float) -> tuple[Array, Array, Array]:
-        R, F, touch = np.empty((6, 6)), np.empty(6), np.empty(7)
+        R, F, touch = np.empty((6, 6)), np.empty(6), np.empty(14)
         x, q = (np.asarray(v, float) for v in (position, quaternion))
         resist(self.table, x, q / np.linalg.norm(q), float(phase), R, F, touch, np.empty(WORK))
         return R, F, touch

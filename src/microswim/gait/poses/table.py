@@ -12,19 +12,32 @@ import numpy as np
 
 from microswim.gait.gait import Gait
 from microswim.gait.poses.beside_wall import (
+    SIGN,
     contact,
     free_factors,
     from_factors,
     interpolate,
     place,
 )
+from microswim.gait.poses.in_tube import (
+    between,
+    continued,
+    features,
+    from_logarithm,
+    from_power,
+    nearer_first,
+    out_of_the_tail,
+    touch_tube,
+    turned,
+)
 from microswim.gait.stepping import pack, row
 from microswim.numerics.compiled import compiled
 
 FREE, WALL, TUBE = 0, 1, 2  #: kinds of boundary
 
-#: Numbers of scratch that `resist` wants.
-WORK = 640
+#: Numbers of scratch that `resist` wants; poses at most that are known in a tube.
+WORK, MOST = 2400, 1600
+_NONE = np.zeros((0, 0))
 
 
 class PoseTable(NamedTuple):
@@ -51,6 +64,9 @@ class PoseTable(NamedTuple):
         phase (k,).
     factors
         Coefficients of what the wall adds, see `beside_wall`: side, gap, tilt, harmonic, number.
+    known, weights, carried, root
+        Of a tube, see `in_tube`: poses solved, weights of what is interpolated between them and of
+        how Poiseuille's flow carries the swimmer, and free fluid.
     """
 
     kind: int
@@ -61,6 +77,10 @@ class PoseTable(NamedTuple):
     tail: np.ndarray
     kinks: np.ndarray
     factors: np.ndarray
+    known: np.ndarray = _NONE
+    weights: np.ndarray = _NONE
+    carried: np.ndarray = _NONE
+    root: np.ndarray = _NONE
 
 
 def free_table(gait: Gait) -> PoseTable:
@@ -72,7 +92,7 @@ def free_table(gait: Gait) -> PoseTable:
 
 
 @compiled()
-def resist(table: Any, x: Any, q: Any, phase: Any, R: Any, F: Any, touch: Any, work: Any) -> None:
+def resist(table: Any, x: Any, q: Any, phase: Any, R: Any, F: Any, touch: Any, work: Any) -> Any:
     """Write R (6, 6) and F_p (6,) of a pose, body frame, and what is nearest to the boundary.
 
     Parameters
@@ -85,13 +105,34 @@ def resist(table: Any, x: Any, q: Any, phase: Any, R: Any, F: Any, touch: Any, w
     R, F
         Written: symmetric positive definite (6, 6); per unit phase rate (6,).
     touch
-        Written (7,): the gap, that is the smallest distance from the surface to the boundary,
+        Written (14,): the gap, that is the smallest distance from the surface to the boundary,
         negative where it reaches into it, infinite in free fluid; the surface's nearest point, body
         frame, from the body's centre; the boundary's unit normal into the fluid there, body frame.
+        Then the same of the part, body or tail, that is further away.
     work
         Scratch of `WORK` numbers.
+
+    Returns
+    -------
+    float
+        Power of the motor per squared rate while the body is held; 0 where that of free fluid is
+        as good as is known.
     """
     values = work[:27]
+    if table.kind == 2:
+        values, line, z = work[:28], work[28:34], work[34:44]
+        touch_tube(
+            table.boundary, table.numbers, table.body, table.tail, x, q, phase, line, touch,
+            work[44:],
+        )  # fmt: skip
+        features(line, touch[0], touch[7], table.numbers, z)
+        between(table.known, table.weights, z, values, work[44:])
+        from_logarithm(table.root, values, R, F, work[44:])
+        power = from_power(table.root, values, F)
+        continued(table.numbers, touch, R, F, work[44:])
+        nearer_first(touch)
+        out_of_the_tail(table.numbers[SIGN] * phase, R, F, touch)
+        return power
     if table.kind == 1:
         at = work[27:35]
         contact(table.boundary, table.numbers, table.body, table.tail, x, q, phase, touch, at)
@@ -99,11 +140,11 @@ def resist(table: Any, x: Any, q: Any, phase: Any, R: Any, F: Any, touch: Any, w
         free_factors(table.packed, table.numbers, at, values, work[35:])
         interpolate(table.factors, at, values, work[35:])
         from_factors(table.numbers, touch, values, R, F, work[35:])
-        return
+        return 0.0
     row(table.packed, phase, values)
-    touch[0] = np.inf
-    for i in range(1, 7):
+    for i in range(14):
         touch[i] = 0.0
+    touch[0] = touch[7] = np.inf
     m = 0
     for i in range(6):
         F[i] = values[21 + i]
@@ -111,3 +152,25 @@ def resist(table: Any, x: Any, q: Any, phase: Any, R: Any, F: Any, touch: Any, w
             R[i, j] = values[m]
             R[j, i] = values[m]
             m += 1
+    return 0.0
+
+
+@compiled()
+def carry(table: Any, x: Any, q: Any, phase: Any, D: Any, work: Any) -> None:
+    """Write how Poiseuille's flow of unit speed carries a swimmer in a tube, beyond what it is.
+
+    D (6,), body frame: the velocity of the swimmer that nothing else moves, less the flow and its
+    rotation at the body's centre.
+    """
+    values, line, z, touch = work[:18], work[28:34], work[34:44], work[44:58]
+    touch_tube(
+        table.boundary, table.numbers, table.body, table.tail, x, q, phase, line, touch, work[58:]
+    )
+    features(line, touch[0], touch[7], table.numbers, z)
+    between(table.known, table.carried, z, values, work[58:])
+    for i in range(6):  # D t', times t: the same for either sense of the line
+        D[i] = 0.0
+        for j in range(3):
+            D[i] += values[3 * i + j] * line[j]
+    turned(table.numbers[SIGN] * phase, D, 0)
+    turned(table.numbers[SIGN] * phase, D, 3)

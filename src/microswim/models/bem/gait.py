@@ -90,9 +90,16 @@ def _info(solutions: list[Solution], level: str) -> dict[str, Any]:
         "channel": channel,
         "remarks": [*first.remarks, *([remark(boundary)] if held else []), *doubts(solutions)],
         **({"one_pose": boundary} if held else {}),
+        **_in_poiseuille(solutions),
         "joint": "torque and lateral force on the body alone drift with the logarithm of the mesh "
         "size; R, F_p and velocities converge",
     }
+
+
+def _in_poiseuille(solutions: list[Solution]) -> dict[str, Any]:
+    """Return the wrench of Poiseuille's flow of unit speed on the held swimmer, at one phase."""
+    held = solutions[0].in_poiseuille if len(solutions) == 1 else None
+    return {} if held is None else {"in_poiseuille": held.tolist()}
 
 
 @checks.given(

@@ -14,7 +14,7 @@ the resultant of f says instead is `raw_propulsion`.
 from __future__ import annotations
 
 import time
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 from pathlib import Path
 from typing import Any
@@ -115,6 +115,23 @@ class Solution:
     def propulsion(self) -> Array:
         """F_p (6,) per unit phase rate, by the reciprocal theorem from the rigid densities."""
         return self.surface.moments[3].reshape(-1) @ self.density[:, :6]
+
+    @cached_property
+    def in_poiseuille(self) -> Array | None:
+        """Wrench (6,) of Poiseuille's flow in the tube on the swimmer, held; none without a tube.
+
+        Of unit speed on the axis, ``int f_i . u dS`` by the reciprocal theorem.
+        """
+        channel = self.swimmer.channel
+        if channel is None or not channel.is_cylinder:
+            return None
+        X = self.surface.controls - middle_of(self.swimmer)
+        along = channel.axes[:, 0]
+        across = X - (X @ along)[..., None] * along
+        speed = 1.0 - np.sum(across**2, axis=-1) * (2.0 / channel.diameter) ** 2
+        speed = speed * self.surface.on_swimmer[:, None, None]
+        flow = replace(self.surface, motion=speed[..., None] * along)
+        return flow.moments[3].reshape(-1) @ self.density[:, :6]
 
     @property
     def raw_propulsion(self) -> Array:

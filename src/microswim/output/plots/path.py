@@ -34,6 +34,8 @@ MOST = 60  #: paths that are drawn
 def path(found: xr.Dataset) -> Figure:
     """Draw a path from above (x, y), from the side (x, z) and in time.
 
+    In a tube from the side (x, z), along its axis (y, z) and in time.
+
     Parameters
     ----------
     found
@@ -58,13 +60,17 @@ def path(found: xr.Dataset) -> Figure:
     with look():
         figure = blank(WIDE, 3.0)
         above, side, time = figure.subplots(1, 3, width_ratios=[1.0, 1.0, 1.1])
-        for axes, (i, j), name in ((above, (0, 1), "a"), (side, (0, 2), "b")):
+        in_tube = found.attrs.get("boundary") == "tube"
+        planes = ((0, 2), (1, 2)) if in_tube else ((0, 1), (0, 2))
+        for axes, (i, j), name in ((above, planes[0], "a"), (side, planes[1], "b")):
             _plane(axes, factor * places, i, j)
             for k, which in ((i, "x"), (j, "y")):
                 label = readable(places, "xyz"[k], length)[1]
                 axes.set(**{f"{which}label": label.replace(" (length)", "")})
             letter(axes, name)
-        if "gap" in found:  # the wall is the plane z = 0
+        if in_tube:
+            _tube(above, side, factor * float(found.attrs["tube_radius"]))
+        elif "gap" in found:  # the wall is the plane z = 0
             side.axhline(0.0, color=BLACK, linewidth=1.5)
         _in_time(time, found, places)
         letter(time, "c")
@@ -88,6 +94,17 @@ def _plane(axes: Axes, places: np.ndarray, i: int, j: int) -> None:
         aspect="equal",
     )
     few_ticks(axes, 4)
+
+
+def _tube(side: Axes, along: Axes, radius: float) -> None:
+    """The tube's wall, from the side and along its axis, all of which is shown."""
+    turn = np.linspace(0.0, 2.0 * np.pi, 181)
+    along.plot(radius * np.cos(turn), radius * np.sin(turn), color=BLACK, linewidth=1.5)
+    along.set(xlim=(-1.1 * radius, 1.1 * radius), ylim=(-1.1 * radius, 1.1 * radius))
+    for at in (-radius, radius):
+        side.axhline(at, color=BLACK, linewidth=1.5)
+    half = max(1.1 * radius, 0.5 * float(np.ptp(side.get_xlim())))
+    side.set(xlim=np.mean(side.get_xlim()) + np.array([-half, half]), ylim=(-half, half))
 
 
 def _in_time(axes: Axes, found: xr.Dataset, places: np.ndarray) -> None:

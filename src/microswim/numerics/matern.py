@@ -1,4 +1,4 @@
-"""The kernel of the corrections over designs."""
+"""Matern 5/2: the kernel of what is interpolated between scattered solves."""
 
 from __future__ import annotations
 

@@ -1,0 +1,117 @@
+"""Poses beside a boundary, solved by boundary elements, and how well a table meets others."""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Callable
+from dataclasses import dataclass, replace
+from typing import Any
+
+import numpy as np
+
+from microswim.errors import MicroswimError
+from microswim.gait.gait import DEGREES_OF_FREEDOM, Gait
+from microswim.gait.poses.face import Tabulated
+from microswim.gait.poses.table import PoseTable
+from microswim.jobs import references
+from microswim.models.bem.levels import get_level
+from microswim.numerics.array import Array
+from microswim.numerics.files import cache_folder
+from microswim.swimmer.swimmer import Swimmer
+
+#: Longer patches on the tail than at level coarse: in u_s within half a per cent of level standard.
+_COARSE = get_level("coarse")
+FEW = replace(
+    _COARSE,
+    name="few",
+    phases=1,
+    resolution=replace(
+        _COARSE.resolution, panel=5.0, stretch=8.0, bend=1.6, wave=2.0, slender=1.0, around=3
+    ),
+)
+
+
+def solved(
+    free_swimmer: Swimmer,
+    asked: list[Swimmer],
+    left_out: int,
+    level: str | None,
+    *,
+    folder: str | os.PathLike[str] | None = None,
+    workers: int | None = None,
+    progress: Callable[[int, int], None] | None = None,
+) -> tuple[Gait, list[Gait], list[Gait]]:
+    """Return the gait in free fluid, and those of the poses: to interpolate, and left out.
+
+    Parameters
+    ----------
+    free_swimmer
+        Without its boundary.
+    asked
+        At each pose, the `left_out` last ones at level standard.
+    level
+        Of the others; by default `FEW`.
+    folder
+        Where solves are kept; a folder of the user's cache by default.
+    workers, progress
+        As `references.gaits` has them; one count over all poses.
+
+    Raises
+    ------
+    MicroswimError
+        If a pose cannot be solved.
+    """
+    on = len(asked) - left_out
+
+    def told(done: int, _: int) -> None:
+        if progress is not None:
+            progress(done, len(asked) + 1)
+
+    options: dict[str, Any] = {"workers": workers, "progress": told}
+    options["folder"] = cache_folder("poses") if folder is None else folder
+    chosen = FEW if level is None else replace(get_level(level), phases=1)
+    free, *found = _all_solved([free_swimmer, *asked[:on]], level=chosen, **options)
+    options["progress"] = lambda done, of: told(on + 1 + done, of)
+    finer = replace(get_level("standard"), phases=1)
+    return free, found, _all_solved(asked[on:], level=finer, **options)
+
+
+def _all_solved(swimmers: list[Swimmer], **options: Any) -> list[Gait]:
+    """Return the gaits of all, or say why there is none of one."""
+    made = []
+    for gait in references.gaits(swimmers, "bem", **options):
+        if isinstance(gait, str):
+            raise MicroswimError(f"a pose beside the boundary cannot be solved: {gait}")
+        made.append(gait)
+    return made
+
+
+@dataclass(frozen=True, eq=False)
+class Table(Tabulated):
+    """A table that can be asked."""
+
+    table: PoseTable
+
+
+def error_of(
+    table: PoseTable, free: Gait, starts: list[tuple[Array, Array]], judged: list[Gait]
+) -> dict[str, Any]:
+    """Return by how much poses left out are missed: 95 % of them by no more, each velocity.
+
+    In units of the speed in free fluid, or of its rate of turning.
+    """
+    if not starts:
+        return {}
+    speed = free.at_rate(1.0).velocity(0.0)
+    scale = np.repeat([np.linalg.norm(speed[:3]), np.linalg.norm(speed[3:])], 3)
+    missed = []
+    for (x, q), gait in zip(starts, judged, strict=True):
+        R, F = Table(table).at(x, q, 0.0)
+        near = replace(gait, resistance_series=R[None], propulsion_series=F[None], rate=1.0)
+        missed.append(np.abs(near.velocity(0.0) - gait.at_rate(1.0).velocity(0.0)))
+    most = np.quantile(missed, 0.95, axis=0) / np.where(scale > 0, scale, 1.0)
+    how = (
+        f"95 % of {len(starts)} poses left out are met within this, in units of the speed and of "
+        "the rate of turning in free fluid, against boundary elements of level standard"
+    )
+    return {**dict(zip(DEGREES_OF_FREEDOM, most.tolist(), strict=True)), "how": how}

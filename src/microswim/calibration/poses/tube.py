@@ -1,0 +1,278 @@
+"""Poses in an endless round tube, solved by boundary elements: `in_tube` returns `TubePoses`."""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Callable
+from dataclasses import dataclass, replace
+from typing import Any
+
+import numpy as np
+from scipy.spatial.transform import Rotation
+
+from microswim.calibration.poses import scattered
+from microswim.calibration.poses.layout import Shape, shape_of
+from microswim.calibration.poses.solved import error_of, solved
+from microswim.errors import SpecError
+from microswim.gait.gait import Gait
+from microswim.gait.poses import in_tube as inside
+from microswim.gait.poses.face import Tabulated
+from microswim.gait.poses.table import TUBE, PoseTable
+from microswim.gait.stepping import pack
+from microswim.models.bem.solution import middle_of
+from microswim.numerics.array import Array
+from microswim.numerics.compiled import settled
+from microswim.numerics.sobol import points
+from microswim.swimmer.geometry.surroundings import Channel
+from microswim.swimmer.swimmer import Swimmer
+
+#: Fluid between the swimmer and the closed ends of the tube in which a pose is solved, in radii:
+#: what is sent back by them falls as exp(-2 * 2.6 * ends).
+ENDS = 1.5
+#: Poses at random among which each that is solved is chosen; those that are looked at at once.
+AMONG, LOOK = 2, 2**14
+
+
+@dataclass(frozen=True)
+class Scatter:
+    """Numbers of poses.
+
+    Parameters
+    ----------
+    poses
+        That are solved, as far from one another as they can lie.
+    smallest
+        Smallest gap, in the body's smaller half axes.
+    left_out
+        Further ones, that measure the error.
+    """
+
+    poses: int = 900
+    smallest: float = 0.02
+    left_out: int = 16
+
+
+@dataclass(frozen=True, eq=False)
+class TubePoses(Tabulated):
+    """A gait as a function of the pose in the tube about the x axis of the lab.
+
+    Parameters
+    ----------
+    gait
+        In free fluid, by boundary elements.
+    table
+        For the compiled `table.resist`.
+    start
+        Position and quaternion of the pose that the spec states.
+    expected_error
+        95 % of the poses left out are interpolated as well as this, in units of the speed and the
+        rate of turning in free fluid.
+    """
+
+    gait: Gait
+    table: PoseTable
+    start: tuple[Array, Array]
+    expected_error: dict[str, Any]
+
+
+def in_tube(
+    swimmer: Swimmer,
+    *,
+    level: str | None = None,
+    scatter: Scatter | None = None,
+    folder: str | os.PathLike[str] | None = None,
+    workers: int | None = None,
+    progress: Callable[[int, int], None] | None = None,
+) -> TubePoses:
+    """Solve a swimmer at poses in its tube, and interpolate between them.
+
+    Parameters
+    ----------
+    swimmer
+        With a `channel` that is a cylinder, taken as endless; a body of revolution with a helical
+        tail.
+    level
+        Of the boundary elements; by default one of few patches, as many poses want it.
+    scatter
+        How many poses.
+    folder
+        Where solves are kept and looked for; a folder of the user's cache by default.
+    workers
+        Processes; all cores by default.
+    progress
+        Called with (solved, all).
+
+    Raises
+    ------
+    SpecError
+        If the swimmer is of another kind, has no tube or does not fit into it.
+    MicroswimError
+        If a pose cannot be solved.
+    """
+    scatter = Scatter() if scatter is None else scatter
+    channel = _tube_of(swimmer)
+    start = start_of(swimmer)
+    shape = shape_of(swimmer, scatter.smallest)
+    radius = 0.5 * channel.diameter
+    numbers = numbers_of(shape, scatter.smallest)
+    lines, Z = places(shape, numbers, radius, scatter.poses, AMONG * scatter.poses)
+    out, _ = places(shape, numbers, radius, scatter.left_out, among=scatter.left_out, seed=1)
+    free_swimmer = replace(swimmer, wall=None, channel=None)
+    asked = [beside(free_swimmer, radius, line) for line in np.concatenate([lines, out])]
+    free, found, judged = solved(
+        free_swimmer, asked, len(out), level, folder=folder, workers=workers, progress=progress
+    )
+    root = root_of(free)
+    Y = np.array([targets(gait, root) for gait in found])
+    C = np.array([carried(gait, line, radius) for gait, line in zip(found, lines, strict=True)])
+    known, weights = scattered.known(Z, np.concatenate([Y, C], axis=1))
+    table = PoseTable(
+        TUBE, np.ascontiguousarray(pack(free)), np.array([0.0, 0, 0, 1, 0, 0, radius]), numbers,
+        shape.body, shape.tail, np.zeros(0), np.zeros((0, 0, 0, 0, 0)),
+        known, weights[: Y.shape[1]].copy(), weights[Y.shape[1] :].copy(), root,
+    )  # fmt: skip
+    error = error_of(table, free, [start_of(s) for s in asked[len(lines) :]], judged)
+    return TubePoses(free, table, start, error)
+
+
+def _tube_of(swimmer: Swimmer) -> Channel:
+    channel = swimmer.channel
+    if channel is None:
+        raise SpecError("channel: missing; give [channel] with its diameter and length")
+    if not channel.is_cylinder:
+        raise SpecError("channel.shape", channel.shape, '"cylinder" for a path')
+    return channel
+
+
+def start_of(swimmer: Swimmer) -> tuple[Array, Array]:
+    """Return position and quaternion in the axes of the swimmer's channel, about its middle."""
+    assert swimmer.channel is not None
+    axes = swimmer.channel.axes
+    centre = np.asarray(swimmer.body.centre, float)
+    turn = Rotation.from_matrix(axes.T)
+    return axes.T @ (centre - middle_of(swimmer)), np.roll(turn.as_quat(), 1)
+
+
+def numbers_of(shape: Shape, smallest: float) -> Array:
+    """Return `PoseTable.numbers` for a tube: `layout`'s, with scale and least of the gap."""
+    numbers = shape.numbers.copy()
+    numbers[inside.LEAST] = smallest * numbers[inside.LENGTH]
+    numbers[inside.SIZE] = SIZE * numbers[inside.LENGTH]
+    return numbers
+
+
+#: Scale of the gap in half axes of the body.
+SIZE = 2.0
+
+
+def places(
+    shape: Shape, numbers: Array, radius: float, count: int, among: int, seed: int = 0
+) -> tuple[Array, Array]:
+    """Return lines (count, 6) and their features (count, 10), far from one another.
+
+    Raises
+    ------
+    SpecError
+        If the swimmer does not fit into the tube.
+    """
+    widest, steep = radius - numbers[inside.LEAST], 1.0
+    lines: list[Array] = []
+    Z: list[Array] = []
+    for more in range(400):
+        u = points(LOOK, 4, 1000 * seed + more)
+        found = _lines(u, widest, steep)
+        gaps, z = np.empty((len(found), 2)), np.empty((len(found), inside.FEATURES))
+        with settled(True):
+            inside.of_lines(found, shape.body, shape.tail, numbers, radius, gaps, z)
+        fits = gaps.min(axis=1) > numbers[inside.LEAST]
+        if fits.sum() < 2**8 and not lines:  # a narrow tube: what is steep does not fit
+            least = found[fits, 0].min() if fits.any() else 1.0 - steep / 4.0
+            steep = min(1.5 * (1.0 - least), 0.5 * steep) if fits.any() else steep / 4.0
+            if steep < 1e-9:
+                break
+            continue
+        lines.append(found[fits])
+        Z.append(z[fits])
+        if sum(map(len, lines)) >= among:
+            break
+    if not lines:
+        raise SpecError(
+            "channel.diameter", 2.0 * radius, "wide enough for the swimmer to move in it"
+        )
+    all_lines, all_z = np.concatenate(lines)[:among], np.concatenate(Z)[:among]
+    chosen = scattered.spread(all_z, count)
+    return all_lines[chosen], all_z[chosen]
+
+
+def _lines(u: Array, widest: float, steep: float) -> Array:
+    """Lines (n, 6) of points (n, 4) of the unit cube: evenly in direction and in place."""
+    t0 = 1.0 - steep * u[:, 0]
+    across = np.sqrt(1.0 - t0 * t0)
+    c, s = np.cos(2.0 * np.pi * u[:, 1]), np.sin(2.0 * np.pi * u[:, 1])
+    t = np.stack([t0, across * c, across * s], axis=-1)
+    first = np.stack([-across, t0 * c, t0 * s], axis=-1)
+    second = np.stack([0.0 * c, -s, c], axis=-1)
+    away, turn = widest * np.sqrt(u[:, 2]), 2.0 * np.pi * u[:, 3]
+    b = (away * np.cos(turn))[:, None] * first + (away * np.sin(turn))[:, None] * second
+    return np.ascontiguousarray(np.concatenate([t, b], axis=-1))
+
+
+def beside(swimmer: Swimmer, radius: float, line: Array) -> Swimmer:
+    """Return the swimmer in a closed tube such that phase 0 of the tail is the pose of a line."""
+    t, b = line[:3], line[3:]
+    tilt, azimuth = np.arccos(np.clip(t[0], -1.0, 1.0)), np.arctan2(-t[2], -t[1])
+    whole = 2.0 * float(swimmer.body.semi_axes3[0]) + float(swimmer.tail.apparent_length)
+    tube = Channel(
+        diameter=2.0 * radius,
+        length=whole + 2.0 * float(swimmer.tail.radius) + 2.0 * ENDS * radius,
+        tilt=float(min(tilt, 0.5 * np.pi)),
+        azimuth=float(azimuth),
+    )
+    own = middle_of(replace(swimmer, channel=tube)) - np.asarray(swimmer.body.centre, float)
+    place = tube.axes.T @ (b + own)
+    return replace(swimmer, channel=replace(tube, position=(0.0, *place[1:].tolist())))
+
+
+def root_of(free: Gait) -> Array:
+    """Return `PoseTable.root` (8, 6): S of ``R = S exp(L) S'``, R^-1 F_p and P in free fluid."""
+    R, F = free.resistance(0.0), free.propulsion(0.0)
+    length = np.sqrt(np.trace(R[3:, 3:]) / np.trace(R[:3, :3]))
+    unit = np.repeat([1.0, length], 3)
+    values, vectors = np.linalg.eigh(R / np.outer(unit, unit))
+    S = unit[:, None] * ((vectors * np.sqrt(values)) @ vectors.T)
+    w = np.linalg.solve(R, F)
+    return np.concatenate([S, [w, np.repeat([_activity(free) - F @ w, 0.0], [1, 5])]])
+
+
+def _activity(gait: Gait) -> float:
+    return float(np.real(gait.activity_series[0]))
+
+
+def targets(gait: Gait, root: Array) -> Array:
+    """Return L by the rows of its lower triangle (21), w (6) and log of P over that of free fluid.
+
+    Raises
+    ------
+    numpy.linalg.LinAlgError
+        If R is not positive definite.
+    """
+    R, F = gait.resistance(0.0), gait.propulsion(0.0)
+    inverse = np.linalg.inv(root[:6])
+    E = inverse @ R @ inverse.T
+    values, vectors = np.linalg.eigh(0.5 * (E + E.T))
+    if not values[0] > 0.0:
+        raise np.linalg.LinAlgError("a resistance beside the tube is not positive definite")
+    L = (vectors * np.log(values)) @ vectors.T
+    w = np.linalg.solve(R, F)
+    power, free = _activity(gait) - F @ w, root[7, 0]
+    more = np.log(power / free) if free > 0.0 and power > 0.0 else 0.0
+    return np.concatenate([L[np.tril_indices(6)], w - root[6], [more]])
+
+
+def carried(gait: Gait, line: Array, radius: float) -> Array:
+    """Return D t' (18,): how Poiseuille's flow along t carries a pose, see `table.carry`."""
+    t, b = line[:3], line[3:]
+    V = np.linalg.solve(gait.resistance(0.0), np.asarray(gait.info["in_poiseuille"], float))
+    V[:3] -= (1.0 - b @ b / radius**2) * t
+    V[3:] += np.cross(b, t) / radius**2
+    return np.outer(V, t).reshape(-1)

@@ -1,0 +1,394 @@
+"""A swimmer in an endless round tube, compiled: where it touches, and R and F_p by interpolation.
+
+Body of revolution and rigid tail are one rigid thing but for a turn about s, so that what it feels
+depends on where the tube's axis lies in the frame that turns with the tail: on the line's direction
+t, either sense of it, and on b, the vector from the line to the body's centre. In that frame
+
+    R = S exp(L) S',   F_p = R (w_0 + w),   S S' = R and w_0 = R^-1 F_p in free fluid,
+
+so that R is symmetric positive definite for any symmetric L. L (21 numbers) and w (6) are smooth
+functions of
+
+    z = (b, t t', log(g/(g + size)) of body and of tail),   g: gap of each,
+
+that do not know the sense of t, and are interpolated between scattered poses by their covariance,
+Matern 5/2 of the distance in z. Towards contact the eigenvalue of L across the wall goes like
+-log g and all else like a power of log g less; below the smallest gap solved R goes on as
+lubrication has it, ``R + (g_0/g - 1) N N' / (N' R^-1 N)``, N the wrench of a unit force at the
+nearest point.
+"""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+
+from microswim.gait.poses.beside_wall import LENGTH, SIGN, SIZE, TAIL_RADIUS
+from microswim.numerics.compiled import FAST, compiled
+from microswim.numerics.matern import matern
+from microswim.numerics.rigid_motion import to_lab
+from microswim.numerics.solve6 import solve
+
+LEAST = 5  #: entry of `PoseTable.numbers`: the smallest gap that was solved
+FEATURES = 10
+#: Directions in which the body's farthest point is looked for, steps of the search.
+AROUND, STEPS = 16, 12
+
+
+@compiled(fastmath=FAST, error_model="numpy")
+def axis_in_body(boundary: Any, turn: Any, x: Any, q: Any, line: Any) -> None:
+    """Write direction t of the tube's axis and vector b from it to the body's centre, line (6,).
+
+    In the frame turned about s by `turn` from the body's. `boundary`: a point of the axis, its
+    direction, the radius (7,).
+    """
+    along = 0.0
+    for i in range(3):
+        along += (x[i] - boundary[i]) * boundary[3 + i]
+    ct, st = np.cos(turn), np.sin(turn)
+    t0, t1, t2 = to_lab(q, boundary[3], boundary[4], boundary[5], -1.0)
+    b0, b1, b2 = to_lab(
+        q, x[0] - boundary[0] - along * boundary[3], x[1] - boundary[1] - along * boundary[4],
+        x[2] - boundary[2] - along * boundary[5], -1.0,
+    )  # fmt: skip
+    line[0], line[1], line[2] = t0, t1 * ct + t2 * st, t2 * ct - t1 * st
+    line[3], line[4], line[5] = b0, b1 * ct + b2 * st, b2 * ct - b1 * st
+
+
+@compiled(error_model="numpy")
+def _support(body: Any, d0: Any, d1: Any, d2: Any) -> Any:
+    """Return the point of a body of revolution that lies farthest in the direction d."""
+    across = np.sqrt(d1 * d1 + d2 * d2)
+    where = np.arctan2(across, d0) / np.pi * (body.shape[0] - 1)
+    i = min(int(where), body.shape[0] - 2)
+    part = where - i
+    s = body[i, 0] + part * (body[i + 1, 0] - body[i, 0])
+    rho = body[i, 1] + part * (body[i + 1, 1] - body[i, 1])
+    ratio = rho / across if across > 1e-15 else 0.0
+    return s, ratio * d1, ratio * d2
+
+
+@compiled(error_model="numpy")
+def _reach(line: Any, body: Any, e: Any, turn: Any, out: Any) -> Any:
+    """Write the body's point farthest from the axis towards one side, (3,), and that side, (3,).
+
+    Returns its distance that way and how this changes with the angle.
+    """
+    c, s = np.cos(turn), np.sin(turn)
+    for i in range(3):
+        out[3 + i] = c * e[i] + s * e[3 + i]
+    out[0], out[1], out[2] = _support(body, out[3], out[4], out[5])
+    far, change = 0.0, 0.0
+    for i in range(3):
+        far += out[3 + i] * (line[3 + i] + out[i])
+        change += (c * e[3 + i] - s * e[i]) * (line[3 + i] + out[i])
+    return far, change
+
+
+@compiled(error_model="numpy")
+def body_in_tube(line: Any, body: Any, radius: Any, out: Any, work: Any) -> None:
+    """Write gap, nearest point and normal into the fluid, (7,), of a body in a tube.
+
+    The distance of a convex body's farthest point is the largest of ``d . b + h(d)`` over
+    directions d across the axis, h its support function: the best of several, then by bisection.
+    """
+    e, here = work[:6], work[6:12]
+    k = 0  # a first direction across t
+    for i in range(1, 3):
+        k = i if abs(line[i]) < abs(line[k]) else k
+    for i in range(3):
+        e[i] = (1.0 if i == k else 0.0) - line[k] * line[i]
+    size = np.sqrt(e[0] * e[0] + e[1] * e[1] + e[2] * e[2])
+    for i in range(3):
+        e[i] /= size
+    e[3] = line[1] * e[2] - line[2] * e[1]
+    e[4] = line[2] * e[0] - line[0] * e[2]
+    e[5] = line[0] * e[1] - line[1] * e[0]
+    best, at, step = -np.inf, 0.0, 2.0 * np.pi / AROUND
+    for n in range(AROUND):
+        far, _ = _reach(line, body, e, n * step, here)
+        if far > best:
+            best, at = far, n * step
+    low, high = at - step, at + step
+    _, f = _reach(line, body, e, low, here)
+    _, g = _reach(line, body, e, high, here)
+    for _ in range(STEPS):  # false position, Illinois
+        at = high - g * (high - low) / (g - f) if g != f else 0.5 * (low + high)
+        best, change = _reach(line, body, e, at, here)
+        if change * g < 0.0:
+            low, f = high, g
+        else:
+            f *= 0.5
+        high, g = at, change
+        if abs(change) < 1e-13 * radius:
+            break
+    out[0] = radius - best
+    for i in range(3):
+        out[1 + i], out[4 + i] = here[i], -here[3 + i]
+
+
+@compiled(fastmath=FAST, error_model="numpy")
+def _squared(line: Any, P: Any) -> Any:
+    """Return the squared distance of a point, from the body's centre, from the axis."""
+    square, along = 0.0, 0.0
+    for c in range(3):
+        y = line[3 + c] + P[c]
+        square += y * y
+        along += y * line[c]
+    return square - along * along
+
+
+@compiled(fastmath=FAST, error_model="numpy")
+def tail_in_tube(line: Any, tail: Any, thick: Any, radius: Any, out: Any) -> None:
+    """Write the same, (7,), of a tail: the farthest of its centreline's points and its radius."""
+    most, k = -1.0, 0
+    for i in range(tail.shape[0]):
+        square = _squared(line, tail[i])
+        if square > most:
+            most, k = square, i
+    k = min(max(k, 1), tail.shape[0] - 2)  # a parabola through the farthest point
+    y0, y1, y2 = (
+        _squared(line, tail[k - 1]), _squared(line, tail[k]), _squared(line, tail[k + 1])
+    )  # fmt: skip
+    bend = 2.0 * y1 - y0 - y2
+    u = 0.5 * (y2 - y0) / bend if bend > 0.0 else (1.0 if y2 > y0 else -1.0)
+    u = min(max(u, -1.0), 1.0)
+    w0, w1, w2 = 0.5 * u * (u - 1.0), 1.0 - u * u, 0.5 * u * (u + 1.0)
+    along, square = 0.0, 0.0
+    for c in range(3):
+        out[1 + c] = w0 * tail[k - 1, c] + w1 * tail[k, c] + w2 * tail[k + 1, c]
+        along += (line[3 + c] + out[1 + c]) * line[c]
+    for c in range(3):
+        y = line[3 + c] + out[1 + c] - along * line[c]
+        out[4 + c] = -y
+        square += y * y
+    far = np.sqrt(square) + 1e-300
+    out[0] = radius - far - thick
+    for c in range(3):
+        out[4 + c] /= far
+        out[1 + c] -= thick * out[4 + c]
+
+
+@compiled(fastmath=FAST, error_model="numpy")
+def touch_tube(
+    boundary: Any, numbers: Any, body: Any, tail: Any, x: Any, q: Any, phase: Any, line: Any,
+    touch: Any, work: Any,
+) -> None:  # fmt: skip
+    """Write line (6,) as `axis_in_body`, in the frame of the tail, and touch (14,): body, tail.
+
+    What the swimmer does not have has an infinite gap.
+    """
+    axis_in_body(boundary, numbers[SIGN] * phase, x, q, line)
+    for i in range(14):
+        touch[i] = 0.0
+    touch[0] = touch[7] = np.inf
+    if body.shape[0] > 0:
+        body_in_tube(line, body, boundary[6], touch[:7], work)
+    if tail.shape[0] > 0:
+        tail_in_tube(line, tail, numbers[TAIL_RADIUS], boundary[6], touch[7:])
+
+
+@compiled(fastmath=FAST, error_model="numpy")
+def features(line: Any, of_body: Any, of_tail: Any, numbers: Any, z: Any) -> None:
+    """Write z (10,) of a line and the gaps of body and tail; a gap below the least counts as it."""
+    per = 1.0 / numbers[LENGTH]
+    t0, t1, t2 = line[0], line[1], line[2]
+    z[0], z[1], z[2] = line[3] * per, line[4] * per, line[5] * per
+    z[3], z[4], z[5], z[6] = t0 * t1, t0 * t2, t1 * t1 - t2 * t2, t1 * t2
+    z[7] = t0 * t0
+    z[8], z[9] = _of_gap(of_body, numbers), _of_gap(of_tail, numbers)
+
+
+@compiled(error_model="numpy")
+def _of_gap(gap: Any, numbers: Any) -> Any:
+    near = max(gap, numbers[LEAST])
+    return 0.0 if near == np.inf else np.log(near / (near + numbers[SIZE]))
+
+
+@compiled(fastmath=FAST, error_model="numpy")
+def between(known: Any, weights: Any, z: Any, values: Any, near: Any) -> None:
+    """Write what is interpolated at z.
+
+    ``values = mean + sum_i k(z, z_i) alpha_i``: `known` (1 + features, n) holds the lengths of the
+    kernel (first `features` of row 0) and the poses in these lengths; `weights` (m, 1 + n) the mean
+    and alpha of each target.
+    """
+    n = known.shape[1]
+    near[:n] = 0.0
+    for f in range(known.shape[0] - 1):
+        at = z[f] * known[0, f]
+        for i in range(n):
+            d = at - known[1 + f, i]
+            near[i] += d * d
+    for i in range(n):
+        near[i] = matern(near[i])
+    for j in range(weights.shape[0]):
+        total = 0.0
+        for i in range(n):
+            total += near[i] * weights[j, 1 + i]
+        values[j] = weights[j, 0] + total
+
+
+@compiled(error_model="numpy")
+def exponential(L: Any, out: Any, work: Any) -> None:
+    """Write exp(L) of a symmetric L (6, 6), lost: Taylor's series of L/2^k, squared k times."""
+    size = 0.0
+    for i in range(6):
+        row = 0.0
+        for j in range(6):
+            row += abs(L[i, j])
+        size = max(size, row)
+    halvings = 0
+    while size > 0.25 and halvings < 60:
+        size *= 0.5
+        halvings += 1
+    small = 0.5**halvings
+    for i in range(6):
+        for j in range(6):
+            L[i, j] *= small
+            out[i, j] = 1.0 if i == j else 0.0
+    for n in range(9, 0, -1):  # out = 1 + L out / n
+        _product(L, out, work)
+        for i in range(6):
+            for j in range(6):
+                out[i, j] = work[i, j] / n + (1.0 if i == j else 0.0)
+    for _ in range(halvings):
+        _product(out, out, work)
+        for i in range(6):
+            for j in range(i + 1):
+                out[i, j] = out[j, i] = 0.5 * (work[i, j] + work[j, i])
+
+
+@compiled(fastmath=FAST)
+def _product(A: Any, B: Any, out: Any) -> None:
+    for i in range(6):
+        for j in range(6):
+            total = 0.0
+            for k in range(6):
+                total += A[i, k] * B[k, j]
+            out[i, j] = total
+
+
+@compiled(error_model="numpy")
+def from_logarithm(root: Any, values: Any, R: Any, F: Any, work: Any) -> None:
+    """Write R = S exp(L) S' and F_p = R (w_0 + w), the frame of the tail.
+
+    `root` (8, 6): S, w_0, P_0; `values` (27,): L by rows of its lower triangle, w.
+    """
+    L, E = work[:36].reshape((6, 6)), work[36:72].reshape((6, 6))
+    room = work[72:108].reshape((6, 6))
+    m = 0
+    for i in range(6):
+        for j in range(i + 1):
+            L[i, j] = L[j, i] = values[m]
+            m += 1
+    exponential(L, E, room)
+    _product(root, E, room)
+    for i in range(6):
+        for j in range(6):
+            R[i, j] = 0.0
+            for k in range(6):
+                R[i, j] += room[i, k] * root[j, k]
+    for i in range(6):
+        for j in range(i):
+            R[i, j] = R[j, i] = 0.5 * (R[i, j] + R[j, i])
+    for i in range(6):
+        F[i] = 0.0
+        for j in range(6):
+            F[i] += R[i, j] * (root[6, j] + values[21 + j])
+
+
+@compiled()
+def from_power(root: Any, values: Any, F: Any) -> Any:
+    """Return G, the motor's power per squared rate with the body held: ``F_p . V_0 + P``.
+
+    P > 0 is what the motor spends per squared rate where nothing holds the swimmer, `root[7, 0]`
+    in free fluid; F_p of the tail's frame.
+    """
+    power = root[7, 0] * np.exp(values[27])
+    for i in range(6):
+        power += F[i] * (root[6, i] + values[21 + i])
+    return power
+
+
+@compiled()
+def nearer_first(touch: Any) -> None:
+    """Change body and tail if the tail is nearer."""
+    if touch[7] < touch[0]:
+        for i in range(7):
+            touch[i], touch[7 + i] = touch[7 + i], touch[i]
+
+
+@compiled(error_model="numpy")
+def continued(numbers: Any, touch: Any, R: Any, F: Any, work: Any) -> None:
+    """Let R and F_p grow like 1/gap below the smallest gap solved, for body and then for tail.
+
+    ``R + c N N'``, ``c = (g_0/g - 1) / (N' R^-1 N)``, and ``F_p + c N (n . u)`` where the nearest
+    point moves with u per unit phase rate, on the tail.
+    """
+    for part in (0, 7):
+        gap = touch[part]
+        if not gap < numbers[LEAST]:
+            continue
+        N, V, A = work[:6], work[6:12], work[12:48].reshape((6, 6))
+        p, n = touch[part + 1 : part + 4], touch[part + 4 : part + 7]
+        N[0], N[1], N[2] = n[0], n[1], n[2]
+        N[3] = p[1] * n[2] - p[2] * n[1]
+        N[4] = p[2] * n[0] - p[0] * n[2]
+        N[5] = p[0] * n[1] - p[1] * n[0]
+        for i in range(6):
+            V[i] = N[i]
+            for j in range(6):
+                A[i, j] = R[i, j]
+        solve(A, V, (True, True, True, True, True, True))
+        ease = 0.0
+        for i in range(6):
+            ease += N[i] * V[i]
+        c = (numbers[LEAST] / max(gap, 1e-12 * numbers[LENGTH]) - 1.0) / ease
+        for i in range(6):
+            F[i] += 0.0 if part == 0 else c * N[i] * numbers[SIGN] * N[3]
+            for j in range(6):
+                R[i, j] += c * N[i] * N[j]
+
+
+@compiled()
+def turned(turn: Any, V: Any, at: Any) -> None:
+    """Turn a vector V[at : at + 3] about s."""
+    c, s = np.cos(turn), np.sin(turn)
+    V[at + 1], V[at + 2] = c * V[at + 1] - s * V[at + 2], s * V[at + 1] + c * V[at + 2]
+
+
+@compiled()
+def out_of_the_tail(turn: Any, R: Any, F: Any, touch: Any) -> None:
+    """Turn R, F_p and what touches from the tail's frame into the body's."""
+    for i in range(6):
+        turned(turn, R[i], 0)
+        turned(turn, R[i], 3)
+    for j in range(6):
+        turned(turn, R[:, j], 0)
+        turned(turn, R[:, j], 3)
+    for i in range(6):
+        for j in range(i):
+            R[i, j] = R[j, i]
+    for at in (0, 3):
+        turned(turn, F, at)
+    for at in (1, 4, 8, 11):
+        turned(turn, touch, at)
+
+
+@compiled(always=True)
+def of_lines(
+    lines: Any, body: Any, tail: Any, numbers: Any, radius: Any, gaps: Any, Z: Any
+) -> None:
+    """Write the gaps of body and tail (n, 2) and the features (n, 10) of lines (n, 6)."""
+    out, work = np.zeros(7), np.zeros(16)
+    for n in range(lines.shape[0]):
+        gaps[n] = np.inf
+        if body.shape[0] > 0:
+            body_in_tube(lines[n], body, radius, out, work)
+            gaps[n, 0] = out[0]
+        if tail.shape[0] > 0:
+            tail_in_tube(lines[n], tail, numbers[TAIL_RADIUS], radius, out)
+            gaps[n, 1] = out[0]
+        features(lines[n], gaps[n, 0], gaps[n, 1], numbers, Z[n])

@@ -1,0 +1,201 @@
+"""A gait as a function of the pose in a tube: the laws of the table, and solves at other poses."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from typing import Any
+
+import numpy as np
+import pytest
+
+import microswim as ms
+from microswim.calibration.poses import scattered, tube
+from microswim.calibration.poses.layout import shape_of
+from microswim.errors import SpecError
+from microswim.gait.poses import in_tube
+from microswim.gait.poses.table import TUBE, WORK, PoseTable, carry, resist
+from microswim.gait.stepping import pack
+from microswim.models import bem
+from microswim.models.bem.solution import middle_of
+from microswim.models.bem.surface import positions
+from microswim.numerics.compiled import settled
+from microswim.numerics.rigid_motion import multiply, rotation_matrix
+
+ROBOT = ms.Swimmer.preset("tabak/helix")
+CELL = ms.Swimmer.preset("goto/A")
+RADIUS = 1.5
+MIX = np.random.default_rng(3).normal(size=(10, 46)) * 0.1
+
+
+def planted(swimmer: ms.Swimmer, radius: float, count: int = 60) -> PoseTable:
+    """Table of a tube that adds a linear function of the features to what the surrogate says."""
+    shape = shape_of(swimmer, 0.02)
+    numbers = tube.numbers_of(shape, 0.02)
+    _, Z = tube.places(shape, numbers, radius, count, among=400)
+    known, weights = scattered.known(Z, Z @ MIX)
+    gait = swimmer.gait()
+    return PoseTable(
+        TUBE, pack(gait), np.array([0.0, 0, 0, 1, 0, 0, radius]), numbers, shape.body, shape.tail,
+        np.zeros(0), np.zeros((0, 0, 0, 0, 0)), known, weights[:28].copy(), weights[28:].copy(),
+        tube.root_of(gait),
+    )  # fmt: skip
+
+
+TABLE = planted(ROBOT, RADIUS)
+
+
+def asked(table: PoseTable, x: Any, q: Any, phase: float, compile_it: bool = True) -> Any:
+    R, F, touch, D = np.empty((6, 6)), np.empty(6), np.empty(14), np.empty(6)
+    with settled(compile_it):
+        x, q = np.asarray(x, float), np.asarray(q, float)
+        G = resist(table, x, q, phase, R, F, touch, np.empty(WORK))
+        carry(table, x, q, phase, D, np.empty(WORK))
+    return R, F, touch, D, G
+
+
+def turned(axis: Any, angle: float) -> Any:
+    axis = np.asarray(axis, float) / np.linalg.norm(axis)
+    return np.concatenate([[np.cos(angle / 2)], np.sin(angle / 2) * axis])
+
+
+X, Q = np.array([4.0, 0.2, -0.3]), turned([0.1, 1.0, 0.3], 0.2)
+
+
+@pytest.mark.parametrize(
+    "swimmer", [ROBOT, CELL, replace(ROBOT, body=ms.Capsule(length=1.5, radius=0.4))]
+)
+def test_the_gap_in_a_tube_is_that_of_the_surface(swimmer: ms.Swimmer) -> None:
+    """Against the boundary elements' own surface."""
+    shape = shape_of(swimmer, 0.02)
+    length = shape.numbers[in_tube.LENGTH]
+    numbers = tube.numbers_of(shape, 0.02)
+    surface = bem.solve(replace(swimmer, wall=None), level="coarse").surface
+    X = positions(surface, 17) - np.asarray(swimmer.body.centre)
+    radius = 4.0 * length + 0.2 * float(swimmer.tail.apparent_length)
+    lines, _ = tube.places(shape, numbers, radius, 12, among=200)
+    gaps, Z = np.empty((12, 2)), np.empty((12, in_tube.FEATURES))
+    with settled(True):
+        in_tube.of_lines(lines, shape.body, shape.tail, numbers, radius, gaps, Z)
+    for line, nearest in zip(lines, gaps.min(axis=1), strict=True):
+        Y = X + line[3:]
+        far = np.linalg.norm(Y - (Y @ line[:3])[..., None] * line[:3], axis=-1).max()
+        assert nearest == pytest.approx(radius - far, abs=4e-3 * length)
+
+
+def test_a_line_is_the_pose_that_is_solved() -> None:
+    """The swimmer with its channel starts where the line says, and the other way round."""
+    shape = shape_of(ROBOT, 0.02)
+    lines, _ = tube.places(shape, tube.numbers_of(shape, 0.02), RADIUS, 8, among=50)
+    for line in lines:
+        near = tube.beside(ROBOT, RADIUS, line)
+        x, q = tube.start_of(near)
+        found = np.empty(6)
+        in_tube.axis_in_body(TABLE.boundary, 0.0, x, q, found)
+        assert found == pytest.approx(line, abs=1e-12)
+        centre = np.asarray(ROBOT.body.centre) - middle_of(near)
+        assert near.channel is not None
+        along = near.channel.axes[:, 0]
+        assert centre - (centre @ along) * along == pytest.approx(line[3:], abs=1e-12)
+
+
+def test_what_is_known_comes_back_and_a_smooth_function_between() -> None:
+    """Features enter linearly: met at other poses as well."""
+    shape = shape_of(ROBOT, 0.02)
+    lines, Z = tube.places(shape, TABLE.numbers, RADIUS, 6, among=300, seed=5)
+    root = tube.root_of(ROBOT.gait())
+    for line, z in zip(lines, Z, strict=True):
+        x, q = tube.start_of(tube.beside(ROBOT, RADIUS, line))
+        R, F, _, _, G = asked(TABLE, x, q, 0.0)
+        made = replace(
+            ROBOT.gait(), resistance_series=R[None], propulsion_series=F[None],
+            activity_series=np.array([G]),
+        )  # fmt: skip
+        assert tube.targets(made, root) == pytest.approx(z @ MIX[:, :28], abs=0.01)
+
+
+def test_a_tube_knows_no_place_along_it_no_side_and_no_end() -> None:
+    """Moved along it, turned about it, and turned end for end, the swimmer feels the same."""
+    R, F, touch, D, G = asked(TABLE, X, Q, 1.0)
+    ways = [(turned([1, 0, 0], 2.0), 1.0), (turned([0, 1, 0], np.pi), -1.0)]
+    for turn, sense in [(np.array([1.0, 0, 0, 0]), 1.0), *ways]:
+        place = rotation_matrix(turn) @ X + [7.0, 0.0, 0.0]
+        S, H, other, E, K = asked(TABLE, place, multiply(turn, Q), 1.0)
+        assert pytest.approx(R, rel=1e-9, abs=1e-9) == S
+        assert pytest.approx(F, rel=1e-9, abs=1e-9) == H
+        assert other == pytest.approx(touch, abs=1e-9)
+        assert sense * E == pytest.approx(D, rel=1e-9)
+        assert pytest.approx(G, rel=1e-9) == K
+
+
+def test_a_turn_about_s_in_a_tube_is_a_change_of_phase() -> None:
+    a = 0.7
+    R, F, touch, D, _ = asked(TABLE, X, Q, 1.0)
+    S, H, other, E, _ = asked(
+        TABLE, X, multiply(Q, turned([1, 0, 0], a)), 1.0 - ROBOT.tail.sign * a
+    )
+    one = rotation_matrix(turned([1, 0, 0], a))
+    both = np.kron(np.eye(2), one)
+    assert pytest.approx(R, rel=1e-9, abs=1e-9) == both @ S @ both.T
+    assert pytest.approx(F, rel=1e-9, abs=1e-9) == both @ H
+    assert pytest.approx(D, rel=1e-9, abs=1e-12) == both @ E
+    for k in (1, 4, 8, 11):
+        assert pytest.approx(touch[k : k + 3], abs=1e-9) == one @ other[k : k + 3]
+
+
+def test_compiled_and_python_agree_in_a_tube() -> None:
+    for plain, fast in zip(asked(TABLE, X, Q, 3.0, False), asked(TABLE, X, Q, 3.0), strict=True):
+        assert fast == pytest.approx(plain, rel=1e-8, abs=1e-9)
+
+
+def test_resistance_in_a_tube_is_positive_definite_whatever_was_solved() -> None:
+    table = TABLE._replace(weights=4.0 * TABLE.weights)
+    rng = np.random.default_rng(0)
+    for _ in range(50):
+        q = rng.normal(size=4)
+        R, *_ = asked(table, rng.uniform(-1, 1, 3), q / np.linalg.norm(q), 1.0)
+        assert np.array_equal(R, R.T)
+        scale = 1 / np.sqrt(np.diag(R))
+        assert np.linalg.eigvalsh(R * np.outer(scale, scale)).min() > -1e-9
+
+
+@pytest.mark.parametrize("q", [turned([0, 0, 1], 0.0), turned([0, 0, 1], 0.35)])
+def test_lubrication_in_a_tube_goes_on_below_the_smallest_gap(q: Any) -> None:
+    """R along what touches grows like 1/gap, of body and of tail, without a jump."""
+    pushed, gaps = [], np.geomspace(1e-6, 0.012, 60)
+    start = asked(TABLE, [0.0, 0.0, 0.0], q, 0.0)[2]
+    outwards = -rotation_matrix(q) @ start[4:7]
+    outwards[0] = 0.0
+    for gap in gaps:
+        x = np.zeros(3)
+        for _ in range(20):
+            x = x + (asked(TABLE, x, q, 0.0)[2][0] - gap) * outwards
+        R, _, touch, _, _ = asked(TABLE, x, q, 0.0)
+        N = np.concatenate([touch[4:7], np.cross(touch[1:4], touch[4:7])])
+        pushed.append(1.0 / (N @ np.linalg.solve(R, N)))
+    slopes = np.diff(np.log(pushed)) / np.diff(np.log(gaps))
+    assert slopes[:40] == pytest.approx(-1.0, abs=0.01)
+    assert np.abs(np.diff(np.log(pushed))).max() < 0.4
+
+
+def test_a_path_in_a_tube_starts_where_the_spec_says() -> None:
+    channel = ms.Channel(diameter=3.0, length=9.0, position=(1.0, 0.2, -0.3), tilt=0.2, azimuth=0.5)
+    robot = replace(ROBOT, channel=channel)
+    x, q = tube.start_of(robot)
+    middle = np.array([0.5 * (2.0 + 0.05 - 1.0), 0.0, 0.0])  # from nose to tip
+    there = x + rotation_matrix(q) @ (middle - np.asarray(ROBOT.body.centre))
+    assert there == pytest.approx([1.0, 0.2, -0.3])
+    assert rotation_matrix(q)[0, 0] == pytest.approx(np.cos(0.2))
+
+
+@pytest.mark.parametrize(
+    ("change", "said"),
+    [
+        ({"channel": None}, "channel: missing"),
+        ({"channel": ms.Channel(shape="box")}, "channel.shape"),
+        ({"channel": ms.Channel(diameter=0.9)}, "channel.diameter"),
+        ({"body": ms.Ellipsoid(semi_axes=(0.6, 0.5, 0.4))}, "body of revolution"),
+    ],
+)
+def test_what_is_no_tube_for_it_is_refused(change: dict[str, Any], said: str) -> None:
+    with pytest.raises(SpecError, match=said):
+        tube.in_tube(replace(ROBOT, **{"channel": ms.Channel(diameter=3.0), **change}))

@@ -1,0 +1,112 @@
+"""Paths in a tube: contact, energy, Poiseuille's flow; by a tube that is made up.
+
+The tube adds to R what grows towards contact; nothing is solved, for the laws hold whatever it is.
+"""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+import microswim as ms
+from microswim.calibration.poses import scattered, tube
+from microswim.calibration.poses.layout import shape_of
+from microswim.calibration.poses.tube import TubePoses
+from microswim.gait.poses.table import TUBE, PoseTable
+from microswim.gait.stepping import pack
+
+RADIUS = 1.5
+ROBOT = ms.Swimmer.preset("tabak/helix").with_({"motion.free": "all"})
+ROBOT = replace(ROBOT, channel=ms.Channel(diameter=2 * RADIUS, length=30.0))
+STILL = ROBOT.with_({"tail.frequency": 0.0})
+
+
+def inside(swimmer, adds=0.4):
+    """A gait at every pose in the made-up tube: the nearer, the harder to move."""
+    shape = shape_of(swimmer, 0.02)
+    numbers = tube.numbers_of(shape, 0.02)
+    _, Z = tube.places(shape, numbers, RADIUS, 40, 200)
+    Y = np.zeros((len(Z), 46))
+    for m, (i, j) in enumerate(zip(*np.tril_indices(6), strict=True)):
+        Y[:, m] = -adds * Z[:, 8:].sum(axis=1) if i == j else 0.0
+    known, weights = scattered.known(Z, Y)
+    gait = replace(swimmer, channel=None).gait()
+    table = PoseTable(
+        TUBE, pack(gait), np.array([0.0, 0, 0, 1, 0, 0, RADIUS]), numbers, shape.body, shape.tail,
+        np.zeros(0), np.zeros((0, 0, 0, 0, 0)), known, weights[:28].copy(), weights[28:].copy(),
+        tube.root_of(gait),
+    )  # fmt: skip
+    return TubePoses(gait, table, tube.start_of(swimmer), {})
+
+
+POSES = inside(ROBOT)
+
+
+def test_nothing_gets_through_the_tube():
+    found = ms.path(ROBOT, 20.0, poses=POSES, position=(0, 0, 0.3), force=(0, 0, -1000.0))
+    assert float(found.gap.min()) > 0.0
+    assert found.attrs["outcome"] == "touched"
+    assert found.attrs["boundary"] == "tube"
+
+
+def test_a_start_outside_the_tube_is_refused():
+    with pytest.raises(ms.SpecError, match="into the boundary"):
+        ms.path(ROBOT, 1.0, poses=POSES, position=(0, 0, 1.2))
+
+
+def test_work_of_motor_and_weight_is_what_the_fluid_takes_up_in_a_tube():
+    found = ms.path(
+        ROBOT, 5.0, poses=POSES, position=(0, 0, 0.2), force=(0, 0, -1.0), tolerance=1e-9
+    )
+    fell = float(found.position[0, 2] - found.position[-1, 2])
+    given = float(found.motor_work[-1]) + fell
+    assert abs(fell) > 1e-3
+    assert given == pytest.approx(float(found.dissipated[-1]), rel=1e-6, abs=1e-6)
+    assert float(found.dissipated[-1]) > 0.0
+
+
+def test_a_swimmer_that_goes_with_the_flow_has_its_velocity_and_rotation():
+    """The made-up tube adds nothing to what carries it: ``x' = u(x)``, ``w = curl u / 2``."""
+    swimmer = replace(STILL, flow=ms.PoiseuilleFlow(speed=0.5, diameter=2 * RADIUS))
+    start = np.array([0.0, 0.3, 0.4])
+    found = ms.path(swimmer, 0.2, poses=inside(STILL), position=start, samples=2)
+    r2 = 0.25
+    moved = found.position.values[-1] - start
+    assert moved == pytest.approx([0.2 * 0.5 * (1 - r2 / RADIUS**2), 0.0, 0.0], abs=1e-9)
+    turn = 2.0 * found.quaternion.values[-1, 1:] / 0.2
+    assert turn == pytest.approx(0.5 * np.array([0.0, -0.4, 0.3]) / RADIUS**2, rel=1e-3)
+
+
+def test_a_start_on_the_other_side_has_the_path_on_the_other_side():
+    """All turned by half a turn about the tube."""
+    found = ms.path(ROBOT, 3.0, poses=POSES, position=(0, 0.1, 0.2), samples=4)
+    turned = ms.path(
+        ROBOT, 3.0, poses=POSES, position=(0, -0.1, -0.2), quaternion=(0, 1, 0, 0), samples=4
+    )
+    half = np.array([1.0, -1.0, -1.0])
+    assert turned.position.values == pytest.approx(half * found.position.values, abs=1e-5)
+
+
+def test_a_path_that_winds_round_the_axis_is_told():
+    found = ms.path(STILL, 30.0, poses=inside(STILL), position=(0, 0.3, 0.3), force=(0.5, 0, 0))
+    assert found.attrs["circle_sense"] == ""
+    assert found.attrs["outcome"] in ("trapped", "touched")
+
+
+@pytest.mark.parametrize(
+    ("flow", "said"),
+    [
+        (ms.ShearFlow(rate=1.0), "flow.kind"),
+        (ms.PoiseuilleFlow(speed=1.0, diameter=2.0), "flow.diameter"),
+        (ms.PoiseuilleFlow(speed=1.0, diameter=3.0, axis=(0, 1, 0)), "flow.axis"),
+        (ms.PoiseuilleFlow(speed=1.0, diameter=3.0, centre=(0, 1, 0)), "flow.centre"),
+    ],
+)
+def test_a_flow_that_slips_on_the_tube_is_refused_before_any_solve(flow, said):
+    with pytest.raises(ms.SpecError, match=said):
+        ms.path(replace(ROBOT, flow=flow), 1.0)
+
+
+def test_a_wall_and_a_tube_at_once_are_refused():
+    with pytest.raises(ms.SpecError, match="leave one out"):
+        ms.path(replace(ROBOT, wall=ms.Wall(1.0)), 1.0)

@@ -108,5 +108,5 @@ def test_a_flow_that_slips_on_the_tube_is_refused_before_any_solve(flow, said):
 
 
 def test_a_wall_and_a_tube_at_once_are_refused():
-    with pytest.raises(ms.SpecError, match="leave one out"):
+    with pytest.raises(ms.SpecError, match="remove the other"):
         ms.path(replace(ROBOT, wall=ms.Wall(1.0)), 1.0)

@@ -11,7 +11,7 @@ from microswim.swimmer.swimmer import Swimmer
 
 
 def check(swimmer: Swimmer) -> None:
-    """Refuse a wall beside a tube, and a flow that does not stand still on the tube's wall.
+    """Refuse a flow that does not stand still on the tube's wall.
 
     Raises
     ------
@@ -19,11 +19,7 @@ def check(swimmer: Swimmer) -> None:
         One sentence.
     """
     channel, flow = swimmer.channel, swimmer.flow
-    if channel is None:
-        return
-    if swimmer.wall is not None:
-        raise SpecError("wall, channel: a path knows one of the two; leave one out")
-    if flow is None:
+    if channel is None or flow is None:
         return
     if not isinstance(flow, PoiseuilleFlow):
         raise SpecError("flow.kind", flow.kind, '"poiseuille" in a [channel]')

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import replace
+from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -11,13 +12,15 @@ import pytest
 import microswim as ms
 from microswim.calibration.poses import scattered, tube
 from microswim.calibration.poses.layout import shape_of
+from microswim.calibration.poses.tube import Scatter
 from microswim.errors import SpecError
-from microswim.gait.poses import in_tube
+from microswim.gait.poses import in_tube, tube_contact
 from microswim.gait.poses.table import TUBE, WORK, PoseTable, carry, resist
 from microswim.gait.stepping import pack
 from microswim.models import bem
 from microswim.models.bem.solution import middle_of
 from microswim.models.bem.surface import positions
+from microswim.models.bem.system import wrench_rows
 from microswim.numerics.compiled import settled
 from microswim.numerics.rigid_motion import multiply, rotation_matrix
 
@@ -90,7 +93,7 @@ def test_a_line_is_the_pose_that_is_solved() -> None:
         near = tube.beside(ROBOT, RADIUS, line)
         x, q = tube.start_of(near)
         found = np.empty(6)
-        in_tube.axis_in_body(TABLE.boundary, 0.0, x, q, found)
+        tube_contact.axis_in_body(TABLE.boundary, 0.0, x, q, found)
         assert found == pytest.approx(line, abs=1e-12)
         centre = np.asarray(ROBOT.body.centre) - middle_of(near)
         assert near.channel is not None
@@ -199,3 +202,52 @@ def test_a_path_in_a_tube_starts_where_the_spec_says() -> None:
 def test_what_is_no_tube_for_it_is_refused(change: dict[str, Any], said: str) -> None:
     with pytest.raises(SpecError, match=said):
         tube.in_tube(replace(ROBOT, **{"channel": ms.Channel(diameter=3.0), **change}))
+
+
+@pytest.mark.slow
+def test_poses_in_a_tube_that_were_not_used_are_met(tmp_path: Path) -> None:
+    """Few poses of a short robot in a wide tube: direct solves elsewhere, and what flow does."""
+    short = ROBOT.with_({"tail.length": 0.8, "tail.waves": 1.0})
+    short = replace(short, channel=ms.Channel(diameter=5.0, length=20.0))
+    few = Scatter(poses=48, left_out=4)
+    poses = tube.in_tube(short, scatter=few, folder=tmp_path, workers=0)
+    assert 0 < poses.expected_error["us"] < 0.2
+    seen = []
+    again = tube.in_tube(
+        short, scatter=few, folder=tmp_path, workers=0, progress=lambda done, of: seen.append(done)
+    )
+    assert seen == [49, 53]  # all of them kept
+    assert np.array_equal(again.table.weights, poses.table.weights)
+    speed = np.linalg.norm(poses.gait.velocity(0.0)[:3])
+    line = np.array([np.cos(0.3), -np.sin(0.3), 0.0, 0.3 * np.sin(0.3), 0.3 * np.cos(0.3), 0.4])
+    near = tube.beside(short, 2.5, line)
+    solved = bem.solve(near, level="coarse")
+    x, q = tube.start_of(near)
+    R, F = poses.at(x, q, 0.0)
+    V = -np.linalg.solve(R, F) * solved.rate
+    assert np.abs(V - solved.twist)[:3].max() < 0.05 * speed
+    D = asked(poses.table, x, q, 0.0)[3]
+    held = np.linalg.solve(solved.resistance, solved.in_poiseuille)
+    flow = np.concatenate([(1 - 0.25 / 6.25) * line[:3], np.cross(line[:3], line[3:]) / 6.25])
+    assert D + flow == pytest.approx(held, abs=0.02)
+    path = ms.path(short, time=5.0, poses=poses)
+    assert path.gap.values.min() > 0
+
+
+def test_a_sphere_in_poiseuilles_flow_obeys_faxen_and_reciprocity() -> None:
+    """``U/u = 1 - 2/3 l^2 + O(l^5)`` on the axis; off it as the flow solved for itself says."""
+    ball = ms.Swimmer(body=ms.Sphere(radius=0.2), tail=ms.NoTail(), fluid=ms.Fluid(viscosity=1.0))
+    on = replace(ball, channel=ms.Channel(diameter=2.0, length=5.0))
+    solved = bem.solve(on, level="coarse")
+    V = np.linalg.solve(solved.resistance, solved.in_poiseuille)
+    assert V[0] == pytest.approx(1 - 2 / 3 * 0.2**2, abs=2e-4)
+    assert V[1:] == pytest.approx(np.zeros(5), abs=1e-6)
+    off = replace(on, channel=replace(on.channel, position=(0.0, 0.5, 0.1)))
+    solved = bem.solve(off, level="coarse", keep=True)
+    assert solved.factors is not None
+    X = solved.surface.nodes - middle_of(off)
+    u = np.zeros_like(X)
+    u[..., 0] = (1 - X[..., 1] ** 2 - X[..., 2] ** 2) * solved.surface.on_swimmer[:, None]
+    density = solved.factors.solve(u.reshape(-1, 1))
+    rows = wrench_rows(solved.surface, solved.centre, solved.surface.on_swimmer)
+    assert (rows @ density)[:, 0] == pytest.approx(solved.in_poiseuille, rel=3e-3, abs=3e-3)

@@ -40,7 +40,8 @@ def solved(
     folder: str | os.PathLike[str] | None = None,
     workers: int | None = None,
     progress: Callable[[int, int], None] | None = None,
-) -> tuple[Gait, list[Gait], list[Gait]]:
+    lost: float = 0.0,
+) -> tuple[Gait, list[Gait | None], list[Gait | None]]:
     """Return the gait in free fluid, and those of the poses: to interpolate, and left out.
 
     Parameters
@@ -55,11 +56,13 @@ def solved(
         Where solves are kept; a folder of the user's cache by default.
     workers, progress
         As `references.gaits` has them; one count over all poses.
+    lost
+        Share of the poses that may be without a solve: None stands for it.
 
     Raises
     ------
     MicroswimError
-        If a pose cannot be solved.
+        If more poses, or free fluid, cannot be solved.
     """
     on = len(asked) - left_out
 
@@ -70,20 +73,22 @@ def solved(
     options: dict[str, Any] = {"workers": workers, "progress": told}
     options["folder"] = cache_folder("poses") if folder is None else folder
     chosen = FEW if level is None else replace(get_level(level), phases=1)
-    free, *found = _all_solved([free_swimmer, *asked[:on]], level=chosen, **options)
+    free, *found = _all_solved([free_swimmer, *asked[:on]], lost, level=chosen, **options)
+    if free is None:
+        raise MicroswimError("the swimmer cannot be solved in free fluid")
     options["progress"] = lambda done, of: told(on + 1 + done, of)
     finer = replace(get_level("standard"), phases=1)
-    return free, found, _all_solved(asked[on:], level=finer, **options)
+    return free, found, _all_solved(asked[on:], lost, level=finer, **options)
 
 
-def _all_solved(swimmers: list[Swimmer], **options: Any) -> list[Gait]:
-    """Return the gaits of all, or say why there is none of one."""
-    made = []
-    for gait in references.gaits(swimmers, "bem", **options):
-        if isinstance(gait, str):
-            raise MicroswimError(f"a pose beside the boundary cannot be solved: {gait}")
-        made.append(gait)
-    return made
+def _all_solved(swimmers: list[Swimmer], lost: float, **options: Any) -> list[Gait | None]:
+    """Return the gaits of all, or say why there is none of too many."""
+    made = references.gaits(swimmers, "bem", **options)
+    reasons = [gait for gait in made if isinstance(gait, str)]
+    machine = any(isinstance(gait, references.Unsolved) for gait in made)
+    if reasons and (machine or len(reasons) > lost * len(made)):
+        raise MicroswimError(f"a pose beside the boundary cannot be solved: {reasons[0]}")
+    return [None if isinstance(gait, str) else gait for gait in made]
 
 
 @dataclass(frozen=True, eq=False)
@@ -94,7 +99,7 @@ class Table(Tabulated):
 
 
 def error_of(
-    table: PoseTable, free: Gait, starts: list[tuple[Array, Array]], judged: list[Gait]
+    table: PoseTable, free: Gait, starts: list[tuple[Array, Array]], judged: list[Gait | None]
 ) -> dict[str, Any]:
     """Return by how much poses left out are missed: 95 % of them by no more, each velocity.
 
@@ -106,12 +111,16 @@ def error_of(
     scale = np.repeat([np.linalg.norm(speed[:3]), np.linalg.norm(speed[3:])], 3)
     missed = []
     for (x, q), gait in zip(starts, judged, strict=True):
+        if gait is None:
+            continue
         R, F = Table(table).at(x, q, 0.0)
         near = replace(gait, resistance_series=R[None], propulsion_series=F[None], rate=1.0)
         missed.append(np.abs(near.velocity(0.0) - gait.at_rate(1.0).velocity(0.0)))
+    if not missed:
+        return {}
     most = np.quantile(missed, 0.95, axis=0) / np.where(scale > 0, scale, 1.0)
     how = (
-        f"95 % of {len(starts)} poses left out are met within this, in units of the speed and of "
+        f"95 % of {len(missed)} poses left out are met within this, in units of the speed and of "
         "the rate of turning in free fluid, against boundary elements of level standard"
     )
     return {**dict(zip(DEGREES_OF_FREEDOM, most.tolist(), strict=True)), "how": how}

@@ -113,7 +113,7 @@ def beside_wall(
         free_swimmer, asked, grid.left_out, level, folder=folder, workers=workers, progress=progress
     )
     on = len(found)
-    values = _values(shape, grid, asked[:on], found, free)
+    values = _values(shape, grid, asked[:on], [g for g in found if g is not None], free)
     table = PoseTable(
         WALL, np.ascontiguousarray(pack(free)), np.array([0.0, 0, 0, 0, 0, 1]), shape.numbers,
         shape.body, shape.tail, shape.kinks, coefficients(values),

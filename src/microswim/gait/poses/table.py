@@ -25,11 +25,10 @@ from microswim.gait.poses.in_tube import (
     features,
     from_logarithm,
     from_power,
-    nearer_first,
     out_of_the_tail,
-    touch_tube,
     turned,
 )
+from microswim.gait.poses.tube_contact import nearer_first, touch_tube
 from microswim.gait.stepping import pack, row
 from microswim.numerics.compiled import compiled
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import numpy as np
+from numpy.typing import NDArray
 
 from microswim.calibration.region import kriging
 from microswim.numerics.array import Array
@@ -11,7 +12,7 @@ from microswim.numerics.array import Array
 ENOUGH = 240
 
 
-def spread(Z: Array, count: int) -> Array:
+def spread(Z: Array, count: int) -> NDArray[np.int64]:
     """Return the indices (count,) of features (n, f) that lie far from one another.
 
     Each is the one farthest from all before it, in units of the features' spread: the first ones
@@ -24,7 +25,7 @@ def spread(Z: Array, count: int) -> Array:
     while len(chosen) < min(count, len(Z)):
         chosen.append(int(np.argmax(away)))
         away = np.minimum(away, np.linalg.norm(Z - Z[chosen[-1]], axis=1))
-    return np.array(chosen)
+    return np.array(chosen, np.int64)
 
 
 def known(Z: Array, Y: Array) -> tuple[Array, Array]:

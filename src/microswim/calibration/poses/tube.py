@@ -247,7 +247,9 @@ def root_of(free: Gait) -> Array:
     values, vectors = np.linalg.eigh(R / np.outer(unit, unit))
     S = unit[:, None] * ((vectors * np.sqrt(values)) @ vectors.T)
     w = np.linalg.solve(R, F)
-    return np.concatenate([S, [w, np.repeat([_activity(free) - F @ w, 0.0], [1, 5])]])
+    power = np.zeros(6)
+    power[0] = _activity(free) - float(F @ w)
+    return np.concatenate([S, w[None], power[None]])
 
 
 def _activity(gait: Gait) -> float:

@@ -147,7 +147,7 @@ def _show(name: str, report: dict[str, Any]) -> None:
 
 
 def _gait(given: Given, model: str, level: str | None, from_rest: bool) -> dict[str, Any]:
-    """Return the gait; beside a wall and in a tube at every pose; none where the tail's shape is followed."""
+    """Return the gait, by a boundary at every pose; none where the tail's shape is followed."""
     from microswim.cli import _print
     from microswim.path.remembering import remembers
 

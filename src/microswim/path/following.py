@@ -18,13 +18,13 @@ from microswim.gait.held import warn_if_held
 from microswim.gait.poses.face import FreePoses, Poses
 from microswim.gait.poses.table import FREE, TUBE
 from microswim.numerics.array import Array
-from microswim.numerics.rigid_motion import multiply
 from microswim.path import in_tube, outcome
 from microswim.path.course import Course, Followed, follow
 from microswim.path.in_space import length_of
 from microswim.path.loads import loads_of
 from microswim.path.march import gaps_along
 from microswim.path.remembering import period_of, remember, remembers
+from microswim.path.start import check_clear, pose_at_start, rest_start, three
 from microswim.path.trajectory import dataset
 from microswim.swimmer.magnetism.applied_field import AppliedField
 from microswim.swimmer.swimmer import Swimmer
@@ -166,8 +166,8 @@ def path(
     if memory is None:
         memory = gait is None and poses is None and remembers(swimmer)
     if memory:
-        pushes = {"force": _three("force", force), "torque": _three("torque", torque)}
-        start = _start(swimmer, _rest_start(swimmer), position, quaternion, tilt)
+        pushes = {"force": three("force", force), "torque": three("torque", torque)}
+        start = pose_at_start(swimmer, rest_start(swimmer), position, quaternion, tilt)
         return remember(
             swimmer, _times(period_of(swimmer), time, samples), position=start[0],
             quaternion=start[1], phase=float(phase), tolerance=float(tolerance),
@@ -184,9 +184,9 @@ def path(
         raise SpecError("paths", paths, "1 without [noise]", "all paths would be the same")
     if paths > MOST_PATHS:
         raise SpecError("paths", paths, f"at most {MOST_PATHS}")
-    loads = loads_of(swimmer, made, _three("force", force), _three("torque", torque), contact)
-    start = _start(swimmer, poses.start, position, quaternion, tilt)
-    _check_clear(poses, *start, phase)
+    loads = loads_of(swimmer, made, three("force", force), three("torque", torque), contact)
+    start = pose_at_start(swimmer, poses.start, position, quaternion, tilt)
+    check_clear(poses, *start, phase)
     times = _times(float(made.period), time, samples)
     energy = swimmer.noise.energy(swimmer.units) if noisy else 0.0  # type: ignore[union-attr]
     length = length_of(made)
@@ -225,58 +225,6 @@ def _poses(swimmer: Swimmer, model: str, gait: Gait | None, progress: Any) -> Po
         return around
     free: Any = FreePoses(swimmer.gait(model) if gait is None else gait)  # type: ignore[arg-type]
     return free
-
-
-def _check_clear(poses: Poses, x: Array, q: Array, phase: float) -> None:
-    """Refuse a start at which the swimmer reaches into the boundary."""
-    gap = poses.gap(x, q, float(phase))
-    if not gap > 0.0:
-        raise SpecError(
-            f"position = {x.tolist()}: the swimmer would reach {-gap:.3g} into the boundary; start "
-            "further from it, or tilt it otherwise"
-        )
-
-
-def _three(name: str, value: Any) -> Array:
-    checks.numbers(name, np.ravel(value).tolist(), 3, "three finite numbers [x, y, z]")
-    return np.array(value, float).reshape(3)
-
-
-def _start(
-    swimmer: Swimmer, usual: tuple[Array, Array], position: Any, quaternion: Any, tilt: float | None
-) -> tuple[Array, Array]:
-    x, q = usual
-    if position is not None:
-        x = _three("position", position)
-    if quaternion is not None and tilt is not None:
-        raise SpecError("tilt, quaternion: give one of the two")
-    if quaternion is not None:
-        checks.numbers("quaternion", np.ravel(quaternion).tolist(), 4, "four numbers wxyz")
-        q = np.array(quaternion, float).reshape(4)
-        if not 0.99 < np.linalg.norm(q) < 1.01:
-            raise SpecError("quaternion", quaternion, "a unit quaternion wxyz")
-        q = q / np.linalg.norm(q)
-    if tilt is not None:
-        checks.number("tilt", tilt, "an angle (rad)", least=-7.0, most=7.0)
-        q = _tilted(swimmer, tilt, q)
-    return x, q
-
-
-def _tilted(swimmer: Swimmer, tilt: float, q: Array) -> Array:
-    """Return the attitude with another tilt: about y, in a tube about the axis of its tilt, z."""
-    if swimmer.channel is not None:
-        half = (tilt - swimmer.channel.tilt) / 2.0
-        return multiply(np.array([np.cos(half), 0.0, 0.0, np.sin(half)]), q)
-    half = ((swimmer.wall.tilt if swimmer.wall is not None else 0.0) - tilt) / 2.0
-    return multiply(np.array([np.cos(half), 0.0, np.sin(half), 0.0]), q)
-
-
-def _rest_start(swimmer: Swimmer) -> tuple[Array, Array]:
-    """Pose at the start of a tail that remembers: that of the wall's spec, or the origin."""
-    if swimmer.wall is not None:
-        beside: tuple[Array, Array] = doors.go(doors.START_BESIDE_WALL, swimmer.wall)
-        return beside
-    return np.zeros(3), np.array([1.0, 0.0, 0.0, 0.0])
 
 
 def _times(period: float, time: float, samples: int | None) -> Array:

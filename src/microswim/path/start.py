@@ -1,0 +1,75 @@
+"""Where a path starts: the pose that is asked for, or that of the spec."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+
+from microswim import checks
+from microswim.errors import SpecError
+from microswim.gait import doors
+from microswim.gait.poses.face import Poses
+from microswim.numerics.array import Array
+from microswim.numerics.rigid_motion import multiply
+from microswim.swimmer.swimmer import Swimmer
+
+
+def three(name: str, value: Any) -> Array:
+    """Return a vector, or refuse what is none."""
+    checks.numbers(name, np.ravel(value).tolist(), 3, "three finite numbers [x, y, z]")
+    return np.array(value, float).reshape(3)
+
+
+def check_clear(poses: Poses, x: Array, q: Array, phase: float) -> None:
+    """Refuse a start at which the swimmer reaches into the boundary."""
+    gap = poses.gap(x, q, float(phase))
+    if not gap > 0.0:
+        raise SpecError(
+            f"position = {x.tolist()}: the swimmer would reach {-gap:.3g} into the boundary; start "
+            "further from it, or tilt it otherwise"
+        )
+
+
+def pose_at_start(
+    swimmer: Swimmer, usual: tuple[Array, Array], position: Any, quaternion: Any, tilt: float | None
+) -> tuple[Array, Array]:
+    """Return position (3,) and quaternion (4,): as asked for, else the usual ones.
+
+    Raises
+    ------
+    SpecError
+        If an argument is no pose.
+    """
+    x, q = usual
+    if position is not None:
+        x = three("position", position)
+    if quaternion is not None and tilt is not None:
+        raise SpecError("tilt, quaternion: give one of the two")
+    if quaternion is not None:
+        checks.numbers("quaternion", np.ravel(quaternion).tolist(), 4, "four numbers wxyz")
+        q = np.array(quaternion, float).reshape(4)
+        if not 0.99 < np.linalg.norm(q) < 1.01:
+            raise SpecError("quaternion", quaternion, "a unit quaternion wxyz")
+        q = q / np.linalg.norm(q)
+    if tilt is not None:
+        checks.number("tilt", tilt, "an angle (rad)", least=-7.0, most=7.0)
+        q = _tilted(swimmer, tilt, q)
+    return x, q
+
+
+def _tilted(swimmer: Swimmer, tilt: float, q: Array) -> Array:
+    """Return the attitude with another tilt: about y, in a tube about the axis of its tilt, z."""
+    if swimmer.channel is not None:
+        half = (tilt - swimmer.channel.tilt) / 2.0
+        return multiply(np.array([np.cos(half), 0.0, 0.0, np.sin(half)]), q)
+    half = ((swimmer.wall.tilt if swimmer.wall is not None else 0.0) - tilt) / 2.0
+    return multiply(np.array([np.cos(half), 0.0, np.sin(half), 0.0]), q)
+
+
+def rest_start(swimmer: Swimmer) -> tuple[Array, Array]:
+    """Return the pose at the start of a tail that remembers: the wall's, or the origin."""
+    if swimmer.wall is not None:
+        beside: tuple[Array, Array] = doors.go(doors.START_BESIDE_WALL, swimmer.wall)
+        return beside
+    return np.zeros(3), np.array([1.0, 0.0, 0.0, 0.0])

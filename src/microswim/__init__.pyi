@@ -51,6 +51,7 @@ from .studies.identification.result import Identification as Identification
 from .studies.identification.track import Track as Track
 from .studies.identification.tracks import Tracks as Tracks
 from .studies.identification.tracks import read_tracks as read_tracks
+from .studies.identification.wandering import wandering as wandering
 from .studies.identification.without_model import TrackNumbers as TrackNumbers
 from .studies.identification.without_model import describe_track as describe_track
 from .studies.optimisation.design import design as design

@@ -11,7 +11,7 @@ from typing import Any
 
 import click
 
-from microswim.cli import _files, _waveform
+from microswim.cli import _files, _wandering, _waveform
 from microswim.cli._options import (
     Given,
     example,
@@ -31,6 +31,7 @@ EXAMPLES = example(
     "microswim identify beat.csv --out beat",
     "microswim identify track.csv --preset tabak/helix --unknown tail.amplitude",
     "microswim identify track.csv sperm.toml --sigma 50nm --json",
+    "microswim identify spots.csv --fps 25 --pixel 0.11um --noise",
 )
 Draw = Callable[[Path, dict[str, str]], None]  #: into a folder, under the names of the pictures
 TABLE, DISPLACEMENT = "cells.csv", "displacement.csv"
@@ -50,6 +51,11 @@ TABLE, DISPLACEMENT = "cells.csv", "displacement.csv"
     help="What to find: a number of the spec, or translation.s and the like (repeatable). "
     "Default: tail.amplitude, tail.waves, tail.frequency.",
 )  # fmt: skip
+@click.option(
+    "--noise", is_flag=True,
+    help="Without a SPEC: how the cells wander as well, each and all of them together: "
+    "persistence, diffusion, and what two coordinates tell of the third.",
+)  # fmt: skip
 @click.option("--sigma", metavar="50nm", help="Noise of each coordinate; default: from the fit.")
 @click.option(
     "--sigma-attitude", metavar="1deg", help="Noise of the attitude (bare: rad); default 0.02."
@@ -68,6 +74,7 @@ def command(
     pixel: str | None,
     fps: str | None,
     only: tuple[str, ...],
+    noise: bool,
     out: Path | None,
     force: bool,
     as_json: bool,
@@ -98,6 +105,8 @@ def command(
             )
         return _waveform.identify(tracks, pixel, fps, out, force, as_json)
     read = read_tracks(tracks, units=units, pixel=pixel, fps=fps, track=list(only) or None)
+    if noise and given is not None:
+        raise SpecError("--noise: asks what the tracks themselves hold; leave out the SPEC")
     names = _pictures(list(read))
     if out is not None:
         _files.check_files("--out", out, [TABLE, DISPLACEMENT, *names.values()], force)
@@ -105,6 +114,8 @@ def command(
     if given is None:
         rows, draw = _describe(read, tracks.name)
         result: dict[str, Any] = {"units": units}
+        if noise:
+            result["wandering"] = _wandering.found(read, rows, tracks.name)
     else:
         rows, draw = _fit(given, read, tracks.name, fit)
         result = {"swimmer": given.name, "units": units}
@@ -116,7 +127,8 @@ def command(
             return print_json(result | first | {"cells": rows, "notes": said})
         for sentence in said:
             click.echo(f"note: {sentence}", err=True)
-        return _print(rows, units, given is not None)
+        _print(rows, units, given is not None)
+        return _wandering.show(rows, result["wandering"], units) if noise else None
 
     if out is not None:
         with _files.or_else(show):
@@ -295,6 +307,7 @@ def _flat(rows: list[Any]) -> list[dict[str, Any]]:
         for name in NUMBERS:
             low, high = row["interval_95"][name] or ("", "")
             line |= {name: row[name], f"{name}_low": low, f"{name}_high": high}
+        line |= _wandering.columns(row)
         lines.append(line | {"notes": "; ".join(row["notes"])})
     return lines
 

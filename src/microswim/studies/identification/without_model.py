@@ -123,7 +123,7 @@ def describe_track(track: Track, name: str = "") -> TrackNumbers:
     (True, 'it does not swim: no speed stands above the noise')
     """
     t, x = track.time, track.position
-    seen, path = _wobble_and_path(track)
+    seen, path = wobble_and_path(track)
     lag, displacement = mean_squared_displacement(t, x)
     numbers = _velocities(t, x, path, seen) | _wobble(seen)
     numbers |= _turning(path, numbers, lag, displacement)
@@ -142,8 +142,8 @@ def describe_track(track: Track, name: str = "") -> TrackNumbers:
     )
 
 
-def _wobble_and_path(track: Track) -> tuple[Line, AveragePath]:
-    """The wobble, and the path without it; a circle that the path itself runs is no wobble.
+def wobble_and_path(track: Track) -> tuple[Line, AveragePath]:
+    """Return the wobble, and the path without it; a circle that the path itself runs is no wobble.
 
     Such a circle is a line of the spectrum too: both coordinates swing alike, a quarter of a turn
     apart, and without it next to nothing is left of the path. In a plane the wobble is looked for

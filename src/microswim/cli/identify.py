@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import csv
 import re
 from collections.abc import Callable
 from functools import partial
@@ -11,7 +10,7 @@ from typing import Any
 
 import click
 
-from microswim.cli import _files, _wandering, _waveform
+from microswim.cli import _cell_tables, _files, _wandering, _waveform
 from microswim.cli._options import (
     Given,
     example,
@@ -176,8 +175,8 @@ def _describe(read: Any, what: str) -> tuple[list[Any], Draw]:
         for row, one, (name, track) in zip(rows, found, read.items()):
             _draw_cell(track, one, read.units, out / names[name])
             row["picture"] = str(out / names[name])
-        _write(out / TABLE, _flat(rows))
-        _write(out / DISPLACEMENT, _lags(rows))
+        _cell_tables.write(out / TABLE, _cell_tables.flat(rows))
+        _cell_tables.write(out / DISPLACEMENT, _cell_tables.lags(rows))
 
     return rows, draw
 
@@ -216,7 +215,7 @@ def _fit(given: Given, read: Any, what: str, fit: dict[str, Any]) -> tuple[list[
             if name in paths:
                 _draw_fit(read[name], paths[name], swimmer.units, out / names[name])
                 row["picture"] = str(out / names[name])
-        _write(out / TABLE, [_values(row) for row in rows])
+        _cell_tables.write(out / TABLE, [_cell_tables.values(row) for row in rows])
 
     return rows, draw
 
@@ -295,48 +294,6 @@ def _print_cells(rows: list[Any], units: str) -> None:
     for sentence, of in notes.items():
         few = ", ".join(of[:5]) + (", ..." if len(of) > 5 else "")
         click.echo(f"track {few}: {sentence}" if len(rows) > 1 else f"note: {sentence}")
-
-
-def _flat(rows: list[Any]) -> list[dict[str, Any]]:
-    """A line of the table for each cell: every number with the ends of its interval."""
-    from microswim.studies.identification.without_model import NUMBERS
-
-    lines = []
-    for row in rows:
-        line = {k: row[k] for k in ("track", "positions", "duration", "frame_rate", "noise")}
-        for name in NUMBERS:
-            low, high = row["interval_95"][name] or ("", "")
-            line |= {name: row[name], f"{name}_low": low, f"{name}_high": high}
-        line |= _wandering.columns(row)
-        lines.append(line | {"notes": "; ".join(row["notes"])})
-    return lines
-
-
-def _values(row: dict[str, Any]) -> dict[str, Any]:
-    line = {"track": row["track"], "residual": row.get("residual", "")}
-    line["designs"] = len(row.get("branches", ())) or ""
-    for name, value in row.get("values", {}).items():
-        low, high = row["interval_95"][name]
-        line |= {name: value, f"{name}_low": low, f"{name}_high": high}
-    return line | {"notes": "; ".join(row.get("warnings", ()))}
-
-
-def _lags(rows: list[Any]) -> list[dict[str, Any]]:
-    lines = []
-    for row in rows:
-        found = row["mean_squared_displacement"]
-        for lag, value, low, high in zip(*(found[k] for k in ("lag", "value", "low", "high"))):
-            lines.append({"track": row["track"], "lag": lag, "mean_squared_displacement": value,
-                          "low": low, "high": high})  # fmt: skip
-    return lines
-
-
-def _write(path: Path, lines: list[dict[str, Any]]) -> None:
-    header = list(dict.fromkeys(name for line in lines for name in line))
-    with fresh(path) as scratch, scratch.open("w", encoding="utf-8", newline="") as file:
-        writer = csv.DictWriter(file, header, restval="")
-        writer.writeheader()
-        writer.writerows(lines)
 
 
 def _draw_cell(track: Any, found: Any, units: str, file: Path) -> None:

@@ -35,7 +35,7 @@ def rooted(M: Any, n: Any, z: Any, L: Any) -> None:
 
 @njit(cache=True)
 def jostle(twist: Any, y: Any, size: float, keys: Any, i: int) -> None:
-    """Displace a state by a twist of covariance ``size^2 M``; the stream of key i moves on."""
+    """Move a state by a twist of covariance ``size^2 M``; the stream of key i moves on."""
     work, n, z, L = np.empty(27), np.empty(6), np.empty(6), np.zeros((6, 6))
     for k in range(3):
         n[2 * k], n[2 * k + 1] = normals(keys, i)

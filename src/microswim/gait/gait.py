@@ -21,11 +21,7 @@ from microswim.gait.poses.one_pose import refusal
 from microswim.gait.turned import sense
 from microswim.numerics.array import kept, read_only
 from microswim.numerics.extremes import half_range
-from microswim.numerics.fourier import (
-    evaluate,
-    rotate,
-    series_of,
-)
+from microswim.numerics.fourier import evaluate, rotate, series_of
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure

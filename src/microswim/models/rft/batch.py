@@ -16,16 +16,20 @@ from microswim.errors import MicroswimError, SpecError
 from microswim.gait.quantities import summary
 from microswim.models.rft.batch_numbers import (
     OUTPUTS,
-    beat_series,
     blank,
     of_helices,
-    of_plane_waves,
-    resolved,
     share_of,
 )
-from microswim.models.rft.gait import MOST_PHASES, body_resistance, parameters
+from microswim.models.rft.batch_of_waves import (
+    MARGIN,
+    loops_for,
+    of_waves,
+    shapes,
+    solved_waves,
+    wave_nodes,
+)
+from microswim.models.rft.gait import body_resistance, parameters
 from microswim.models.rft.helix import FEWEST_WAVES, MOST_ON_RAMP, ramp_nodes
-from microswim.models.rft.plane_wave import SEGMENT
 from microswim.models.rft.segment import (
     AMPLITUDE,
     C_N,
@@ -34,7 +38,6 @@ from microswim.models.rft.segment import (
     LENGTH,
     MOST_NODES,
     PARAMETERS,
-    PLANE_WAVE,
     RAMP,
     STEEPEST,
     WAVENUMBER,
@@ -49,9 +52,6 @@ from microswim.swimmer.geometry.tails.kinds import as_wave
 from microswim.swimmer.swimmer import Swimmer
 
 CHUNK = 8192
-CHUNK_OF_WAVES = 2048  #: their twists at all phases stay in the processor's cache
-PHASES = 16  #: over half a period of a plane wave; more where these do not resolve it
-MARGIN = 1.0  #: digits of the quadrature beyond the tolerance
 ONE_GAIT = 3e-3  #: seconds of a gait and its summary as Python
 SECONDS = {
     "helix": 3e-5,
@@ -161,19 +161,19 @@ def _chunk(
         good = _buildable(many, p, body)
         rate = np.broadcast_to(many.tail.rate, (n,))
     if swimmer.region is not None:
-        good &= _nodes(p).sum(axis=1) <= MOST_NODES
+        good &= wave_nodes(p).sum(axis=1) <= MOST_NODES
         return _calibrated(swimmer, arrays, good, rate, seconds)
     if swimmer.tail.is_planar:
-        good &= (shapes(p)[1] <= STEEPEST) & (_nodes(p).sum(axis=1) <= MOST_NODES)
+        good &= (shapes(p)[1] <= STEEPEST) & (wave_nodes(p).sum(axis=1) <= MOST_NODES)
     if swimmer.tail.is_rigid:
         good &= np.sum(node_numbers.written(HELIX, *shapes(p)), axis=0) <= MOST_NODES
-        how = tolerance, _loops(seconds)
+        how = tolerance, loops_for(seconds)
         return of_helices(swimmer, *_solved_helices(swimmer, p, body, good, *how), body, rate)
 
     def solved(rows: np.ndarray, phase: np.ndarray) -> tuple[Any, Any]:
-        return _solved_waves(swimmer, p[rows], body[rows], phase, tolerance, seconds)
+        return solved_waves(swimmer, p[rows], body[rows], phase, tolerance, seconds)
 
-    return _plane_waves(solved, good, body, rate, seconds)
+    return of_waves(solved, good, body, rate, seconds)
 
 
 def _solved_helices(
@@ -193,33 +193,11 @@ def _solved_helices(
     return V[:, None], power[:, None]
 
 
-def _loops(seconds: float) -> Any:
-    """Return the module whose loops serve work that takes so long as Python."""
-    if pays(seconds):
-        from microswim.models.rft import loops_compiled as loops
-    else:
-        from microswim.models.rft import loops_python as loops
-    return loops
-
-
 def _ramp_counts(waves: Any, bk: Any, ramp: Any, digits: float, good: Any) -> np.ndarray:
     """Nodes on the ramp; negative for designs that are not good or not for closed integrals."""
     needed = ramp_nodes.written(waves * ramp, bk, digits)
     good = good & (waves >= FEWEST_WAVES) & (needed <= MOST_ON_RAMP)
     return np.where(good, needed, -1).astype(np.int64)
-
-
-def _solved_waves(
-    swimmer: Swimmer, p: Any, body: Any, phase: np.ndarray, tolerance: float, seconds: float
-) -> tuple[Any, Any]:
-    """Twists (n, m, 6) and tail powers (n, m) of plane waves at m phases."""
-    V, power = np.empty((len(p), phase.size, 6)), np.empty((len(p), phase.size))
-    arc, free = swimmer.motion.line_element == "arc", np.array(swimmer.motion.mask)
-    loops = _loops(max(seconds, phase.size * _nodes(p).sum() * SEGMENT))
-    for rules, group in _groups(p, tolerance):
-        own = p[group], body[group]
-        V[group], power[group] = loops.solve_waves(arc, *own, phase, free, *rules)
-    return V, power
 
 
 def _calibrated(
@@ -236,7 +214,7 @@ def _calibrated(
         return [x[:, first :: 1 + first] for x in every]
 
     if not swimmer.tail.is_rigid:
-        return _plane_waves(solved, good, None, rate, seconds)
+        return of_waves(solved, good, None, rate, seconds)
     V, power, work = np.full((n, 1, 6), np.nan), *np.full((2, n, 1), np.nan)
     if good.any():
         V[good], power[good], work[good] = solved(np.flatnonzero(good), np.zeros(1))
@@ -282,64 +260,6 @@ def _buildable(many: Swimmer, p: np.ndarray, body: np.ndarray) -> np.ndarray:
         elif name.startswith("interaction.translation"):
             good &= np.asarray(value) >= 0
     return good
-
-
-def shapes(p: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """Return waves, amplitude times wavenumber and ramp of designs p (n, 11)."""
-    k = p[:, WAVENUMBER]
-    return p[:, LENGTH] * k / (2.0 * np.pi), p[:, AMPLITUDE] * k, p[:, RAMP]
-
-
-def _nodes(p: np.ndarray) -> np.ndarray:
-    """Nodes on ramp and rest (n, 2) of plane waves that reach rounding."""
-    return np.stack(node_numbers.written(PLANE_WAVE, *shapes(p)), axis=-1)
-
-
-def _groups(p: np.ndarray, tolerance: float) -> Any:
-    """Quadrature rules with the designs that need them."""
-    digits = min(1.0, (MARGIN - np.log10(tolerance)) / 12.0)
-    need = _nodes(p)
-    need = np.where(need > 0, np.ceil(6 + (need - 6) * digits), 0).astype(np.int64)
-    rung = np.where(need > 64, 64, 8)  # few distinct rules: making one takes longer than a design
-    need = rung * -(-need // rung)
-    keys = need[:, 0] << 32 | need[:, 1]
-    for key in np.unique(keys):
-        rules = panels(int(key >> 32)), panels(int(key & 0xFFFFFFFF))
-        yield rules, np.flatnonzero(keys == key)
-
-
-def _plane_waves(
-    solved: Any, good: np.ndarray, body: Any, rate: Any, seconds: float
-) -> dict[str, Any]:
-    """Results of plane waves, at as many phases as each takes; NaN where even the most do not do.
-
-    ``solved(rows, phase)`` gives twists, tail powers and, without `body`, drag times speed.
-    """
-    out, rows = blank(len(good)), np.flatnonzero(good)
-    for some in np.array_split(rows, max(1, -(-len(rows) // CHUNK_OF_WAVES))):
-        phases, found = PHASES, solved(some, np.pi * np.arange(PHASES) / PHASES)
-        while len(some):
-            series = beat_series(found[0])
-            fine = resolved(series)
-            V, power, *work = (x[fine] for x in found)
-            done = some[fine]
-            drag = None if body is None else body[done]
-            with settled(pays(seconds)):
-                results = of_plane_waves(V, series[:, fine], power, rate[done], drag, *work)
-            for name, value in results.items():
-                out[name][done] = value
-            some = some[~fine]
-            if not len(some) or 2 * phases > MOST_PHASES:
-                break
-            between = solved(some, np.pi * (np.arange(phases) + 0.5) / phases)
-            found = [_interleaved(a[~fine], b) for a, b in zip(found, between)]
-            phases *= 2
-    return out
-
-
-def _interleaved(a: np.ndarray, b: np.ndarray) -> np.ndarray:
-    """Return what was found at phases (n, m, ...) and in between, in order."""
-    return np.stack([a, b], axis=2).reshape(len(a), -1, *a.shape[2:])
 
 
 def _one_by_one(swimmer: Swimmer, arrays: dict[str, Any], n: int) -> dict[str, Any]:

@@ -17,7 +17,7 @@ import numpy as np
 from microswim import checks
 from microswim.calibration.atlas.everywhere import everywhere
 from microswim.errors import MicroswimError, SpecError
-from microswim.models.rft.batch import PHASES
+from microswim.models.rft.batch_of_waves import PHASES
 from microswim.numerics.complex_step import STEP, derivative_from
 from microswim.numerics.sobol import points
 from microswim.spec.values import all_from_python

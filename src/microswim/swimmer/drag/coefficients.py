@@ -120,8 +120,7 @@ class Lighthill(Coefficients):
         alpha, wavelength = _wave(tail, self.law)
         epsilon = 5.2 * tail.radius * alpha / wavelength  # Eq. (26)
         A1, A2 = lighthill_integrals(alpha, epsilon)
-        a2 = alpha**2
-        slender = -np.log(epsilon)
+        a2, slender = alpha**2, -np.log(epsilon)
         normal = slender + (2.0 * a2 - 1.0) * A1 + 2.0 * (1.0 - a2) * A2
         tangential = slender - 0.5 + a2 * A1 + (1.0 - a2) * A2
         meaningless = (normal.real <= 0) | (tangential.real <= 0)

@@ -6,7 +6,7 @@ from typing import Any
 
 import numpy as np
 
-from microswim.models.rft.batch_numbers import beat_series, blank, resolved
+from microswim.models.rft.batch_numbers import beat_series, blank, of_plane_waves, resolved
 from microswim.models.rft.gait import MOST_PHASES
 from microswim.models.rft.plane_wave import SEGMENT
 from microswim.models.rft.segment import (

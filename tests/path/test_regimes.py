@@ -9,9 +9,9 @@ from click.testing import CliRunner
 import microswim as ms
 from microswim.cli import main
 from microswim.gait.held import HeldWarning
+from microswim.gait.turning.slipping import drift
 from microswim.gait.turning.steady_turning import SteadyTurning
 from microswim.gait.turning.step_out import mobility_of
-from microswim.path.slipping import drift
 
 TILTED = [0.5, float(np.sqrt(0.75)), 0.0]
 

@@ -10,6 +10,7 @@ import numpy as np
 from microswim.errors import SpecError
 from microswim.gait.gait import Gait
 from microswim.gait.screw import screw
+from microswim.gait.turning.driven_speed import driven_velocity
 from microswim.gait.turning.step_out import Drive, fastest, onset
 from microswim.numerics.rigid_motion import ScrewMotion
 
@@ -70,6 +71,10 @@ class Basis:
     @cached_property
     def onset(self) -> Any:
         return onset(self.gait, self._driven)
+
+    @cached_property
+    def driven_velocity(self) -> Any:
+        return driven_velocity(self.gait, self._driven)
 
     @property
     def _driven(self) -> Drive:

@@ -17,11 +17,11 @@ from microswim import checks
 from microswim.errors import SpecError
 from microswim.gait import doors
 from microswim.gait.gait import Gait
+from microswim.gait.turning.slipping import drift
 from microswim.gait.turning.steady_turning import SteadyTurning, Turned
 from microswim.gait.turning.step_out import mobility_of
 from microswim.gait.turning.wobbling import Axisymmetric, closest
 from microswim.numerics.array import Array, read_only
-from microswim.path.slipping import drift
 from microswim.swimmer.magnetism.applied_field import RotatingField
 from microswim.swimmer.physical_sense import INERTIA
 from microswim.swimmer.swimmer import Swimmer

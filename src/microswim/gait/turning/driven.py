@@ -41,6 +41,13 @@ _DRIVEN = (
         lambda b: 2.0 * np.pi * ratio(magnitude(b.fastest[1]), b.fastest[0]),
         of_many=False,
     ),
+    Quantity(
+        "driven_speed",
+        "speed",
+        "size of the mean velocity along the field's axis, at the field's own frequency",
+        lambda b: magnitude(b.driven_velocity),
+        of_many=False,
+    ),
 )
 DRIVEN = {q.name: q for q in _DRIVEN}
 

@@ -34,11 +34,14 @@ class Drive(NamedTuple):
         Of the rotating field.
     cone
         Its angle (rad) out of the plane.
+    rate
+        With which it turns (rad per time), positive.
     """
 
     moment: Any
     strength: Any
     cone: Any = 0.0
+    rate: Any = np.nan
 
 
 def mobility_of(gait: Gait) -> np.ndarray:
@@ -64,7 +67,7 @@ def fastest(gait: Gait, drive: Drive) -> tuple[Any, Any]:
     SpecError
         If a rotation is held.
     """
-    _check(gait)
+    check_free(gait)
     M, m = mobility_of(gait), np.asarray(drive.moment)
     N, lean = M[3:] @ cross(m), np.sin(drive.cone)
     b = _refined(N, lean, _start(steady(gait, drive)))
@@ -82,7 +85,7 @@ def onset(gait: Gait, drive: Drive) -> Any:
     SpecError
         If a rotation is held.
     """
-    _check(gait)
+    check_free(gait)
     if np.real(drive.cone):
         return np.nan
     M = mobility_of(gait)
@@ -98,7 +101,8 @@ def onset(gait: Gait, drive: Drive) -> Any:
     return drive.strength * np.sqrt(turn @ turn)
 
 
-def _check(gait: Gait) -> None:
+def check_free(gait: Gait) -> None:
+    """Refuse a gait whose rotations are held."""
     if not all(gait.free[3:]):
         raise SpecError(
             "motion.free: step-out and wobbling are those of a robot that can tilt; free its "

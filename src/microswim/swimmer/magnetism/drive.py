@@ -4,6 +4,8 @@ from __future__ import annotations
 
 from typing import Any
 
+import numpy as np
+
 from microswim.errors import SpecError
 from microswim.gait.turning.step_out import Drive
 
@@ -14,7 +16,9 @@ def drive_of(swimmer: Any) -> Drive | None:
     if magnet is None or field is None or field.kind != "rotating" or magnet.susceptibility:
         return None
     sense = -1.0 if field.frequency.real < 0 else 1.0
-    return Drive(magnet.vector, field.strength, sense * field.cone)
+    return Drive(
+        magnet.vector, field.strength, sense * field.cone, 2.0 * np.pi * sense * field.frequency
+    )
 
 
 def check_units(swimmer: Any) -> None:

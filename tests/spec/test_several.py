@@ -72,6 +72,7 @@ def test_a_field_is_set_in_one_or_in_all():
         ({"tail[1].radius": -1.0}, r"^tail\[1\]\.radius = -1\.0: must be a positive length"),
         ({"tail[0].rdius": 1.0}, r"^tail\[0\]\.rdius: no such field here; .*tail\[0\]\.radius"),
         ({"tail[2].radius": 1.0}, r"^tail\[2\]\.radius.*\[0\] to \[1\]"),
+        ({"tail[x].radius": 1.0}, r"^tail\[x\]\.radius.*tail\[0\]\.amplitude"),
         ({"tail[1].kind": "screw"}, r"^tail\[1\]\.kind.*one of"),
         ({"tail[1].kind": "none"}, r"^tail\[1\]"),
         ({"tail[1].frequency": 2.01}, r"^tail\[1\]\.frequency"),

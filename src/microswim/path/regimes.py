@@ -296,8 +296,9 @@ def _expected(swimmer: Swimmer, gait: Gait) -> dict[str, Any]:
     if swimmer.tail.is_absent:
         how = "largest miss of bodies alone against published resistances (docs/cad.md)"
         return {"step_out": ALONE, "velocity": None, "how": how}
-    step_out, velocity = MEASURED.get(gait.model, (None, None))
-    how = "not measured for this model"
+    known = {} if swimmer.tail.is_placed else MEASURED
+    step_out, velocity = known.get(gait.model, (None, None))
+    how = "not measured for this model" if known else "not measured for such tails"
     if step_out is not None:
         how = "largest of 14 random helical robots against boundary elements"
     return {"step_out": step_out, "velocity": velocity, "how": how}

@@ -47,6 +47,10 @@ def to_set(tables: dict[str, Any], part: str, path: str, value: Any) -> list[dic
         If there is no such table.
     """
     one = ONE_OF_SEVERAL.match(part)
+    if one is None and "[" in part:
+        raise SpecError(
+            path, value, "a field as in tail.amplitude, or tail[0].amplitude of several"
+        )
     name = part if one is None else one[1]
     table = tables.setdefault(name, {})
     each = several(table)

@@ -214,7 +214,7 @@ def _check(swimmer: Swimmer, region: Region, solves: int) -> None:
     if not region:
         raise SpecError("region: empty; name what varies, such as tail.amplitude, and its bounds")
     if not swimmer.tail.in_batches or swimmer.body.is_absent:
-        raise SpecError("region: a body and a helix or a plane wave are needed")
+        raise SpecError("region: a body and one helix or plane wave at the joint are needed")
     if not swimmer.body.is_ellipsoid:
         raise SpecError("body.shape", swimmer.body.shape, "an ellipsoid for a region",
                         "calibrate one design at a time, or take model bem")  # fmt: skip

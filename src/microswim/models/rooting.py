@@ -13,7 +13,7 @@ from scipy.spatial.distance import cdist
 from microswim.errors import SpecError
 from microswim.models import swimmer_surface as geometry
 from microswim.models.joint import Joint, check_clear, trace_joint
-from microswim.models.seen_body import seen_from
+from microswim.models.seen_body import SeenBody, seen_from
 from microswim.numerics.array import Array
 from microswim.swimmer.geometry import attachment
 from microswim.swimmer.geometry.body import Body
@@ -104,8 +104,8 @@ def _joint(body: Body, tail: Tail, phase: float) -> Joint:
 
 
 def _nearest_ramp(body: Body, tail: Tail, phase: float) -> float | None:
-    if not isinstance(tail, WaveTail):
-        return None
+    if not isinstance(tail, WaveTail) or isinstance(body, SeenBody):
+        return None  # of a tail elsewhere than at the joint its place is what to mend
     for ramp in sorted(RAMPS, key=lambda x: abs(x - tail.ramp)):
         try:
             other = replace(tail, ramp=ramp)

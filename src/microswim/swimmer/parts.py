@@ -103,5 +103,5 @@ def numbered(part: str, make: Any, *args: Any, **fields: Any) -> Any:
         plain = part.partition("[")[0]
         if part == plain:
             raise
-        said = re.sub(rf"\b{plain}\.", f"{part}.", error.field)
+        said = re.sub(rf"\b{plain}(?=[.:])", part, error.field)
         raise SpecError(said, error.value, error.allowed, error.mend) from None

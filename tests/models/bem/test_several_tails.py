@@ -73,6 +73,52 @@ def pair(hand="left", **more):
     ]
 
 
+PEAR = [[0, 0], [0.2, 0.3], [0.8, 0.5], [1.2, 0.3], [1.3, 0]]
+BODIES = [
+    (ms.Capsule(length=2.0, radius=0.5), (-0.15, 0.3)),
+    (ms.Cylinder(length=1.5, radius=0.5), (0.0, 0.25)),
+    (ms.Box(size=(1.2, 1.6, 1.4)), (0.0, 0.2)),
+    (ms.Revolution(profile=PEAR), (-0.1, 0.15)),
+    (ms.Ellipsoid(semi_axes=(0.8, 0.5, 0.4)), (-0.1, 0.2)),
+]
+
+
+@pytest.mark.parametrize(
+    ("body", "place"), BODIES[:1] + BODIES[2:], ids=lambda x: getattr(x, "shape", "")
+)
+def test_bodies_with_edges_are_shared_out_without_a_gap(body, place):
+    """Cells know no edges, their patches are halved there: the volume is that of finer patches."""
+    tails = [
+        ms.HelicalTail(
+            **SHORT, position=(place[0], y * place[1], 0.0), direction=(1.0, 0.4 * y, 0.0)
+        )
+        for y in (1.0, -1.0)
+    ]
+    tail = swimmer(tails, body).tail
+    found = [
+        swimmer_surface(body, tail, 0.3, get_level(name).resolution)
+        for name in ("coarse", "standard")
+    ]
+    (area, volume), (fine_area, fine_volume) = (s.extent for s in found)
+    assert volume == pytest.approx(fine_volume, rel=1e-4)
+    assert area == pytest.approx(fine_area, rel=1e-4)
+
+
+@pytest.mark.slow
+def test_two_tails_on_a_cylinder_are_passive_and_reciprocal():
+    body, place = BODIES[1]
+    tails = [
+        ms.HelicalTail(**SHORT, position=(0.0, y * place[1], 0.0), direction=(1.0, 0.4 * y, 0.0))
+        for y in (1.0, -1.0)
+    ]
+    found = solve(swimmer(tails, body), 0.3, level="coarse")
+    assert found.asymmetry < 2e-3
+    assert found.reciprocity < 2e-3
+    assert np.linalg.eigvalsh(found.resistance).min() > 0.0
+    closed = np.einsum("en,enc->c", found.surface.areas, found.surface.normals)
+    assert np.abs(closed).max() < 2e-3 * found.surface.extent[0]
+
+
 def test_a_body_with_two_holes_is_closed():
     """Volume of a sphere with two tubes: of both alone, less what of each tube lies within."""
     two = swimmer_surface(
@@ -133,8 +179,15 @@ def test_tails_that_touch_or_have_no_room_are_refused():
     ]
     with pytest.raises(ms.SpecError, match=r"tail\[0\]\.position.*no room"):
         solve(swimmer(close), level="coarse")
-    with pytest.raises(ms.SpecError, match=r"body\.shape.*several tails"):
-        solve(swimmer(pair(), ms.Cylinder(length=1.0, radius=0.5)), level="coarse")
+
+
+def test_a_refusal_names_the_tail():
+    tails = [
+        ms.HelicalTail(**SHORT),
+        ms.HelicalTail(**SHORT, position=(-1.0, 0.5, 0.0), direction=(0, 1, 0)),
+    ]
+    with pytest.raises(ms.SpecError, match=r"^tail\[1\]: its root"):
+        solve(swimmer(tails, BODIES[0][0]), level="coarse")
 
 
 def test_a_tail_beside_the_body_is_refused():

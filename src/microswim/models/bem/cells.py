@@ -119,7 +119,7 @@ def shell(
     Parameters
     ----------
     body
-        Any ellipsoid.
+        Any that is given by a formula.
     joints
         Where the tails leave it.
     side

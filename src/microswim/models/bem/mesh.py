@@ -11,7 +11,6 @@ from collections.abc import Callable
 
 import numpy as np
 
-from microswim.errors import SpecError
 from microswim.models.bem.cells import shell
 from microswim.models.bem.resolution import Resolution
 from microswim.models.bem.surface import Surface, grid_boxes, sample_adapted, sampled, still
@@ -102,10 +101,6 @@ def swimmer_surface(body: Body, tail: Tail, phase: float, r: Resolution) -> Surf
     """
     if tail.is_absent:
         return body_surface(body, r)
-    if len(tail.each) > 1 and not (body.is_absent or body.is_ellipsoid):
-        raise SpecError(
-            "body.shape", body.shape, "a sphere, spheroid or ellipsoid where several tails leave it"
-        )
     tails = [numbered(name, grown, body, t, phase, r) for name, t in tail.named.items()]
     joints = [t.joint for t in tails if t.joint is not None]
     flat = any(t.is_flat for t in tails)

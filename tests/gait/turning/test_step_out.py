@@ -10,7 +10,7 @@ import microswim as ms
 from microswim.cli import main
 from microswim.gait.turning.driven import DRIVEN
 from microswim.gait.turning.steady_turning import SteadyTurning
-from microswim.gait.turning.step_out import Drive, fastest, onset
+from microswim.gait.turning.step_out import Drive, fastest, onset, steady
 from microswim.swimmer.fields import lifted
 from microswim.swimmer.magnetism.drive import drive_of
 
@@ -138,3 +138,30 @@ def test_run_prints_them(tmp_path):
     done = CliRunner().invoke(main, ["run", str(spec), "--json"])
     assert done.exit_code == 0, done.output
     assert set(DRIVEN) <= set(json.loads(done.stdout))
+
+
+#: Resistance of a printed helix with a box for a head (SI, boundary elements), nearly of
+#: revolution, its magnet straight across: the maximum is flat, and Newton's method left it.
+BOXED = np.array(
+    [
+        [4.283e-3, -3.371e-5, -3.181e-5, 2.877e-8, 9.980e-8, -1.053e-7],
+        [-3.371e-5, 4.621e-3, 8.860e-6, -6.382e-8, -3.382e-8, 2.282e-6],
+        [-3.181e-5, 8.860e-6, 4.630e-3, 4.068e-8, -2.293e-6, 1.058e-8],
+        [2.877e-8, -6.382e-8, 4.068e-8, 2.078e-9, -1.104e-10, -1.253e-10],
+        [9.980e-8, -3.382e-8, -2.293e-6, -1.104e-10, 5.785e-9, -5.892e-11],
+        [-1.053e-7, 2.282e-6, 1.058e-8, -1.253e-10, -5.892e-11, 5.796e-9],
+    ]
+)
+
+
+@pytest.mark.parametrize("scale", [1.0, 1e-6, 1e6])
+@pytest.mark.parametrize("across", [0.0, 1e-6, 0.02, 0.4])
+def test_a_flat_maximum_is_not_left(across, scale):
+    moment = 4.77e-4 * np.array([np.sin(across), np.cos(across), 0.0])
+    drive = Drive(moment, 5e-3 * scale)
+    states = steady(Still(BOXED), drive)
+    rate, velocity = fastest(Still(BOXED), drive)
+    assert rate == pytest.approx(states.step_out, rel=1e-6)
+    assert velocity == pytest.approx(float(states.at_step_out.velocity), rel=1e-3)
+    exact = fastest(Still(BOXED), drive._replace(strength=drive.strength * (1 + 1e-20j)))[0]
+    assert np.imag(exact) == pytest.approx(1e-20 * rate, rel=1e-9)  # it goes with the field

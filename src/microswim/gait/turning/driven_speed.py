@@ -49,7 +49,8 @@ def driven_velocity(gait: Gait, drive: Drive) -> Any:
 def _followed(gait: Gait, drive: Drive, b: np.ndarray) -> Any:
     M, m = mobility_of(gait), np.asarray(drive.moment)
     N, lean = M[3:] @ cross(m), np.sin(drive.cone)
-    square = (drive.rate / drive.strength) ** 2
+    size = np.linalg.norm(np.real(N))  # all of size one, or rounding rules the small equations
+    N, square = N / size, (drive.rate / (drive.strength * size)) ** 2
     A, S = N.T @ N, (N + N.T) / 2.0
     b = b.astype(np.result_type(N, square, lean, float))
     for _ in range(STEPS):

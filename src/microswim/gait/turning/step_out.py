@@ -70,7 +70,7 @@ def fastest(gait: Gait, drive: Drive) -> tuple[Any, Any]:
     check_free(gait)
     M, m = mobility_of(gait), np.asarray(drive.moment)
     N, lean = M[3:] @ cross(m), np.sin(drive.cone)
-    b = _refined(N, lean, _start(steady(gait, drive)))
+    b = _of_the_largest(N, lean, steady(gait, drive))
     turn = N @ b
     size = np.sqrt(turn @ turn)
     along = (M[:3] @ cross(m) @ b) @ turn / size
@@ -108,6 +108,28 @@ def check_free(gait: Gait) -> None:
             "motion.free: step-out and wobbling are those of a robot that can tilt; free its "
             'rotations, motion.free = "all"'
         )
+
+
+def _of_the_largest(N: Any, lean: Any, states: SteadyTurning) -> Any:
+    """Return b of the largest rate: refined from the best that was looked at, in N of size one.
+
+    Newton's method may leap away from a flat maximum; then it starts from the end of what is held.
+    """
+    N = N / np.linalg.norm(np.real(N))
+    start = _start(states)
+    b = _refined(N, lean, start)
+    at_most = states.at_step_out
+    if _is_at(N, b, start) or at_most is None:
+        return b
+    b = _refined(N, lean, at_most.field)
+    return b if _is_at(N, b, at_most.field) else at_most.field
+
+
+def _is_at(N: Any, b: Any, start: np.ndarray) -> bool:
+    """Return whether a refined direction is a unit vector, with the rate of where it started."""
+    first, last = (np.linalg.norm(np.real(N @ x)) for x in (start, b))
+    one = abs(np.linalg.norm(np.real(b)) - 1.0) < 1e-9
+    return bool(one and (1.0 - 1e-9) * first <= last < 1.01 * first)
 
 
 def _start(states: SteadyTurning) -> np.ndarray:

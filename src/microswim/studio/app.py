@@ -228,7 +228,8 @@ async def _answered(request: Request, answer: Callable[[Any], Any], ask: Any) ->
 
 
 def _presets(_: Any) -> Any:
-    return {"names": presets.names(), "specs": {n: presets.read(n) for n in presets.names()}}
+    shown = presets.names(one_tail=True)
+    return {"names": shown, "specs": {n: presets.read(n) for n in shown}}
 
 
 def _spec(text: str) -> Any:

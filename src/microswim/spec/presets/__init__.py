@@ -1,4 +1,4 @@
-"""Spec files that come with the package: base cases of the paper, measured cells.
+"""Spec files that come with the package: base cases of the paper, measured cells, several tails.
 
 A preset is a spec file like any other, and the best way to learn the format.
 """
@@ -14,8 +14,13 @@ __all__ = ["names", "read"]
 _HERE = files(__name__)
 
 
-def names() -> list[str]:
+def names(*, one_tail: bool = False) -> list[str]:
     """Return names of all presets, ``"family/member"``, in alphabetical order.
+
+    Parameters
+    ----------
+    one_tail
+        Only those that have one tail.
 
     Examples
     --------
@@ -25,7 +30,8 @@ def names() -> list[str]:
     """
     families = [f for f in _HERE.iterdir() if f.is_dir()]
     files_ = [(family.name, f.name) for family in families for f in family.iterdir()]
-    return sorted(f"{family}/{f[:-5]}" for family, f in files_ if f.endswith(".toml"))
+    found = sorted(f"{family}/{f[:-5]}" for family, f in files_ if f.endswith(".toml"))
+    return [name for name in found if not (one_tail and "[[tail]]" in _text(name))]
 
 
 def read(name: str) -> str:
@@ -43,4 +49,8 @@ def read(name: str) -> str:
     """
     if name not in names():
         raise SpecError("preset", name, "one of " + ", ".join(names()))
+    return _text(name)
+
+
+def _text(name: str) -> str:
     return (_HERE / f"{name}.toml").read_text(encoding="utf-8")

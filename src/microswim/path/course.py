@@ -18,11 +18,13 @@ from microswim.numerics.files import write
 from microswim.path import brownian
 from microswim.path.in_space import follow_loads
 from microswim.path.march import DONE, TOO_LONG, march
+from microswim.path.tumbling import tumbled
 from microswim.path.velocity import Loads
 from microswim.swimmer.magnetism.applied_field import AppliedField
 
 MOST_STEPS = 1e8
 CHUNKS = 48  #: of a path, each kept when it is done
+RUN_PARTS = 20.0  #: of a run, between which tumbles happen
 _NUMBERS = 2_000_000  #: random ones drawn at a time
 
 
@@ -52,6 +54,8 @@ class Course:
         Of the noise.
     field
         One that depends on place; none where the loads hold it.
+    tumbles
+        Mean time of a run and angle of a tumble.
     """
 
     table: PoseTable
@@ -66,6 +70,7 @@ class Course:
     energy: float = 0.0
     seed: int = 0
     field: AppliedField | None = None
+    tumbles: tuple[float, float] | None = None
 
     @property
     def digest(self) -> str:
@@ -75,6 +80,7 @@ class Course:
         for part in (*parts, self.phase, self.length, self.tolerance, self.longest):
             whole.update(np.ascontiguousarray(part).tobytes())
         whole.update(repr((self.energy, self.seed, self.field)).encode())
+        whole.update(repr(self.tumbles).encode() if self.tumbles else b"")
         named = getattr(self.field, "file", None)
         whole.update(Path(named).read_bytes() if named else b"")
         return whole.hexdigest()[:16]
@@ -212,6 +218,8 @@ def _scattered(course: Course, known: Followed, times: Array, chunk: int) -> Non
         h, done = whole / steps, 0
         while done < steps:
             count = min(steps - done, max(1, _NUMBERS // (m * brownian.NORMALS)))
+            if course.tumbles:
+                count = min(count, max(1, int(course.tumbles[0] / (RUN_PARTS * h))))
             normals = rng.standard_normal((count, m, brownian.NORMALS))
             t = times[j] + done * h
             run(
@@ -219,6 +227,9 @@ def _scattered(course: Course, known: Followed, times: Array, chunk: int) -> Non
                 *(_phase(course, t), normals, known.least),
             )
             done += count
+            if course.tumbles:
+                run_time, angle = course.tumbles
+                Q = tumbled(Q, count * h / run_time, angle, rng)
         known.steps += steps
         places[:, j], turns[:, j] = X, Q
     if not np.isfinite(places).all():

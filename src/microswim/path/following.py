@@ -203,6 +203,7 @@ def path(
         energy=energy,
         seed=int(seed),
         field=_in_space(swimmer),
+        tumbles=swimmer.noise.tumbles if swimmer.noise is not None else None,
     )
     found = follow(course, None if keep is None else Path(keep), progress)
     return _told(swimmer, made, poses, course, found)

@@ -37,6 +37,7 @@ def _reads(measures: str) -> BeforeValidator:
 
 Number = Annotated[float, BeforeValidator(_read_number)]
 Length = Annotated[float, _reads("length"), Measures("length")]
+Time = Annotated[float, _reads("time"), Measures("time")]
 Frequency = Annotated[float, _reads("frequency"), Measures("frequency")]
 Viscosity = Annotated[float, _reads("viscosity"), Measures("viscosity")]
 Kinematic = Annotated[float, _reads("kinematic viscosity"), Measures("kinematic viscosity")]

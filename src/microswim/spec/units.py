@@ -64,6 +64,7 @@ DIMENSIONS = {
     for d in (
         Dimension("length", "1 um", 1e-12, 1e4),
         Dimension("frequency", "10 Hz", 1e-9, 1e12),
+        Dimension("time", "1 s", 1e-12, 1e9),
         Dimension("viscosity", "1 mPa s", 1e-9, 1e12),
         Dimension("kinematic viscosity", "1 cSt", 1e-12, 1e12),
         Dimension("density", "1000 kg/m^3", 1e-6, 1e6),

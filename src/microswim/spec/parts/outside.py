@@ -7,6 +7,7 @@ from typing import Annotated, Literal
 from microswim.spec.fields import About
 from microswim.spec.types import (
     Acceleration,
+    Angle,
     Density,
     Length,
     Number,
@@ -14,6 +15,7 @@ from microswim.spec.types import (
     Speed,
     Table,
     Temperature,
+    Time,
 )
 
 
@@ -110,3 +112,9 @@ class NoiseTable(Table):
     temperature: Annotated[
         Temperature, About("Temperature", "of the fluid; without units the energy k_B T")
     ]
+    run_time: Annotated[Time | None, About("Run time", "mean time of a run; a tumble ends it")] = (
+        None
+    )
+    tumble_angle: Annotated[
+        Angle | None, About("Tumble angle", "by which a tumble turns the axis")
+    ] = None

@@ -15,7 +15,7 @@ def headings(quaternion):
 
 @pytest.mark.parametrize("angle", [np.radians(68.0), 2.5])
 def test_the_heading_is_forgotten_at_the_rate_of_runs_and_diffusion(angle):
-    """``exp(-t ((1 - cos a) / T + 2 D_r))``, ``D_r = kT / 8 pi mu a^3`` [Lovely, Dahlquist 1975]."""
+    """``exp(-t ((1 - cos a) / T + 2 D_r))``, ``D_r = kT / 8 pi mu a^3`` (Lovely & Dahlquist)."""
     energy, T, n = 0.1, 0.8, 4000
     noise = ms.Noise(temperature=energy, run_time=T, tumble_angle=angle)
     path = ms.path(ms.Swimmer(**BALL, noise=noise), 1.2, samples=7, paths=n, seed=3)

@@ -24,7 +24,6 @@ from microswim.gait.gait import Gait
 from microswim.gait.held import warn_if_held
 from microswim.gait.readable import origin
 from microswim.numerics.array import kept, still_read_only
-from microswim.path.tumbling import tumbled
 from microswim.swimmer.magnetism.magnet import magnetic_of, vector_of
 from microswim.swimmer.swimmer import Swimmer
 
@@ -210,9 +209,7 @@ class Stepper:
     def scattered(
         self, state: State, *, dt: float, random: np.random.Generator, energy: float | None = None
     ) -> State:
-        """Return the state after the thermal displacement of a time dt, on top of `step`.
-
-        And after the tumbles of that time, if the swimmer's noise has runs that end.
+        """Return the state after thermal displacement and tumbles of a time dt, on top of `step`.
 
         Parameters
         ----------
@@ -239,10 +236,7 @@ class Stepper:
         checks.positive("energy", energy, "energy")
         values = state.values.reshape(-1, motion.STATE)
         after = thermal.scattered(self.response.twist, values, energy, dt, random)
-        runs = None if self.swimmer is None or self.swimmer.noise is None else self.swimmer.noise
-        if runs is not None and runs.tumbles is not None:
-            run_time, angle = runs.tumbles
-            after[:, 3:7] = tumbled(after[:, 3:7], dt / run_time, angle, random)
+        thermal.tumble(after, self.swimmer, dt, random)
         return State(after.reshape(state.values.shape))
 
     def _check_turn(self, U: np.ndarray, dt: float) -> None:

@@ -18,6 +18,7 @@ from microswim.control.motion import LOWER
 from microswim.numerics.array import Array
 from microswim.numerics.fourier import evaluate
 from microswim.numerics.rigid_motion import multiply, rotation_matrix
+from microswim.path.tumbling import tumbled
 
 
 def scattered(
@@ -67,6 +68,14 @@ def moved(values: Array, z: Array) -> Array:
     out[:, 3:7] = multiply(q, np.concatenate([np.cos(a / 2.0), half * turn], axis=1))
     out[:, 3:7] /= np.linalg.norm(out[:, 3:7], axis=1, keepdims=True)
     return out
+
+
+def tumble(values: Array, swimmer: Any, dt: float, random: np.random.Generator) -> None:
+    """Turn states (n, 8) by the tumbles of a time dt, if the swimmer's noise has any."""
+    tumbles = None if swimmer is None or swimmer.noise is None else swimmer.noise.tumbles
+    if tumbles is not None:
+        run_time, angle = tumbles
+        values[:, 3:7] = tumbled(values[:, 3:7], dt / run_time, angle, random)
 
 
 def energy_of(swimmer: Any) -> float | None:

@@ -168,6 +168,24 @@ def test_far_apart_two_tails_feel_one_another_as_oseen_says():
     assert missing[1] == pytest.approx(0.5 * missing[0], rel=0.05)
 
 
+def test_motors_add_up_whatever_way_they_turn():
+    """The same shape with motors at (1, 0), (0, 1) and (1, -1): F is linear in the rates."""
+
+    def at(first, second):
+        place = {"position": (0.0, 0.6, 0.0), "direction": (1.0, 0.3, 0.0)}
+        tails = [
+            ms.HelicalTail(**SHORT, frequency=first, phase=0.4 - 0.3 * first),
+            ms.HelicalTail(**SHORT, **place, frequency=second, phase=1.0 - 0.3 * second),
+        ]
+        return solve(swimmer(tails, ms.NoBody()), 0.3, level="coarse")
+
+    one, other, both = at(1.0, 0.0), at(0.0, 1.0), at(1.0, -1.0)
+    assert np.allclose(one.resistance, both.resistance, rtol=1e-9, atol=1e-9)
+    F = one.propulsion - other.propulsion
+    assert np.allclose(both.propulsion, F, atol=1e-9 * np.abs(F).max())
+    assert both.activity > 0.0
+
+
 def test_tails_that_touch_or_have_no_room_are_refused():
     near = [ms.HelicalTail(**SHORT, position=(0.0, y, 0.0)) for y in (0.0, 0.08)]
     with pytest.raises(ms.SpecError, match=r"tail\[1\]\.position.*clear of tail\[0\]"):

@@ -66,6 +66,21 @@ def tail_that_bends(r):
     assert r["best"] == pytest.approx(1.89, rel=0.03)
 
 
+def sperm_like(r):
+    """Slack tails swim as the square of a small moment; stiff ones are bent as they are told."""
+    small, middle, _ = r["speed"].values()
+    assert small[-1] / 0.25 == pytest.approx(middle[-1] / 4.0, rel=0.05)
+    assert (small > 0.0).all()
+    assert small[0] > 5.0 * small[-1]
+
+
+def hook_flick(r):
+    """A soft hook gives way in proportion to its stiffness, and sooner when the helix pushes."""
+    pushes, pulls = r["torque"].values()
+    assert pushes[1] / pushes[0] == pytest.approx(2.0, rel=0.05)
+    assert (pulls > 1.5 * pushes).all()
+
+
 def laws_of_resistance(r):
     """Lighthill's pair of the base case, computed apart: c_n 780.37, c_t 537.58."""
     assert r["ratio of Lighthill at 0.1"] == pytest.approx(780.37 / 537.58, rel=1e-4)
@@ -170,6 +185,8 @@ KNOWN = {
             two_swimmers,
             run_and_tumble,
             tail_that_bends,
+            sperm_like,
+            hook_flick,
             laws_of_resistance,
             best_helix,
             seven_cells,

@@ -1,9 +1,9 @@
 """A hook that gives way: the flick of a bacterium.
 
 A helix behind a soft hook pushes its head ahead, and so its hook together. Left: the motor torque
-at which the hook buckles, against its stiffness, when the helix pushes and when, turned the other way,
-it pulls; the dashed line is in proportion to the stiffness, as a rigid helix would have it. Right:
-the same as rates of the motor.
+at which the hook buckles, against its stiffness, when the helix pushes and when, turned the other
+way, it pulls; the dashed line is in proportion to the stiffness, as a rigid helix would have it.
+Right: the same as rates of the motor.
 """
 
 import numpy as np

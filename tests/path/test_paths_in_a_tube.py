@@ -110,3 +110,17 @@ def test_a_flow_that_slips_on_the_tube_is_refused_before_any_solve(flow, said):
 def test_a_wall_and_a_tube_at_once_are_refused():
     with pytest.raises(ms.SpecError, match="remove the other"):
         ms.path(replace(ROBOT, wall=ms.Wall(1.0)), 1.0)
+
+
+def test_a_flow_presses_nothing_through_the_tube():
+    """What it does to a swimmer held stays bounded as the gap closes, though R grows."""
+    sliding = STILL.with_({"motion.free": ("us", "uq", "ur")})
+    poses = inside(sliding)
+    carried = poses.table.carried.copy()
+    carried[3, 0] = 1.0  # along q, outwards
+    poses = replace(poses, table=poses.table._replace(carried=carried))
+    swimmer = replace(sliding, flow=ms.PoiseuilleFlow(speed=1.0, diameter=2 * RADIUS))
+    found = ms.path(swimmer, 30.0, poses=poses, position=(0, 0.5, 0), quaternion=(1, 0, 0, 0))
+    assert float(found.gap.min()) > -1e-6 * 3.0  # between steps, as far as they are to be trusted
+    assert 0.0 < float(found.gap[-1]) < 0.05
+    assert found.attrs["outcome"] == "touched"

@@ -14,6 +14,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
+from microswim.gait.poses.in_tube import kept_off
 from microswim.gait.poses.table import TUBE, carry, resist
 from microswim.gait.poses.table import WORK as POSE_WORK
 from microswim.gait.stepping import row
@@ -211,19 +212,29 @@ def add_contact(loads: Any, touch: Any, W: Any) -> None:
 
 @compiled()
 def add_carried(
-    table: Any, loads: Any, x: Any, q: Any, phase: Any, R: Any, W: Any, work: Any
-) -> None:
-    """Add R times what Poiseuille's flow gives a swimmer in its tube beyond the flow itself."""
+    table: Any, loads: Any, x: Any, q: Any, phase: Any, Q: Any, u: Any, G: Any, touch: Any, R: Any,
+    W: Any, work: Any,
+) -> None:  # fmt: skip
+    """Add R times what Poiseuille's flow gives a swimmer in its tube beyond the flow itself.
+
+    u, G: the flow and its gradient at the body's centre.
+    """
     if loads.bends != CURVED:
         return
     along = 0.0
     for i in range(3):
         along += loads.tube[i] * table.boundary[3 + i]
-    D = work[-6:]
+    D, U = work[-6:], work[-12:-6]
     carry(table, x, q, phase, D, work)
+    U[0], U[1], U[2] = into_body(Q, u)
+    spin = (G[2, 1] - G[1, 2]) / 2.0, (G[0, 2] - G[2, 0]) / 2.0, (G[1, 0] - G[0, 1]) / 2.0
+    U[3], U[4], U[5] = into_body(Q, spin)
+    for i in range(6):
+        D[i] *= loads.tube[6] * along
+    kept_off(table.numbers, touch, R, U, D, work)
     for i in range(6):
         for j in range(6):
-            W[i] += loads.tube[6] * along * R[i, j] * D[j]
+            W[i] += R[i, j] * D[j]
 
 
 @compiled()
@@ -252,7 +263,7 @@ def velocity(
             add_contact(loads, touch[part : part + 7], W)
     u0, u1, u2 = background(loads, x, G)
     if table.kind == TUBE:
-        add_carried(table, loads, x, q, phase, R, W, values)
+        add_carried(table, loads, x, q, phase, Q, (u0, u1, u2), G, touch, R, W, values)
     else:
         if loads.bends != STILL:
             add_strain(loads, phase, Q, G, W, values)

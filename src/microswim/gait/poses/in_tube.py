@@ -157,6 +157,50 @@ def from_power(root: Any, values: Any, F: Any) -> Any:
     return power
 
 
+@compiled()
+def _ease(touch: Any, R: Any, N: Any, work: Any) -> Any:
+    """Write N (6,), the wrench of a unit force at what touches, and ``R^-1 N`` to work[:6].
+
+    Returns ``N' R^-1 N``.
+    """
+    V, A = work[:6], work[6:42].reshape((6, 6))
+    p, n = touch[1:4], touch[4:7]
+    N[0], N[1], N[2] = n[0], n[1], n[2]
+    N[3] = p[1] * n[2] - p[2] * n[1]
+    N[4] = p[2] * n[0] - p[0] * n[2]
+    N[5] = p[0] * n[1] - p[1] * n[0]
+    for i in range(6):
+        V[i] = N[i]
+        for j in range(6):
+            A[i, j] = R[i, j]
+    solve(A, V, (True, True, True, True, True, True))
+    ease = 0.0
+    for i in range(6):
+        ease += N[i] * V[i]
+    return ease
+
+
+@compiled(error_model="numpy")
+def kept_off(numbers: Any, touch: Any, R: Any, U: Any, D: Any, work: Any) -> None:
+    """Let what a flow does to a swimmer stay bounded below the smallest gap solved.
+
+    R (U + D), the wrench of the flow on the swimmer held, does not grow as R does in `continued`:
+    ``D - (1 - g/g_0) R^-1 N (N . (U + D)) / (N' R^-1 N)``. U (6,): flow and rotation at the centre.
+    """
+    for part in (0, 7):
+        gap = touch[part]
+        if not gap < numbers[LEAST]:
+            continue
+        N, V = work[:6], work[6:12]
+        ease = _ease(touch[part : part + 7], R, N, work[6:])
+        nears = 0.0
+        for i in range(6):
+            nears += N[i] * (U[i] + D[i])
+        share = (1.0 - max(gap, 0.0) / numbers[LEAST]) * nears / ease
+        for i in range(6):
+            D[i] -= share * V[i]
+
+
 @compiled(error_model="numpy")
 def continued(numbers: Any, touch: Any, R: Any, F: Any, work: Any) -> None:
     """Let R and F_p grow like 1/gap below the smallest gap solved, for body and then for tail.
@@ -168,20 +212,8 @@ def continued(numbers: Any, touch: Any, R: Any, F: Any, work: Any) -> None:
         gap = touch[part]
         if not gap < numbers[LEAST]:
             continue
-        N, V, A = work[:6], work[6:12], work[12:48].reshape((6, 6))
-        p, n = touch[part + 1 : part + 4], touch[part + 4 : part + 7]
-        N[0], N[1], N[2] = n[0], n[1], n[2]
-        N[3] = p[1] * n[2] - p[2] * n[1]
-        N[4] = p[2] * n[0] - p[0] * n[2]
-        N[5] = p[0] * n[1] - p[1] * n[0]
-        for i in range(6):
-            V[i] = N[i]
-            for j in range(6):
-                A[i, j] = R[i, j]
-        solve(A, V, (True, True, True, True, True, True))
-        ease = 0.0
-        for i in range(6):
-            ease += N[i] * V[i]
+        N = work[:6]
+        ease = _ease(touch[part : part + 7], R, N, work[6:])
         c = (numbers[LEAST] / max(gap, 1e-12 * numbers[LENGTH]) - 1.0) / ease
         for i in range(6):
             F[i] += 0.0 if part == 0 else c * N[i] * numbers[SIGN] * N[3]

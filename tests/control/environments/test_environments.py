@@ -140,6 +140,41 @@ def test_reach_moves_as_the_stepper():
     assert np.abs(Q - P).max() < 2e-3
 
 
+def test_an_uneven_field_pulls_as_it_does_in_the_stepper():
+    """A gradient of its own each episode, symmetric and free of trace, about the origin."""
+    world = reach.ReachWorld(1, field_gradient=0.01, **CALM)
+    world.reset(np.array([3], dtype=np.uint64))
+    J = world.memory[0, reach.SLOPE :].reshape(3, 3).copy()
+    assert pytest.approx(J.T) == J
+    assert np.linalg.eigvalsh(J) == pytest.approx([-0.005, -0.005, 0.01], abs=1e-12)
+    start = state = pose_of(world)
+    one = ms.Stepper(robot("reach").gait(), moment=(-reach.MOMENT, 0.0, 0.0), resolution=200)
+    even, angle = state, world.memory[0, reach.ANGLE]
+    for _ in range(40):
+        B = 4e-3 * np.array([np.cos(angle), np.sin(angle), 0.0])
+        inputs = {"motor_rate": 8 * np.pi, "field": B}
+        state = one.step(state, dt=0.02, field_gradient=J, **inputs)
+        even = one.step(even, dt=0.02, **inputs)
+        world.step(np.array([[0.5, 0.0]]))
+    moved = np.linalg.norm(state.position - start.position)
+    assert np.abs(pose_of(world).position - state.position).max() < 2e-3 * moved
+    assert np.linalg.norm(state.position - even.position) > 0.03 * moved
+    world.reset(np.array([4], dtype=np.uint64))
+    assert not np.allclose(world.memory[0, reach.SLOPE :].reshape(3, 3), J)
+
+
+def test_a_steered_robot_feels_an_uneven_field_too():
+    ends = []
+    for slope in (0.0, 0.1):
+        world = steer.SteerWorld(1, field_gradient=slope, **CALM)
+        world.reset(np.array([3], dtype=np.uint64))
+        for _ in range(40):
+            world.step(np.array([[1.0, 0.0, 0.0, 0.5]]))
+        ends.append(pose_of(world).position)
+    apart = np.linalg.norm(ends[1] - ends[0])
+    assert 1e-6 < apart < 1e-4  # the pull on a moment that turns averages out but for a little
+
+
 def speed(frequency):
     """Millimetres a second along a straight path after three seconds in the calm."""
     env = SteerEnv(**CALM)

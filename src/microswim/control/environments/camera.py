@@ -29,12 +29,14 @@ def conditions(
     frame_interval: int = 2,
     latency: int = 2,
     temperature: float = 0.0,
+    field_gradient: float = 0.0,
     max_steps: int,
 ) -> dict[str, float]:
     """Return what the tasks have in common, in SI units: flow, camera and length of an episode.
 
     Lengths in mm, disturbance in mm/s, the camera's times in steps; the temperature (K) is that of
-    the thermal noise, none at 0.
+    the thermal noise, none at 0; the field gradient (T/m) is the largest slope of the field about
+    the origin.
 
     Raises
     ------
@@ -45,6 +47,7 @@ def conditions(
     for name, value in (sizes | {"angle_noise": angle_noise}).items():
         checks.number(name, value, "a number from 0 to 1000", least=0.0, most=1e3)
     checks.number("temperature", temperature, "a number from 0 to 1e30 (K)", least=0.0, most=1e30)
+    checks.number("field_gradient", field_gradient, "from 0 to 1000 (T/m)", least=0.0, most=1e3)
     whole = {
         "frame_interval": (frame_interval, 1, 10**9),
         "latency": (latency, 0, 10**4),  # frames under way are kept
@@ -60,6 +63,7 @@ def conditions(
         "noise": position_noise * MM,
         "angle_noise": angle_noise,
         "energy": BOLTZMANN * temperature,
+        "slope": float(field_gradient),
         "interval": int(frame_interval),
         "latency": int(latency),
         "steps": int(max_steps),

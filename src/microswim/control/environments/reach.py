@@ -12,6 +12,7 @@ from typing import Any
 
 import numpy as np
 
+from microswim.control.environments import uneven
 from microswim.control.environments.camera import (
     MM,
     attitude,
@@ -23,7 +24,7 @@ from microswim.control.environments.camera import (
 from microswim.control.environments.jostle import jostle
 from microswim.control.environments.random_streams import direction, uniform
 from microswim.control.environments.world import World, robot
-from microswim.control.motion import INPUT, substep
+from microswim.control.motion import FIELD_BENDS, INPUT, substep
 from microswim.control.stepper import Stepper
 from microswim.errors import SpecError
 from microswim.numerics.compiled import FAST, njit, prange
@@ -31,14 +32,15 @@ from microswim.numerics.cores import loop
 
 MOMENT = 1e-4  # A m^2, along the body: the robot follows the field at 11 per second
 OBSERVED, ACTIONS = 9, 2
-#: Per environment: state (8), angle of the field, motor (-1 to 1), target (2), flow (3), distance.
-ANGLE, MOTOR, TARGET, FLOW, DISTANCE, MEMORY = 8, 9, 10, 12, 15, 16
+#: Per environment: state (8), angle of the field, motor (-1 to 1), target (2), flow (3), distance,
+#: gradient of the field (9).
+ANGLE, MOTOR, TARGET, FLOW, DISTANCE, SLOPE, MEMORY = 8, 9, 10, 12, 15, 16, 25
 STEP, DONE, COUNTS = 0, 1, 2
 LIMIT = 20.0
 TURN = 1.01  # rad of the tail per internal step
 
 Settings = namedtuple(
-    "Settings", "dt field top swing gust noise angle_noise energy interval latency steps near"
+    "Settings", "dt field top swing gust noise angle_noise energy slope interval latency steps near"
 )
 
 
@@ -76,6 +78,8 @@ def start(mem: Any, count: Any, ring: Any, keys: Any, i: int, s: Any) -> None:
     mem[FLOW], mem[FLOW + 1], mem[FLOW + 2] = s.gust * f0, s.gust * f1, 0.1 * s.gust * f2
     mem[DISTANCE] = far(mem)
     fill(ring, mem, s.noise, s.angle_noise, keys, i)
+    if s.slope > 0.0:
+        uneven.draw(mem[SLOPE:], s.slope, keys, i)
 
 
 @compiled
@@ -87,10 +91,12 @@ def drive(mem: Any, action: Any, u: Any, work: Any, model: Any, s: Any, keys: An
     u[7], u[8] = s.field * np.cos(mem[ANGLE]), s.field * np.sin(mem[ANGLE])
     for k in range(3):
         u[13 + k] = mem[FLOW + k]
+    for k in range(9):
+        u[uneven.FIRST + k] = mem[SLOPE + k]
     n = max(1, int(np.ceil(abs(u[0]) * s.dt / TURN)))
-    h = s.dt / n
+    h, bends = s.dt / n, FIELD_BENDS if s.slope > 0.0 else 0
     for k in range(n):
-        substep(model[0], model[1], model[2], mem, u, k * h, h, 0, work)
+        substep(model[0], model[1], model[2], mem, u, k * h, h, bends, work)
     if s.energy > 0.0:
         jostle(model[0], mem, np.sqrt(2.0 * s.energy * s.dt), keys, i)
     mem[7] = np.mod(mem[7], 2.0 * np.pi)

@@ -13,6 +13,7 @@ from typing import Any
 
 import numpy as np
 
+from microswim.control.environments import uneven
 from microswim.control.environments.camera import (
     MM,
     attitude,
@@ -25,7 +26,7 @@ from microswim.control.environments.jostle import jostle
 from microswim.control.environments.paths import POINTS, locate, point, resampled, wander
 from microswim.control.environments.random_streams import direction, normals, uniform
 from microswim.control.environments.world import World, robot
-from microswim.control.motion import INPUT, field_at, substep
+from microswim.control.motion import FIELD_BENDS, INPUT, field_at, substep
 from microswim.control.stepper import Stepper
 from microswim.numerics.compiled import FAST, njit, prange
 from microswim.numerics.cores import loop
@@ -34,15 +35,16 @@ from microswim.numerics.rigid_motion import to_lab
 MOMENT = 2e-5  # A m^2, across the helix: a head of NdFeB of half a millimetre holds five times that
 OBSERVED, ACTIONS = 17, 4
 #: Per environment: state (8), field direction (3), direction driven (3), frequency, flow (3), mean
-#: flow (3), progress.
-Y, B, D, F, FLOW, MEAN, PROGRESS, MEMORY = 0, 8, 11, 14, 15, 18, 21, 22
+#: flow (3), progress, gradient of the field (9).
+Y, B, D, F, FLOW, MEAN, PROGRESS, SLOPE, MEMORY = 0, 8, 11, 14, 15, 18, 21, 22, 31
 STEP, SEGMENT, SEEN, DONE, COUNTS = 0, 1, 2, 3, 4
 LIMIT = 20.0  # of observations
 TURN = 0.64  # rad of the field per internal step
 
 Settings = namedtuple(
     "Settings",
-    "dt field top gust calm noise angle_noise energy interval latency steps length bend lost ahead",
+    "dt field top gust calm noise angle_noise energy slope interval latency steps length bend lost "
+    "ahead",
 )
 
 
@@ -85,6 +87,8 @@ def start(
     fill(ring, mem, s.noise, s.angle_noise, keys, i)
     segment, f = locate(path, 0, mem[0], mem[1], mem[2])
     count[SEGMENT], mem[PROGRESS] = segment, segment + f
+    if s.slope > 0.0:
+        uneven.draw(mem[SLOPE:], s.slope, keys, i)
 
 
 @compiled
@@ -121,10 +125,12 @@ def drive(mem: Any, u: Any, work: Any, model: Any, s: Any, keys: Any, i: int) ->
         u[7 + k] = s.field * mem[B + k]
         u[10 + k] = w * mem[D + k]
         u[13 + k] = mem[FLOW + k] + mem[MEAN + k]
+    for k in range(9):
+        u[uneven.FIRST + k] = mem[SLOPE + k]
     n = max(1, int(np.ceil(abs(w) * s.dt / TURN)))
-    h = s.dt / n
+    h, bends = s.dt / n, FIELD_BENDS if s.slope > 0.0 else 0
     for k in range(n):
-        substep(model[0], model[1], model[2], mem, u, k * h, h, 0, work)
+        substep(model[0], model[1], model[2], mem, u, k * h, h, bends, work)
     if s.energy > 0.0:
         jostle(model[0], mem, np.sqrt(2.0 * s.energy * s.dt), keys, i)
     b0, b1, b2 = field_at(u, s.dt)

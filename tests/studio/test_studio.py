@@ -1,6 +1,7 @@
 """The studio's server: what it answers, what it refuses, that it remembers nothing."""
 
 import asyncio
+import dataclasses
 import hashlib
 import json
 import math
@@ -683,3 +684,25 @@ def test_the_usual_map_is_a_map_about_the_design(waves):
     ask = page.usual_map({**HELIX, "tail": tail})
     made = answers.map_({**HELIX, "tail": tail}, ask["x"], ask["y"])
     assert any(v for v in made["values"]["swimming_speed"])
+
+
+def test_what_the_page_does_not_drive_is_said():
+    """A field that depends on place, or a soft head: the page moves neither, and says who does."""
+    robot = ms.Swimmer(
+        body=ms.Sphere(radius=5e-4),
+        tail=ms.HelicalTail(length=2e-3, amplitude=2e-4, waves=2, radius=1e-4),
+        fluid=ms.Fluid(viscosity=0.34),
+        magnet=ms.Magnet(moment=(1e-6, 3e-6, 0.0)),
+        field=ms.DipoleField(moment=(0, 5, 0), position=(0.05, 0, 0)),
+        units="SI",
+    )
+    turning = dataclasses.replace(robot, field=ms.RotatingField(strength=1e-3, frequency=1.0))
+    soft = ms.Magnet(susceptibility=(2.0, 1.0, 1.0), volume=1e-10)
+    for one, told in (
+        (robot, 'kind "dipole"'),
+        (dataclasses.replace(turning, magnet=soft), "soft magnet"),
+        (turning, None),
+    ):
+        said = answers.describe(one, one.gait("rft"))["remarks"]
+        found = [line for line in said if "does not drive" in line]
+        assert [told in line for line in found] == ([True] if told else [])

@@ -119,7 +119,7 @@ def describe(swimmer: Swimmer, gait: Gait) -> dict[str, Any]:
             "body": _body_series(gait),
         },
         "readings": readings(swimmer, gait),
-        "remarks": list(gait.info.get("remarks", ())),
+        "remarks": [*gait.info.get("remarks", ()), *_not_driven(swimmer)],
         **trust(swimmer, gait),
         "region": swimmer.region is not None,
     }
@@ -133,6 +133,17 @@ def _magnet(swimmer: Swimmer) -> dict[str, Any]:
         "field": None if field is None else float(field.strength),
         "frequency": None if field is None else abs(float(field.frequency)),
     }
+
+
+def _not_driven(swimmer: Swimmer) -> list[str]:
+    """What acts on the magnet by the spec and does not move it on the page."""
+    if swimmer.magnet is None or swimmer.field is None:
+        return []
+    soft = swimmer.magnet.susceptibility is not None
+    if isinstance(swimmer.field, RotatingField) and not soft:
+        return []
+    what = "a soft magnet" if soft else f'a field of kind "{swimmer.field.kind}"'
+    return [f"the page does not drive {what}: microswim path follows the swimmer in it"]
 
 
 def trust(swimmer: Swimmer, gait: Gait) -> dict[str, Any]:

@@ -93,6 +93,16 @@ def test_a_path_that_winds_round_the_axis_is_told():
     assert found.attrs["outcome"] in ("trapped", "touched")
 
 
+def test_the_picture_of_a_path_in_a_tube_shows_its_wall():
+    found = ms.path(ROBOT, 1.0, poses=POSES, samples=5)
+    side, along, _ = ms.plots.path(found).axes
+    assert (side.get_ylabel(), along.get_xlabel()) == ("z", "y")
+    walls = [line.get_ydata()[0] for line in side.get_lines()[-2:]]
+    assert walls == pytest.approx([-RADIUS, RADIUS])
+    ring = np.hypot(*along.get_lines()[-1].get_data())
+    assert ring == pytest.approx(np.full(ring.size, RADIUS))
+
+
 @pytest.mark.parametrize(
     ("flow", "said"),
     [

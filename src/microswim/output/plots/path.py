@@ -103,8 +103,7 @@ def _tube(side: Axes, along: Axes, radius: float) -> None:
     along.set(xlim=(-1.1 * radius, 1.1 * radius), ylim=(-1.1 * radius, 1.1 * radius))
     for at in (-radius, radius):
         side.axhline(at, color=BLACK, linewidth=1.5)
-    half = max(1.1 * radius, 0.5 * float(np.ptp(side.get_xlim())))
-    side.set(xlim=np.mean(side.get_xlim()) + np.array([-half, half]), ylim=(-half, half))
+    side.set(aspect="auto", ylim=(-1.1 * radius, 1.1 * radius))  # a tube is longer than wide
 
 
 def _in_time(axes: Axes, found: xr.Dataset, places: np.ndarray) -> None:

@@ -100,3 +100,17 @@ def test_a_box_and_a_swimmer_that_touches_are_refused() -> None:
         bem.solve(box)
     with pytest.raises(SpecError, match=r"channel\.diameter"):
         bem.solve(replace(BALL, channel=ms.Channel(diameter=1.9, length=12.0)))
+
+
+def test_an_azimuth_of_the_tube_is_a_turn_about_s():
+    """Tube and tail turned alike about s: R is turned with them."""
+    tube = ms.Channel(diameter=3.0, length=7.0, position=(0.0, 0.2, 0.1), tilt=0.2)
+    turn = 0.7
+    turned = bem.solve(
+        replace(ROBOT, channel=replace(tube, azimuth=turn)), ROBOT.tail.sign * turn, level="coarse"
+    )
+    plain = bem.solve(replace(ROBOT, channel=tube), 0.0, level="coarse")
+    c, s = np.cos(turn), np.sin(turn)
+    Q = np.kron(np.eye(2), np.array([[1, 0, 0], [0, c, -s], [0, s, c]]))
+    assert turned.resistance == pytest.approx(Q @ plain.resistance @ Q.T, rel=2e-3, abs=1.0)
+    assert turned.propulsion == pytest.approx(Q @ plain.propulsion, rel=5e-3, abs=0.3)

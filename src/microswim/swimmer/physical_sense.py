@@ -169,12 +169,32 @@ def reynolds(swimmer: Swimmer) -> float:
     return _size(fluid.density) * _size(tail.frequency) * D**2 / _size(fluid.viscosity)
 
 
+def turning_reynolds(swimmer: Swimmer) -> float:
+    """Return ``rho w a^2 / mu`` of a magnet's swimmer that turns with its field about its own axis.
+
+    w: rate of the field, a: half width of body and tail; zero where no field turns it.
+    """
+    field, fluid = swimmer.field, swimmer.fluid
+    if swimmer.magnet is None or field is None or not np.any(np.real(field.angular_velocity)):
+        return 0.0
+    own = max(_size(a) for a in swimmer.body.semi_axes3[1:])
+    tail = _size(getattr(swimmer.tail, "amplitude", 0.0)) + _size(swimmer.tail.radius)
+    rate = _size(field.rate)
+    return _size(fluid.density) * rate * max(own, tail) ** 2 / _size(fluid.viscosity)
+
+
 def _of_motion(swimmer: Swimmer) -> list[str]:
     Re, out = reynolds(swimmer), []
     if Re > INERTIA:
         out.append(
             f"the Reynolds number (frequency x body length squared) is {Re:.2g}: inertia, which is "
             "left out, is felt; swim keeps that of the fluid"
+        )
+    Re = turning_reynolds(swimmer)
+    if Re > INERTIA:
+        out.append(
+            f"in step with its field the robot turns at a Reynolds number of {Re:.2g}: inertia, "
+            "which is left out, is felt"
         )
     if not stands_still(swimmer):
         return out

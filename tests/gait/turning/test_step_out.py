@@ -165,3 +165,22 @@ def test_a_flat_maximum_is_not_left(across, scale):
     assert velocity == pytest.approx(float(states.at_step_out.velocity), rel=1e-3)
     exact = fastest(Still(BOXED), drive._replace(strength=drive.strength * (1 + 1e-20j)))[0]
     assert np.imag(exact) == pytest.approx(1e-20 * rate, rel=1e-9)  # it goes with the field
+
+
+def test_a_run_tells_them_and_warns_of_inertia():
+    """At the rate at which the field turns it, not that of a motor that stands still."""
+    one = ms.Swimmer(
+        body=ms.Sphere(radius=5e-4),
+        tail=ms.HelicalTail(length=2e-3, amplitude=2e-4, waves=2, radius=1e-4, frequency=0.0),
+        fluid=ms.Fluid(viscosity=0.34, density=970.0),
+        magnet=ms.Magnet(moment=(0.0, 3e-4, 0.0)),
+        field=ms.RotatingField(strength=5e-3, frequency=10.0),
+        units="SI",
+    )
+    rows = dict(r[:2] for r in ms.report.numbers_table(ms.io.numbers(one, one.gait()), "r").rows)
+    assert rows["step out"].endswith("Hz")
+    assert rows["driven speed"].endswith("m/s")
+    assert not any("turns at a Reynolds number" in line for line in one.remarks)
+    fast = one.with_({"field.frequency": 200.0})
+    Re = 970.0 * 2 * np.pi * 200.0 * 5e-4**2 / 0.34
+    assert any(f"turns at a Reynolds number of {Re:.2g}" in line for line in fast.remarks)

@@ -18,6 +18,7 @@ from microswim import checks
 from microswim.gait.gait import DEGREES_OF_FREEDOM
 from microswim.gait.quantities import QUANTITIES
 from microswim.gait.readable import quantity, significant, with_error
+from microswim.gait.turning.driven import DRIVEN
 from microswim.gait.units import unit
 from microswim.output.report.document import document
 from microswim.output.report.document import table as document_table
@@ -111,6 +112,15 @@ def numbers_table(numbers: dict[str, Any], name: str) -> Table:
         row("mean_power", "mean over the period"),
         row("mean_torque", "mean over the period"),
         ("efficiency", f"{significant(100.0 * numbers['efficiency'], 3)} %", "Eq. (24)"),
+    ]
+    rows += [
+        (
+            driven.label,
+            q(numbers[driven.name], driven.dimension),
+            f"{driven.meaning}; microswim regimes",
+        )
+        for driven in DRIVEN.values()
+        if driven.name in numbers
     ]
     if not any(numbers["mean_velocity"]) and not any(numbers["velocity_amplitude"]):
         force = q(numbers["held_wrench"][0], "force")

@@ -1,7 +1,7 @@
 """How wrong the atlas is: makes docs/accuracy-atlas.md on designs that it has not seen.
 
-    python benchmarks/atlas.py --folder solves             # draws designs and solves them
-    python benchmarks/atlas.py --solves held-out.jsonl     # from solves that are there already
+    python benchmarks/atlas.py --folder solves      # draws designs and solves them
+    python benchmarks/atlas.py --helices held-out.jsonl --waves held-out.jsonl   # solved already
 
 The designs are drawn afterwards, uniform in the logarithms of their numbers over the range that the
 atlas says it covers, with a seed of their own; none of them is ever fitted.
@@ -12,6 +12,7 @@ from __future__ import annotations
 import argparse
 import warnings
 from dataclasses import replace
+from functools import partial
 from pathlib import Path
 
 import numpy as np
@@ -22,13 +23,13 @@ from microswim.calibration.atlas.atlas import shipped
 from microswim.calibration.atlas.campaign import LEVEL, design
 from microswim.calibration.atlas.expected import doubt, expected_error
 from microswim.calibration.region.fit import Solved
-from microswim.gait.gait import Gait
+from microswim.gait.gait import DEGREES_OF_FREEDOM, Gait
 from microswim.jobs import references
 from microswim.numerics.sobol import points
 from microswim.studies.world.page import table
 
 PAGE = Path(__file__).parents[1] / "docs" / "accuracy-atlas.md"
-SEED, DRAWN = 101, 620
+DRAWN = {"helix": (101, 620), "plane_wave": (201, 300)}  #: seed and number
 LOW, HIGH = (np.array([n[i] for n in coordinates.NUMBERS]) for i in (1, 2))
 EDGE = 0.1  #: a corner: two or more of the six numbers within this share of an end
 SURE = 0.01  #: doubt of the reference in u_s below which a design counts as known
@@ -36,10 +37,12 @@ SMALL = 0.7  #: radius of a body over the amplitude below which u_s nearly cance
 QUANTILES = (0.5, 0.9, 0.95, 0.99, 1.0)
 
 
-def drawn(folder):
+def drawn(kind, folder):
     """Designs of the range, solved."""
-    x = LOW * (HIGH / LOW) ** points(DRAWN, 6, SEED)
-    made = [s for s in map(design, x) if s is not None and not coordinates.outside(s)]
+    seed, number = DRAWN[kind]
+    x = LOW * (HIGH / LOW) ** points(number, 6, seed)
+    every = map(partial(design, kind=kind), x)
+    made = [s for s in every if s is not None and not coordinates.outside(s)]
     gaits = references.gaits(made, "bem", folder=folder, level=LEVEL)
     return [Solved(s, g) for s, g in zip(made, gaits) if isinstance(g, Gait)]
 
@@ -56,23 +59,32 @@ def is_small(swimmer):
     return head / bk < SMALL
 
 
-def errors(solved):
-    """Errors of u_s, Omega_s, u_q, Omega_q, and whether what was stated held, (n, 4) each.
+#: What is compared of a kind: names of means and of amplitudes, and their places.
+COMPARED = {
+    "helix": (("u_s", "Omega_s"), ("u_q", "Omega_q"), [0, 3], [1, 5]),
+    "plane_wave": (("u_s",), ("u_q", "Omega_r"), [0], [1, 5]),
+}
+
+
+def errors(solved, kind="helix"):
+    """Errors of means and amplitudes, and whether what was stated held, (n, quantities) each.
 
     Of the means relative to themselves, of the amplitudes to their scale: the transverse speed of
-    the helix, b times the motor's rate, and that rate.
+    the tail, b times the motor's rate, and that rate.
     """
+    _, _, means, sizes = COMPARED[kind]
     off, held = [], []
     for s in solved:
         ours = s.swimmer.gait("atlas")
         stated = expected_error(s.swimmer, ours)
         truth, rate = s.gait, abs(ours.rate)
-        mean = np.abs(ours.mean_velocity - truth.mean_velocity)[[0, 3]]
-        size = np.abs(ours.velocity_amplitude - truth.velocity_amplitude)[[1, 5]]
-        off.append([*mean / np.abs(truth.mean_velocity[[0, 3]]),
+        mean = np.abs(ours.mean_velocity - truth.mean_velocity)[means]
+        size = np.abs(ours.velocity_amplitude - truth.velocity_amplitude)[sizes]
+        off.append([*mean / np.abs(truth.mean_velocity[means]),
                     *size / [s.swimmer.tail.amplitude * rate, rate]])  # fmt: skip
-        own = np.abs([*ours.mean_velocity[[0, 3]], *ours.velocity_amplitude[[1, 5]]])
-        held.append([*mean, *size] <= own * [stated[n] for n in ("us", "os", "uq", "or")])
+        own = np.abs([*ours.mean_velocity[means], *ours.velocity_amplitude[sizes]])
+        asked = [stated[DEGREES_OF_FREEDOM[i]] for i in (*means, *sizes)]
+        held.append([*mean, *size] <= own * asked)
     return np.array(off), np.array(held)
 
 
@@ -95,9 +107,10 @@ def per_cent(share):
     return f"{100 * share:.0f} %" if share >= 0.1 else f"{100 * share:.2g} %"
 
 
-def rows(off, held, some):
+def rows(off, held, some, kind="helix"):
     """A row for each quantity over some of the designs."""
-    names = "u_s", "Omega_s", "amplitude of u_q, of b rate", "amplitude of Omega_q, of the rate"
+    means, (across, turning), *_ = COMPARED[kind]
+    names = *means, f"amplitude of {across}, of b rate", f"amplitude of {turning}, of the rate"
     out = []
     for i, name in enumerate(names):
         shares = [per_cent(q) for q in np.quantile(off[some, i], QUANTILES)]
@@ -109,10 +122,13 @@ def rows(off, held, some):
 
 TEXT = """# How wrong the atlas is
 
-Made by `python benchmarks/atlas.py`; do not edit. The atlas was fitted to {solves} boundary-element
-solves (level `{level}`). Here are {count} designs that were drawn afterwards, uniform in the
-logarithms of their numbers over the whole range it covers, with a seed of their own. None of them
-was fitted.
+Made by `python benchmarks/atlas.py`; do not edit.
+
+## Helices
+
+The atlas of helices was fitted to {solves} boundary-element solves (level `{level}`). Here are
+{count} designs that were drawn afterwards, uniform in the logarithms of their numbers over the
+whole range it covers, with a seed of their own. None of them was fitted.
 
 Mean velocities are off relative to themselves. Lateral velocities have no mean: the errors of their
 amplitudes are relative to their **scale**, the transverse speed of the helix, its amplitude b times
@@ -147,17 +163,37 @@ the same 14 give 45 % when counted by its own answer.
 """
 
 
-def page(solved):
-    """Write the page."""
-    made = shipped()
-    assert made is not None
+WAVES = """## Plane waves
+
+The atlas of plane waves was fitted to {solves} solves; filaments are at most {longest:.0f} radii
+long. Here are {count} designs drawn afterwards, none of them fitted, as above: the mean forward
+velocity relative to itself, the amplitudes of the beat's u_q and Omega_r to b times the motor's
+rate, and to that rate.
+
+{whole}
+
+The {sure} designs of which boundary elements know u_s to 1 %:
+
+{known}
+
+The {corners} corners, two or more of the six numbers within a tenth of an end of the range:
+
+{corner}
+
+Plain resistive force theory (Lighthill's law) over the same designs is off in u_s by
+{of_truth:.0f} % of the truth in the median, {of_own:.0f} % of its own answer.
+"""
+
+
+def of_helices(solved):
+    """The page's part on helices."""
     off, held = errors(solved)
     corner = np.array([is_corner(s.swimmer) for s in solved])
     sure = np.array([doubt(s.gait)[0] < SURE for s in solved])
     small = np.array([is_small(s.swimmer) for s in solved])
     of_truth, of_own = 100.0 * lighthill(solved)
-    text = TEXT.format(
-        solves=f"{made.about['solves']:,}",
+    return TEXT.format(
+        solves=f"{shipped().about['solves']:,}",
         level=LEVEL,
         count=len(solved),
         corners=corner.sum(),
@@ -170,18 +206,49 @@ def page(solved):
         of_truth=of_truth,
         of_own=of_own,
     )
-    PAGE.write_text(text, encoding="utf-8")
+
+
+def of_waves(solved):
+    """The page's part on plane waves."""
+    off, held = errors(solved, "plane_wave")
+    sure = np.array([doubt(s.gait)[0] < SURE for s in solved])
+    corner = np.array([is_corner(s.swimmer) for s in solved])
+    of_truth, of_own = 100.0 * lighthill(solved)
+    parts = {
+        "whole": np.ones(len(solved), bool),
+        "known": sure,
+        "corner": corner,
+    }
+    tables = {n: table(rows(off, held, some, "plane_wave")) for n, some in parts.items()}
+    return WAVES.format(
+        solves=f"{shipped('plane_wave').about['solves']:,}",
+        longest=coordinates.LONGEST_WAVE,
+        count=len(solved),
+        corners=corner.sum(),
+        sure=sure.sum(),
+        of_truth=of_truth,
+        of_own=of_own,
+        **tables,
+    )
 
 
 def main():
     """Solve or read, then write."""
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     parser.add_argument("--folder", type=Path, help="where solves are kept")
-    parser.add_argument("--solves", type=Path, help="a file of solves in place of new ones")
+    parser.add_argument("--helices", type=Path, help="a file of solves in place of new ones")
+    parser.add_argument("--waves", type=Path, help="the same of plane waves")
     asked = parser.parse_args()
     warnings.simplefilter("ignore")
-    solved = solves.read(asked.solves, design) if asked.solves else drawn(asked.folder)
-    page([s for s in solved if not coordinates.outside(s.swimmer)])
+    parts = []
+    for kind, path, part in (
+        ("helix", asked.helices, of_helices),
+        ("plane_wave", asked.waves, of_waves),
+    ):
+        own = partial(design, kind=kind)
+        solved = solves.read(path, own) if path else drawn(kind, asked.folder)
+        parts.append(part([s for s in solved if not coordinates.outside(s.swimmer)]))
+    PAGE.write_text("\n".join(parts), encoding="utf-8")
 
 
 if __name__ == "__main__":

@@ -130,9 +130,16 @@ def test_where_the_atlas_holds_nowhere_the_surrogate_searches():
 
 
 def test_choices_that_two_models_answer_say_so():
-    over = {"tail.amplitude": (0.05, 0.2), "tail.kind": ["helix", "plane_wave"]}
+    over = {"tail.amplitude": (0.05, 0.2), "tail.sections": ["perpendicular", "sheared"]}
     best = ms.design(ROBOT, over, maximize="swimming_speed", samples=16)
-    assert "the atlas for helix" in best.remarks[-1]
+    assert "the atlas for perpendicular" in best.remarks[-1]
+
+
+def test_helices_and_plane_waves_are_both_the_atlas():
+    over = {"tail.amplitude": (0.08, 0.2), "tail.kind": ["helix", "plane_wave"]}
+    best = ms.design(ROBOT, over, maximize="swimming_speed", samples=16)
+    assert best.model == "atlas"
+    assert "the atlas for" not in " ".join(best.remarks)
 
 
 def test_robots_that_differ_by_chance_are_those_of_the_atlas():

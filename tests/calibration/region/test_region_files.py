@@ -100,7 +100,7 @@ def wrong_notes(notes):
             if (name, value) != ("about", {"x": "y"}):
                 yield {**notes, name: value}
     yield {**notes, "more": 1}
-    yield {**notes, "content": "region 2"}
+    yield {**notes, "content": "region 3"}
     yield {**notes, "choices": {**notes["choices"], "kind": "custom"}}
     yield {**notes, "choices": {**notes["choices"], "kind": ["helix"]}}
     yield {**notes, "high": notes["low"]}

@@ -24,7 +24,7 @@ from microswim.numerics.compiled import pays
 from microswim.swimmer.parts import replaced
 from microswim.swimmer.swimmer import Swimmer
 
-FILES = {"helix": "helix.npz"}  #: by the kind of tail
+FILES = {"helix": "helix.npz", "plane_wave": "plane_wave.npz"}  #: by the kind of tail
 SOME = 64  #: designs side by side: more would not fit the processor's memory
 EACH = 4e-4  #: seconds of a design as Python
 

@@ -9,6 +9,7 @@ elsewhere are taken up from files (`solves`): ``make atlas ATLAS_ARGS="--designs
 from __future__ import annotations
 
 import argparse
+from functools import partial
 from pathlib import Path
 from typing import Any
 
@@ -26,7 +27,7 @@ from microswim.jobs import references
 from microswim.numerics.sobol import points
 from microswim.swimmer.fluid import Fluid
 from microswim.swimmer.geometry.bodies import Spheroid
-from microswim.swimmer.geometry.tails.kinds import HelicalTail
+from microswim.swimmer.geometry.tails.kinds import HelicalTail, PlaneWaveTail
 from microswim.swimmer.swimmer import Swimmer
 
 SEED = 17
@@ -34,9 +35,10 @@ LEVEL = "standard"
 #: Where designs are drawn: b k, k r_t, waves, body over filament radius, aspect ratio, ramp.
 LOW = (0.045, 0.018, 0.45, 1.8, 0.46, 0.04)
 HIGH = (2.7, 0.85, 8.5, 44.0, 5.4, 0.55)
-#: Further bounds: k a, a / L and filament length over radius.
-MOST = (8.0, 0.8, 1440.0)
-
+#: Further bounds: k a, a / L and filament length over radius, of a helix and of a plane wave.
+MOST = (8.0, 0.8)
+LONGEST = {"helix": 1440.0, "plane_wave": 440.0}
+TAILS: dict[str, Any] = {"helix": HelicalTail, "plane_wave": PlaneWaveTail}
 
 #: Boxes of the same numbers around robots and cells as people begin with them, and their designs.
 FAMILIAR = (
@@ -64,30 +66,35 @@ def drawn(count: int, seed: int = SEED) -> np.ndarray:
     return x
 
 
-def design(x: Any) -> Swimmer | None:
+def design(x: Any, kind: str = "helix") -> Swimmer | None:
     """Return the swimmer of six numbers, in units of 1/k; None where it cannot be built.
 
     Parameters
     ----------
     x
         b k, k r_t, waves, body over filament radius, aspect ratio, ramp.
+    kind
+        Of the tail, ``"helix"`` or ``"plane_wave"``.
     """
     bk, thick, waves, head, aspect, ramp = map(float, x)
     a, length = head * thick, 2.0 * np.pi * waves
-    if a > MOST[0] or a > MOST[1] * length or length * np.hypot(1.0, bk) > MOST[2] * thick:
+    *_, slender = coordinates.ratios((bk, thick, waves, a), kind == "plane_wave")
+    if a > MOST[0] or a > MOST[1] * length or slender > LONGEST[kind]:
         return None
     body = Spheroid(semi_axes=(a * aspect ** (2.0 / 3.0), a * aspect ** (-1.0 / 3.0)))
     try:
-        tail = HelicalTail(length=length, amplitude=bk, waves=waves, radius=thick, ramp=ramp)
+        tail = TAILS[kind](length=length, amplitude=bk, waves=waves, radius=thick, ramp=ramp)
     except SpecError:
         return None
     return Swimmer(body=body, tail=tail, fluid=Fluid(viscosity=1.0))
 
 
-def solve(count: int, folder: Path, seed: int = SEED, **options: Any) -> list[Solved]:
+def solve(
+    count: int, folder: Path, kind: str = "helix", seed: int = SEED, **options: Any
+) -> list[Solved]:
     """Return the designs among `count`, and the familiar ones, that boundary elements resolve."""
     wanted = np.concatenate([drawn(count, seed), familiar(seed)])
-    designs = [s for s in map(design, wanted) if s is not None]
+    designs = [s for s in map(partial(design, kind=kind), wanted) if s is not None]
     gaits = references.gaits(designs, "bem", folder=folder, level=LEVEL, **options)
     return [
         Solved(s, g)
@@ -100,23 +107,26 @@ def main() -> None:
     """Solve the campaign and write the atlas that comes with the package."""
     parser = argparse.ArgumentParser(description="Solve and fit the atlas.")
     parser.add_argument("folder", type=Path, help="where solves are kept")
+    parser.add_argument("--kind", choices=tuple(FILES), default="helix", help="of the tail")
     parser.add_argument("--designs", type=int, default=4096, help="how many are drawn; 0: none")
     parser.add_argument("--workers", type=int, default=None, help="processes; all cores by default")
     parser.add_argument("--solves", type=Path, nargs="*", help="files of solves to take up too")
     parser.add_argument("--kernels", action="store_true", help="find the kernels anew (minutes)")
     asked = parser.parse_args()
-    solved = solve(asked.designs, asked.folder, workers=asked.workers) if asked.designs else []
+    kind, planar = asked.kind, asked.kind == "plane_wave"
+    own: Any = {"kind": kind, "workers": asked.workers}
+    solved = solve(asked.designs, asked.folder, **own) if asked.designs else []
     for path in asked.solves or ():
-        solved += solves.read(path, design)
+        solved += solves.read(path, partial(design, kind=kind))
     # what lies beyond a corner helps nobody inside, and each answer pays for it
-    solved = [s for s in solved if coordinates.misses(coordinates.numbers(s.swimmer)) < 2]
-    former = None if asked.kernels else shipped()
+    solved = [s for s in solved if coordinates.misses(coordinates.numbers(s.swimmer), planar) < 2]
+    former = None if asked.kernels else shipped(kind)
     made = fit(solved, {"reference": "bem", "level": LEVEL, "designs": asked.designs}, former)
-    Path(__file__).with_name(FILES["helix"]).write_bytes(pack(made))
+    Path(__file__).with_name(FILES[kind]).write_bytes(pack(made))
     for i, name in enumerate(("u_s", "lateral u", "Omega_s", "lateral Omega")):
         median, most = np.quantile(made.misses.missed[:, i], [0.5, 0.99])
         print(f"{name}: left out, median {100 * median:.2g} %, 99 % {100 * most:.2g} %")
-    print(f"{len(solved)} solves, range {coordinates.NUMBERS}")
+    print(f"{len(solved)} solves, range {coordinates.bounds(planar)}")
 
 
 if __name__ == "__main__":

@@ -1,8 +1,8 @@
-"""Where a helical swimmer lies in the design space: dimensionless numbers, range, scales.
+"""Where a swimmer lies in the design space: dimensionless numbers, range, scales.
 
-Stokes flow knows shapes, not sizes: six numbers hold a rigid helix on a spheroid, ``b k``,
-``k r_t``, the number of waves N, ``k a`` with the body's mean radius ``a^3 = r_s r_q^2``, its
-aspect ratio ``r_s/r_q``, and the ramp. Either hand is the mirror image of the other.
+Stokes flow knows shapes, not sizes: six numbers hold a rigid helix or a plane wave on a spheroid,
+``b k``, ``k r_t``, the number of waves N, ``k a`` with the body's mean radius ``a^3 = r_s r_q^2``,
+its aspect ratio ``r_s/r_q``, and the ramp. Either hand of a helix is the mirror image of the other.
 """
 
 from __future__ import annotations
@@ -29,6 +29,16 @@ RATIOS = (
     ("body radius / length of the tail", 0.0, 0.7),
     ("length along the filament / its radius", 0.0, 1300.0),
 )
+#: The longest filament of a plane wave, in its radii: boundary elements of longer ones are dear.
+LONGEST_WAVE = 430.0
+
+
+def bounds(planar: bool) -> tuple[tuple[str, float, float], ...]:
+    """Return the range of helices, or of plane waves, as `NUMBERS` and `RATIOS`."""
+    if not planar:
+        return (*NUMBERS, *RATIOS)
+    *others, (name, low, _) = RATIOS
+    return (*NUMBERS, *others, (name, low, LONGEST_WAVE))
 
 
 def numbers(swimmer: Swimmer) -> np.ndarray:
@@ -43,11 +53,14 @@ def numbers(swimmer: Swimmer) -> np.ndarray:
     return np.array(np.broadcast_arrays(*values))
 
 
-def ratios(x: Any) -> tuple[Any, Any, Any]:
-    """Return the numbers of `RATIOS` of designs x (6, ...)."""
+def ratios(x: Any, planar: bool = False) -> tuple[Any, Any, Any]:
+    """Return the numbers of `RATIOS` of designs x (6, ...).
+
+    A plane wave is as long as its mean square slope makes it, to the leading order.
+    """
     bk, thick, waves, head = x[:4]
-    length = 2.0 * np.pi * waves
-    return head / thick, head / length, length * np.sqrt(1.0 + bk * bk) / thick
+    length, slope2 = 2.0 * np.pi * waves, bk * bk * (0.5 if planar else 1.0)
+    return head / thick, head / length, length * np.sqrt(1.0 + slope2) / thick
 
 
 def features(x: Any) -> np.ndarray:
@@ -74,36 +87,36 @@ def outside(swimmer: Swimmer) -> list[str]:
     kind = unlike(swimmer)
     if kind:
         return kind
-    x = np.real(numbers(swimmer))
+    x, planar = np.real(numbers(swimmer)), swimmer.tail.is_planar
     return [
         f"{name} {value:.4g} is not in {low:g} to {high:g}"
-        for (name, low, high), value in zip((*NUMBERS, *RATIOS), (*x, *ratios(x)))
+        for (name, low, high), value in zip(bounds(planar), (*x, *ratios(x, planar)))
         if not low * (1 - 1e-9) <= value <= high * (1 + 1e-9)
     ]
 
 
 def edges(swimmer: Swimmer) -> list[str]:
     """Return in words the bounds of the atlas that a swimmer within lies at."""
-    x = np.real(numbers(swimmer))
+    x, planar = np.real(numbers(swimmer)), swimmer.tail.is_planar
     return [
         f"{name} {bound:g}"
-        for (name, *ends), value in zip((*NUMBERS, *RATIOS), (*x, *ratios(x)))
+        for (name, *ends), value in zip(bounds(planar), (*x, *ratios(x, planar)))
         for bound in ends
         if abs(value - bound) <= 1e-3 * bound
     ]
 
 
-def misses(x: np.ndarray) -> np.ndarray:
+def misses(x: np.ndarray, planar: bool = False) -> np.ndarray:
     """Return how many of the bounds of the range designs x (6, ...) miss."""
     found: Any = 0
-    for (_, low, high), value in zip((*NUMBERS, *RATIOS), (*x, *ratios(x))):
+    for (_, low, high), value in zip(bounds(planar), (*x, *ratios(x, planar))):
         found = found + ((value < low * (1 - 1e-9)) | ~(value <= high * (1 + 1e-9)))
     return np.asarray(found)
 
 
-def inside(x: np.ndarray) -> np.ndarray:
+def inside(x: np.ndarray, planar: bool = False) -> np.ndarray:
     """Return whether designs x (6, ...) lie in the range."""
-    return misses(x) == 0
+    return misses(x, planar) == 0
 
 
 def unlike(swimmer: Swimmer) -> list[str]:
@@ -111,15 +124,19 @@ def unlike(swimmer: Swimmer) -> list[str]:
     tail, body = swimmer.tail, swimmer.body
     if tail.is_placed:
         return ["it holds single tails at the joint, along s, without a phase of their own"]
-    if not (isinstance(tail, WaveTail) and tail.is_rigid):
-        return ["it holds helical tails"]
+    if not (isinstance(tail, WaveTail) and (tail.is_rigid or tail.is_planar)):
+        return ["it holds helical tails and plane waves"]
     if not tail.is_plain:
         return ["it holds round filaments of one amplitude"]
     if not (body.is_ellipsoid and body.is_axisymmetric) or not np.all(
         np.real(body.semi_axes3[0]) > 0
     ):
         return ["it holds bodies of revolution: a sphere or a spheroid"]
-    if tail.sections != "perpendicular" or tail.surface_motion != "rigid":
-        return ['it holds rigid helices: sections = "perpendicular", surface_motion = "rigid"']
+    usual = type(tail)
+    if (tail.sections, tail.surface_motion) != (usual.sections, usual.surface_motion):
+        return [
+            f'of a {tail.kind} it holds sections = "{usual.sections}" with '
+            f'surface_motion = "{usual.surface_motion}"'
+        ]
     around = [n for n in ("wall", "channel", "region") if getattr(swimmer, n) is not None]
     return [f"it knows no {name}" for name in around]

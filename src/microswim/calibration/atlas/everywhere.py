@@ -13,6 +13,7 @@ from microswim.calibration.atlas.atlas import Atlas, of
 from microswim.calibration.atlas.gait import gait as atlas_gait
 from microswim.calibration.atlas.side_by_side import twists
 from microswim.calibration.region import body_flow as shaded
+from microswim.calibration.region.beats import finer
 from microswim.gait.gait import Gait
 from microswim.models.rft.batch import evaluate
 from microswim.numerics.cores import MANY
@@ -43,10 +44,15 @@ class Everywhere:
         return shaded.parameters(swimmer)
 
     def solve(self, many: Swimmer, free: np.ndarray, phases: int) -> tuple[np.ndarray, ...]:
-        """Return twists (n, 1, 6), tail powers and drag times speed (n, 1), per unit rate."""
+        """Return twists (n, m, 6), tail powers and drag times speed (n, m), per unit rate.
+
+        A helix at phase 0, m = 1; a plane wave at m = `phases` over half a period.
+        """
         R, F, G, extra = self.atlas.matrices(many)
+        if many.tail.is_planar:
+            R, F, G = (finer(x, 2 * phases)[:, :phases] for x in (R, F, G))
         V = twists(R, F, free)
-        V[~coordinates.inside(coordinates.numbers(many))] = np.nan
+        V[~coordinates.inside(coordinates.numbers(many), many.tail.is_planar)] = np.nan
         power = G + np.einsum("nmi,nmi->nm", F, V)
         drag = extra[:, None, 0] * V[..., 0] + extra[:, None, 1] * V[..., 3] + extra[:, None, 2]
         return V, power, drag * V[..., 0]
@@ -56,7 +62,10 @@ class Everywhere:
         x, z, _ = self.atlas.place(many)
         x = np.broadcast_to(x.reshape(6, -1), (6, count))
         z = np.broadcast_to(np.atleast_2d(z), (count, z.shape[-1]))
-        out, rows = np.full(count, np.nan), np.flatnonzero(coordinates.inside(x))
+        out, rows = (
+            np.full(count, np.nan),
+            np.flatnonzero(coordinates.inside(x, many.tail.is_planar)),
+        )
         out[rows] = self.atlas.misses.of_many(z[rows])
         return out
 
@@ -88,4 +97,5 @@ def holding(swimmer: Swimmer, numbers: Mapping[str, Any]) -> Swimmer:
     if served is None:
         return swimmer
     many = lifted(in_terms_of(swimmer, numbers), numbers)
-    return served if coordinates.inside(coordinates.numbers(many)).all() else swimmer
+    within = coordinates.inside(coordinates.numbers(many), many.tail.is_planar)
+    return served if within.all() else swimmer

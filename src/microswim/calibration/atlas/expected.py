@@ -159,7 +159,7 @@ def _from_atlas(swimmer: Swimmer, gait: Gait) -> tuple[list[Any], str]:
     with np.errstate(divide="ignore", invalid="ignore"):
         errors = (off + np.abs(doubt)) / over
     how = "its difference from the atlas, whose own error is added; --model atlas does better"
-    return [float(e) if np.isfinite(e) else None for e in errors], how
+    return _with_stills(swimmer, errors), how
 
 
 def _of_elements(swimmer: Swimmer, gait: Gait) -> tuple[list[Any], str]:
@@ -209,10 +209,17 @@ def _relative(misses: Misses, swimmer: Swimmer, gait: Gait) -> list[Any]:
     found = misses(np.real(z)[None])[0]
     rate, size = abs(float(np.real(gait.rate))), np.abs(np.real(gait.velocity_amplitude))
     scale = {"u_lateral": rate * float(np.real(as_wave(swimmer.tail).amplitude)), "o_lateral": rate}
-    out: list[Any] = []
+    errors = np.array([found[entry] for entry in _ENTRY])
     for i, entry in enumerate(_ENTRY):
-        name, value = QUANTITIES[entry], float(found[entry])
+        name = QUANTITIES[entry]
         if name in scale:
-            value = value * scale[name] / size[i] if size[i] > 0 else float("inf")
-        out.append(value if np.isfinite(value) else None)
-    return out
+            errors[i] *= scale[name] / size[i] if size[i] > 0 else np.inf
+    return _with_stills(swimmer, errors)
+
+
+def _with_stills(swimmer: Swimmer, errors: np.ndarray) -> list[Any]:
+    """Return errors, None where not known; in its plane a beat moves nothing else, exactly."""
+    known = [float(e) if np.isfinite(e) else None for e in errors]
+    if swimmer.tail.is_planar:
+        known[2:5] = 0.0, 0.0, 0.0
+    return known

@@ -14,26 +14,34 @@ from microswim.calibration.atlas.atlas import Atlas
 from microswim.calibration.atlas.near import measured
 from microswim.calibration.atlas.side_by_side import rebuilt
 from microswim.calibration.region import kriging
+from microswim.calibration.region.beats import HALF, SAMPLES
 from microswim.calibration.region.fit import Solved, one_thread, targets
 from microswim.calibration.region.fit import groups_of as of_region
 from microswim.calibration.region.positive_definite import REAL
 from microswim.errors import SpecError
+from microswim.gait.gait import Gait
 from microswim.models.rft.gait import gait as surrogate
+from microswim.numerics.extremes import half_range
+from microswim.numerics.fourier import series_of
 from microswim.swimmer.drag.coefficients import Cox, GrayHancock, Lighthill
 from microswim.swimmer.geometry.tails.kinds import as_wave
+from microswim.swimmer.swimmer import Swimmer
 
 ENOUGH = 400  #: designs from which the kernels' lengths are found
 LAWS = (Lighthill, GrayHancock, Cox)
 TURNING = 4  #: torque, and the axial wrench that turns the body alone, come before it
 #: Corrections whose size follows powers of the numbers, each with those of its direction.
 SCALED = ((2,), (8,), (9,), (11,), (12,), *((j, j + 1) for j in range(REAL + 3, REAL + 15, 2)))
+#: The same of a plane wave: none.
+SCALED_BEAT: tuple[tuple[int, ...], ...] = ()
+PERIOD = np.pi * np.arange(SAMPLES) / HALF
 
 
 def groups_of(helix: bool) -> list[tuple[slice, bool, int]]:
     """Return columns that share a kernel: a region's, with what turns the body alone apart."""
     thrust, others, *lateral = of_region(helix)
-    if not helix:
-        return [thrust, others, *lateral]
+    if not helix:  # over so wide a range the phase of the tip says nothing of what is even in it
+        return [(thrust[0], False, 0), (others[0], False, 0), *lateral]
     middle = slice(others[0].start, TURNING), slice(TURNING, others[0].stop)
     return [thrust, *((part, *others[1:]) for part in middle), *lateral]
 
@@ -49,9 +57,12 @@ def fit(solved: list[Solved], about: dict[str, Any], former: Atlas | None = None
     if former is not None:
         centre, spread = former.centre, former.spread
     Z, N, Y = (raw - centre) / spread, x[2], targets(solved)
-    exponents = scales(x, Y) if former is None else former.exponents
+    helix = solved[0].swimmer.tail.is_rigid
+    exponents = (
+        scales(x, Y, SCALED if helix else SCALED_BEAT) if former is None else former.exponents
+    )
     scale = np.exp(exponents @ coordinates.powers(x)).T
-    sorted_groups = sorted(groups_of(solved[0].swimmer.tail.is_rigid), key=lambda g: g[0].start)
+    sorted_groups = sorted(groups_of(helix), key=lambda g: g[0].start)
     with one_thread():
         groups = tuple(
             _group(Z, N, (Y / scale)[:, part], pairs, phasors, former and former.surfaces.groups[i])
@@ -59,9 +70,8 @@ def fit(solved: list[Solved], about: dict[str, Any], former: Atlas | None = None
         )
         left = [kriging.interleaved(g.left_out()[0]) for g in groups]
     guess = Y - np.concatenate(left, axis=1) * scale
-    truth = np.array([velocities(s.gait.resistance(0.0), s.gait.propulsion(0.0))
-                      for s in solved])  # fmt: skip
-    own = [velocities(*(x[0, 0] for x in rebuilt(s.swimmer, y)[:2])) for s, y in zip(solved, guess)]
+    truth = np.array([_by_gait(s.swimmer, s.gait) for s in solved])
+    own = [velocities(*(x[0] for x in rebuilt(s.swimmer, y)[:2])) for s, y in zip(solved, guess)]
     plain = {law.law: measured(Z, _missed(_surrogate(solved, law), truth, solved)) for law in LAWS}
     misses = measured(Z, _missed(np.array(own), truth, solved))
     about = {"solves": len(solved), "version": __version__, **about}
@@ -79,10 +89,10 @@ def _group(
     return kriging.conditioned(Z, N, y, kernel.lengths, kernel.phasors, float(kernel.noise))
 
 
-def scales(x: np.ndarray, Y: np.ndarray) -> np.ndarray:
+def scales(x: np.ndarray, Y: np.ndarray, together: Any = SCALED) -> np.ndarray:
     """Return powers of the corrections' sizes (corrections, 6), by least absolute deviations."""
     P, out = coordinates.powers(x).T, np.zeros((Y.shape[1], 6))
-    for columns in SCALED:
+    for columns in together:
         size = np.sqrt(np.sum(Y[:, columns] ** 2, axis=1))
         if not np.any(size):
             continue
@@ -96,9 +106,22 @@ def scales(x: np.ndarray, Y: np.ndarray) -> np.ndarray:
 
 
 def velocities(R: np.ndarray, F: np.ndarray) -> np.ndarray:
-    """Return u_s, lateral |u|, Omega_s, lateral |Omega| at unit phase rate, free in all."""
-    V = -np.linalg.solve(R, F)
-    return np.array([V[0], np.hypot(V[1], V[2]), V[3], np.hypot(V[4], V[5])])
+    """Return mean u_s, lateral |u|, Omega_s, lateral |Omega| at unit phase rate, free in all.
+
+    From R (m, 6, 6) and F_p (m, 6): of a helix at phase 0, of which the lateral velocity turns
+    with it, m = 1; of a plane wave over the period, of which u_q and Omega_r have an amplitude.
+    """
+    V = -np.linalg.solve(R, F[..., None])[..., 0]
+    if len(V) == 1:
+        return np.array([V[0, 0], np.hypot(*V[0, 1:3]), V[0, 3], np.hypot(*V[0, 4:])])
+    across, turning = half_range(series_of(V)[:, [1, 5]])
+    return np.array([V[:, 0].mean(), across, 0.0, turning])
+
+
+def _by_gait(swimmer: Swimmer, gait: Gait) -> np.ndarray:
+    """Return `velocities` of a swimmer's gait."""
+    phases = PERIOD if swimmer.tail.is_planar else np.zeros(1)
+    return velocities(gait.resistance(phases), gait.propulsion(phases))
 
 
 def _surrogate(solved: list[Solved], law: Any) -> np.ndarray:
@@ -111,12 +134,13 @@ def _surrogate(solved: list[Solved], law: Any) -> np.ndarray:
                 made = surrogate(replace(s.swimmer, coefficients=law()))
             except SpecError:
                 continue
-            out[i] = velocities(made.resistance(0.0), made.propulsion(0.0))
+            out[i] = _by_gait(s.swimmer, made)
     return out
 
 
 def _missed(guess: np.ndarray, truth: np.ndarray, solved: list[Solved]) -> np.ndarray:
     """Return errors (n, 4), as `Misses` holds them, relative to the answer where it has a mean."""
     b = np.array([float(as_wave(s.swimmer.tail).amplitude) for s in solved])
-    size = np.stack([np.abs(guess[:, 0]), b, np.abs(guess[:, 2]), np.ones_like(b)], axis=1)
+    turn = np.where(np.any(guess[:, 2]), np.abs(guess[:, 2]), 1.0)  # a plane wave has none
+    size = np.stack([np.abs(guess[:, 0]), b, turn, np.ones_like(b)], axis=1)
     return np.abs(guess - truth) / size

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 
 from microswim.calibration.atlas import coordinates
@@ -18,8 +20,9 @@ def gait(swimmer: Swimmer) -> Gait:
     Parameters
     ----------
     swimmer
-        A rigid helix on a sphere or spheroid, in the range of `coordinates`; its law of local
-        resistance and its interaction coefficients do not count. Numbers may be complex.
+        A rigid helix or a plane wave on a sphere or spheroid, in the range of `coordinates`; its
+        law of local resistance and its interaction coefficients do not count. Numbers may be
+        complex.
 
     Returns
     -------
@@ -40,6 +43,9 @@ def gait(swimmer: Swimmer) -> Gait:
     drag = np.diag(np.array(swimmer.body.diagonal(swimmer.fluid.viscosity))).astype(R.dtype)
     fields = {"rate": swimmer.tail.rate, "free": swimmer.motion.mask, "units": swimmer.units}
     fields |= {"model": "atlas", "info": {}}
+    if swimmer.tail.is_planar:
+        made = Gait.from_samples(R, F, G, **fields)
+        return replace(made, body_resistance_series=drag[None])
     held, sign = np.zeros(6, dtype=R.dtype), swimmer.tail.sign
     drag[0, 0], drag[0, 3], held[0] = extra
     made = Gait.from_rotation(R[0], F[0], G[0], sign=sign, body_R=drag, body_F=held, **fields)

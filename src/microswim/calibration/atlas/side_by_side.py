@@ -12,10 +12,10 @@ import numpy as np
 
 from microswim.calibration.region import body_flow as shaded
 from microswim.calibration.region import positive_definite as blocks
-from microswim.calibration.region.beats import OTHER_HAND
+from microswim.calibration.region.beats import HALF, OTHER_HAND, PHASES, beat, scales
 from microswim.calibration.region.kriging import Surfaces
 from microswim.models.rft.plane_wave import fill_rows
-from microswim.numerics.fourier import MIRROR_R
+from microswim.numerics.fourier import MIRROR_Q, MIRROR_R
 from microswim.numerics.matern import matern_of_arrays
 from microswim.numerics.solve6 import solve
 from microswim.swimmer.swimmer import Swimmer
@@ -102,7 +102,7 @@ def rebuilt(swimmer: Swimmer, y: np.ndarray) -> tuple[Any, ...]:
 
     From corrections y (columns, ...) of n designs, or of one.
     """
-    made = _helix(swimmer, y)
+    made = (_helix if swimmer.tail.is_rigid else _wave)(swimmer, y)
     if made[2].ndim == 1:  # one design
         made = tuple(x[..., None] for x in made)
     return tuple(np.moveaxis(x, -1, 0) for x in made)
@@ -123,6 +123,22 @@ def _helix(swimmer: Swimmer, y: np.ndarray) -> tuple[Any, ...]:
         R, F = R * mirror * mirror[:, None], F * mirror
         extra = extra * OTHER_HAND.reshape(mirror[:3].shape)
     return R[None], F[None], np.asarray(G)[None], extra
+
+
+def _wave(swimmer: Swimmer, y: np.ndarray) -> tuple[Any, ...]:
+    """R (m, 6, 6, ...), F_p (m, 6, ...), G (m, ...) over the period, the body's share (3, ...)."""
+    R, F, G, D = base(swimmer, np.array(PHASES))
+    kind = np.result_type(R, y)
+    R, F, G = (x.astype(kind) for x in (np.moveaxis(R, 2, 0), np.moveaxis(F, 1, 0), G))
+    scale, a = scales.written(R, F, G), swimmer.body.semi_axes3[0]
+    for j in range(HALF):
+        now = beat.written(y, PHASES[j])
+        G[j] = blocks.decode_wave.written(now, R[j], F[j], G[j], a, scale)
+    mirror = MIRROR_Q.reshape(-1, *[1] * (F.ndim - 2))
+    extra = np.zeros((3, *G.shape[1:]), dtype=kind)
+    extra[0] = D[0]
+    both = (R, R * mirror * mirror[:, None]), (F, F * mirror), (G, G)
+    return *(np.concatenate(pair) for pair in both), extra
 
 
 def twists(R: np.ndarray, F: np.ndarray, free: np.ndarray) -> np.ndarray:

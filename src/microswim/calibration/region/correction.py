@@ -14,7 +14,7 @@ from typing import Any
 import numpy as np
 
 from microswim.calibration.region import body_flow as shaded
-from microswim.calibration.region.beats import HALF
+from microswim.calibration.region.beats import finer
 from microswim.calibration.region.evaluate import matrices, twists
 from microswim.calibration.region.kriging import Surfaces
 from microswim.errors import SpecError
@@ -247,17 +247,11 @@ class Correction:
         """
         R, F, G, extra = matrices(many, *self.inputs(many), self.surfaces)
         if many.tail.is_planar:
-            R, F, G = (_finer(x, 2 * phases)[:, :phases] for x in (R, F, G))
+            R, F, G = (finer(x, 2 * phases)[:, :phases] for x in (R, F, G))
         V = twists(np.ascontiguousarray(R), np.ascontiguousarray(F), free)
         power = G + np.einsum("nmi,nmi->nm", F, V)
         drag = extra[:, None, 0] * V[..., 0] + extra[:, None, 1] * V[..., 3] + extra[:, None, 2]
         return V, power, drag * V[..., 0]
-
-
-def _finer(samples: np.ndarray, count: int) -> np.ndarray:
-    """Samples over the period at more phases, the Nyquist term left out."""
-    hat = np.fft.rfft(samples, axis=1)[:, :HALF]
-    return np.fft.irfft(hat, count, axis=1) * (count / samples.shape[1])
 
 
 def _with_body(gait: Gait, body_R: np.ndarray, body_F: Any) -> Gait:

@@ -11,7 +11,7 @@ from threadpoolctl import threadpool_limits
 from microswim.calibration.region import body_flow as shaded
 from microswim.calibration.region import kriging
 from microswim.calibration.region import positive_definite as blocks
-from microswim.calibration.region.beats import HALF, PHASES, SAMPLES, scales
+from microswim.calibration.region.beats import HALF, LOGARITHMS, PHASES, SAMPLES, scales
 from microswim.calibration.region.correction import features
 from microswim.calibration.region.evaluate import helices, twists, waves
 from microswim.calibration.region.kriging import Kriging, Surfaces
@@ -21,6 +21,7 @@ from microswim.numerics.fourier import MIRROR_R, series_of
 from microswim.swimmer.swimmer import Swimmer
 
 CONTRADICTED = 12.0
+LEAST = 1e-3  #: of a mean thrust or power over the base's: less has no logarithm worth fitting
 
 
 @dataclass(frozen=True, eq=False)
@@ -90,7 +91,10 @@ def _wave_targets(s: Solved) -> np.ndarray:
     h2 = 2.0 / HALF * turn[1] @ even
     h1, h3 = 2.0 / HALF * turn[0] @ odd, 2.0 / HALF * turn[2] @ odd
     pairs = [np.stack([h.real, h.imag], axis=-1).ravel() for h in (h2, h1, h3)]
-    return np.concatenate([even.mean(axis=0), *pairs])
+    mean = even.mean(axis=0)
+    for i in LOGARITHMS:
+        mean[i] = np.log(max(1.0 + mean[i], LEAST))
+    return np.concatenate([mean, *pairs])
 
 
 def groups_of(helix: bool) -> list[tuple[slice, bool, int]]:

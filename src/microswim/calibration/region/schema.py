@@ -8,7 +8,8 @@ from typing import Any
 
 import numpy as np
 
-CONTENT = "region 1"
+#: What the arrays mean; of a plane wave since 2 the logarithms of mean thrust and power.
+CONTENT = {"helix": "region 1", "plane_wave": "region 2"}
 NOTES = ("low", "high", "fixed", "choices", "errors", "about")
 ARRAYS = ("columns", "spots", "ratios")
 MOST_DESIGNS = 2048
@@ -34,12 +35,14 @@ def check(notes: Mapping[str, Any], arrays: Mapping[str, np.ndarray]) -> str:
     Wrong
         In a few words.
     """
-    _require(notes.get("content") == CONTENT, "it is of another version, or no region")
+    content = notes.get("content")
+    _require(content in CONTENT.values(), "it is of another version, or no region")
     _require(set(notes) == {*NOTES, "content"}, "its notes are not those of a region")
     for name in NOTES:
         _require(isinstance(notes[name], dict), f"{name} is no table")
     kind = notes["choices"].get("kind")
     _require(isinstance(kind, str) and kind in GROUPS, "its kind of tail is unknown")
+    _require(content == CONTENT[kind], "it is of another version")
     _check_words(notes)
     _check_ranges(notes["low"], notes["high"])
     _check_errors(notes["errors"])

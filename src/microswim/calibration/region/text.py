@@ -45,7 +45,7 @@ def _parts(correction: Correction) -> tuple[dict[str, Any], dict[str, np.ndarray
     arrays |= {"Z": groups[0].Z, "N": groups[0].N}
     for i, group in enumerate(groups):
         arrays |= {f"{name}{i}": np.asarray(getattr(group, name)) for name in _OWN}
-    return notes | {"content": schema.CONTENT}, arrays
+    return notes | {"content": schema.CONTENT[correction.choices["kind"]]}, arrays
 
 
 def unpack(text: str) -> Correction:

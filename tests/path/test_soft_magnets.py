@@ -130,3 +130,9 @@ def test_regimes_say_that_they_are_of_permanent_magnets():
     robot = rod(field=ms.RotatingField(strength=4e-3, frequency=1.0))
     with pytest.raises(ms.SpecError, match="susceptibility"):
         ms.regimes(robot, [1.0], model="rft")
+
+
+def test_a_swimmer_prints_its_soft_magnet_and_the_frequency_of_its_field_alone():
+    still = ms.UniformField(strength=4e-3, direction=(1, 0, 0))
+    assert "soft, susceptibility 3, 1, 1 along s, q, r" in str(rod(field=still))
+    assert "uniform, 4 mT\n" in str(rod(field=still)) + "\n"

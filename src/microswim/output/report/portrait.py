@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
-import math
 from typing import Any
+
+import numpy as np
 
 from microswim.gait.portrait import Rows
 from microswim.gait.readable import quantity, significant
@@ -110,6 +111,10 @@ def _drag(swimmer: Swimmer) -> str:
 
 
 def _magnet(swimmer: Swimmer) -> str:
+    soft: Any = swimmer.magnet.susceptibility  # type: ignore[union-attr]
+    if soft is not None:
+        own = ", ".join(f"{x:.4g}" for x in np.ravel(soft))
+        return f"soft, susceptibility {own}{' along s, q, r' if len(np.ravel(soft)) == 3 else ''}"
     moment = [_q(swimmer, float(x), "A m^2") for x in swimmer.magnet.vector]  # type: ignore[union-attr]
     return f"moment {', '.join(moment)} along s, q, r"
 
@@ -119,8 +124,11 @@ def _field(swimmer: Swimmer) -> str:
     words = [field.kind]
     if hasattr(field, "strength"):
         words.append(_q(swimmer, float(field.strength), "T"))
-    if field.rate:
-        words.append(_q(swimmer, field.rate / (2.0 * math.pi), "Hz"))
+    if getattr(field, "file", None):
+        words.append(str(field.file))
+    turns = getattr(field, "frequency", 0.0)
+    if turns:
+        words.append(_q(swimmer, abs(turns), "Hz"))
     return ", ".join(words)
 
 

@@ -189,8 +189,8 @@ def test_every_preset_is_a_swimmer(name):
 
 
 def test_colours_of_figures_stand_in_the_one_palette():
-    """Of the page's and the reports' style sheets, and of PyVista's scenes, they are others."""
-    others = {"output/plots/style.py", "studies/paper/report.py", "models/fem/picture.py"}
+    """Of the reports' style sheets they are others."""
+    others = {"gait/palette.py", "output/plots/style.py", "studies/paper/report.py"}
     colour = re.compile(r"""["']#[0-9a-fA-F]{6}["']""")
     package = ROOT / "src" / "microswim"
     found = {

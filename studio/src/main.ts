@@ -2,21 +2,23 @@
 
 import "./style.css";
 import * as THREE from "three";
-import { Actor, LOOKS } from "./scene/actor";
+import { ARROWS, Actor, look } from "./scene/actor";
 import { Answers } from "./panels/answers";
 import { call } from "./state/api";
 import { TopBar, Transport, type View } from "./panels/bars";
 import { Controls } from "./panels/controls";
-import { el } from "./state/dom";
+import { el, reading } from "./state/dom";
+import { follow, show } from "./state/link";
 import { Driver } from "./panels/drive";
-import { Flow } from "./scene/flow";
+import { Flow, speeds } from "./scene/flow";
+import type { Caption } from "./scene/picture";
 import { Judge, askFlow } from "./panels/judge";
 import { SpeedMap } from "./panels/map";
 import { Sheets } from "./panels/sheets";
 import { Stage } from "./scene/stage";
 import { METHODS, Store, attempt, notice } from "./state/store";
 import type { Start } from "./state/types";
-import { learn } from "./state/words";
+import { learn, words } from "./state/words";
 
 const store = new Store();
 const view: View = { paused: false, pace: 0.6, arrows: false };
@@ -30,14 +32,14 @@ const controls = new Controls(store);
 const answers = new Answers(store);
 const map = new SpeedMap(store, controls);
 const judge = new Judge(store);
-const driver = new Driver(store, restart);
+const driver = new Driver(store, restart, () => answers.trust(store.design));
 
 /** stopped at a wall */
 let touched = false;
 
 function restart(): void {
   touched = false;
-  legends[1].hidden = !driver.magnetic;
+  legends.magnet.hidden = !driver.magnetic;
   driver.restart();
   for (const actor of actors) actor.restart();
   frame(true);
@@ -48,7 +50,7 @@ function cast(): void {
   for (const actor of actors.slice(store.designs.length)) actor.dispose();
   actors = actors.slice(0, store.designs.length);
   store.designs.forEach((design, i) => {
-    actors[i] ??= new Actor(stage.world, LOOKS[i]);
+    actors[i] ??= new Actor(stage.world, look(i));
     actors[i].update(store.shown(design));
   });
   const { answer } = store.designs[0];
@@ -56,7 +58,8 @@ function cast(): void {
   const length = shape.length + 2 * shape.semi_axes[0];
   if (fitted !== store.designs[0]) {
     fitted = store.designs[0];
-    stage.fit(length, 2 * shape.semi_axes[1] || shape.length / 4);
+    const wide = 2 * Math.max(shape.semi_axes[1], shape.semi_axes[2], shape.reach);
+    stage.fit(Math.max(length, 1.3 * wide), 2 * shape.semi_axes[1] || shape.length / 4);
     restart();
     stage.reset(store.designs.length > 1 ? 3.3 : 2.75);
   }
@@ -82,6 +85,7 @@ function stopFlow(): void {
   flowing?.abort();
   flowing = null;
   flow.clear();
+  legends.flow.hidden = true;
   toggles.flow.setAttribute("aria-pressed", "false");
 }
 
@@ -100,7 +104,30 @@ async function showFlow(): Promise<void> {
   if (!made) return stopFlow();
   actors[store.active].sqr.add(flow.group);
   flow.show(made);
+  const [low, high] = flowEnds()!;
+  legends.flow.replaceChildren(`flow ${low}`, el("i", { style: `background: linear-gradient(90deg, ${speeds(16).join(", ")})` }), high);
+  legends.flow.hidden = false;
   stage.reset(stage.camera.position.distanceTo(stage.controls.target));
+}
+
+/** Least and largest speed that the slice's colours show. */
+function flowEnds(): [string, string] | null {
+  if (!flow.answer || !flow.shown) return null;
+  const { dimensional } = store.design.answer;
+  return ["0", reading("swimming_speed", flow.answer.scale, dimensional, 2).join(" ")];
+}
+
+/** What stands on a picture that one takes away. */
+function caption(): Caption {
+  const texts = { forces: ["velocity", "drag", "thrust"], magnet: ["field", "moment"] };
+  const shown = (["forces", "magnet"] as const).filter((key) => !legends[key].hidden).flatMap((key) => texts[key]);
+  const ends = flowEnds();
+  return {
+    designs: store.designs.map((d, i) => ({ colour: look(i).tail, ...answers.told(d) })),
+    arrows: shown.map((text) => ({ colour: ARROWS[text], text })),
+    bar: transport.bar,
+    flow: ends && { colours: speeds(40), low: `flow ${ends[0]}`, high: ends[1] },
+  };
 }
 
 function toggle(id: string, text: string, title: string, act: (on: boolean) => void, on = false): HTMLButtonElement {
@@ -113,9 +140,10 @@ function toggle(id: string, text: string, title: string, act: (on: boolean) => v
   return b;
 }
 
-const legends = [["velocity", "drag", "thrust"], ["field", "moment"]].map((names) =>
-  el("span", { hidden: true }, ...names.map((n) => el("span", { class: n }, el("i"), n))));
-const legend = el("div", { class: "arrows" }, ...legends);
+const arrows = (...names: string[]): HTMLElement =>
+  el("span", { hidden: true }, ...names.map((n) => el("span", {}, el("i", { style: `background: ${ARROWS[n]}` }), n)));
+const legends = { forces: arrows("velocity", "drag", "thrust"), magnet: arrows("field", "moment"), flow: el("span", { class: "flowbar", id: "flowbar", hidden: true }) };
+const legend = el("div", { class: "arrows" }, ...Object.values(legends));
 const toggles = {
   follow: toggle("follow", "Follow", "The camera follows the swimmer", (on) => {
     stage.follow = on;
@@ -123,7 +151,7 @@ const toggles = {
   }, true),
   arrows: toggle("arrows", "Forces", "Drag on the body, thrust of the tail, velocity", (on) => {
     view.arrows = on;
-    legends[0].hidden = !on;
+    legends.forces.hidden = !on;
   }),
   flow: el("button", { id: "flow", "aria-pressed": "false", title: "Flow on a slice, by boundary elements", onclick: () => void showFlow() }, "Flow"),
 };
@@ -138,7 +166,7 @@ const transport = new Transport(store, view, {
     if (touched) restart();
   },
 });
-const top = new TopBar(store, stage, map, () => actors, view);
+const top = new TopBar(store, { stage, map, view, actors: () => actors, picture: () => stage.picture(caption()) });
 
 /** Surrogate or reference: which gait swims. */
 function models(): HTMLElement {
@@ -189,7 +217,7 @@ function tick(now: number): void {
   frames += 1;
   if (actors.length) {
     const { gait } = actors[0].answer;
-    const rate = driver.magnetic ? driver.fastest : Math.abs(gait.rate) || 1;
+    const rate = driver.magnetic ? driver.shownRate : Math.abs(gait.rate) || 1;
     const time = view.paused ? 0 : (passed * view.pace * 2 * Math.PI) / rate;
     for (const actor of actors) {
       const drive = driver.driveOf(actor.answer.gait);
@@ -225,12 +253,18 @@ window.addEventListener("unhandledrejection", (e) => notice(`The page stumbled: 
 
 store.on("designs", cast);
 store.on("answer", dress);
+if (!store.snapshot) for (const event of ["answer", "designs"] as const) store.on(event, () => void show(store));
 
 const sheets = new Sheets(store, answers, stage, tabs);
 const left = el("div", { class: "side left" }, controls.node);
 const right = el("aside", { class: "panel right", "aria-label": "Answers" }, ...(store.snapshot ? [] : [models()]), answers.node, tabs.node);
 document.getElementById("app")!.append(top.node, left, right, legend,
   el("div", { class: "below" }, transport.scale, transport.node), sheets.glance, sheets.node);
+
+/** The swimmers' colours for what names them beside the scene. */
+function dye(): void {
+  words().palette.swimmers.forEach(([, tail], i) => document.documentElement.style.setProperty(i ? `--tail${i}` : "--tail", tail));
+}
 
 async function begin(): Promise<void> {
   if (store.snapshot) {
@@ -240,8 +274,10 @@ async function begin(): Promise<void> {
   } else {
     const { name, answer, words } = await call<Start>("/api/start");
     learn(words);
-    store.designs = [store.make(name, answer)];
+    const linked = await attempt(() => follow(store));
+    if (!linked) store.designs = [store.make(name, answer)];
   }
+  dye();
   store.tell("designs", "structure", "tables", "answer", "rest");
   if (tabs.keys.length) tabs.open(tabs.keys[0]);
   map.refresh();
@@ -264,6 +300,8 @@ async function warming(): Promise<void> {
     await new Promise((resolve) => setTimeout(resolve, 500));
   }
 }
+
+window.addEventListener("hashchange", () => window.location.reload()); // another link in the same tab
 
 void begin().catch((error: Error) => notice(error.message, "error"));
 

@@ -117,6 +117,8 @@ def test_the_page_is_told_of_every_field_and_quantity_it_shows(app):
     assert told["fields"]["tail.kind"]["choices"] == [
         ["helix", "Helix"],
         ["plane_wave", "Plane wave"],
+        ["elastic", "Elastic"],
+        ["none", "None"],
     ]
     assert set(told["quantities"]) == set(start["answer"]["readings"])
     assert set(told["outputs"]) <= set(told["quantities"])

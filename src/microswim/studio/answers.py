@@ -26,20 +26,31 @@ from microswim.models.rft.batch import evaluate, expected_errors, is_regular
 from microswim.numerics.plain import plain
 from microswim.spec.toml import to_toml
 from microswim.studio import bounds as around
-from microswim.studio import budget
+from microswim.studio import budget, dropped
+from microswim.studio.drawing import shape
 from microswim.studio.spec_tables import canonical, swimmer_of, units_of
-from microswim.swimmer.geometry.tails.kinds import as_wave
+from microswim.swimmer.geometry.tails.kinds import WaveTail
 from microswim.swimmer.magnetism.applied_field import RotatingField
 from microswim.swimmer.magnetism.magnet import vector_of
 from microswim.swimmer.swimmer import Swimmer
 
 MAP_OUTPUTS = ("swimming_speed", "efficiency", "mean_power", "mean_torque", "body_rate_hz")
+#: Numbers that a map is first drawn over: the first two that a design has and that can vary.
+AXES = (
+    "tail.amplitude",
+    "tail.waves",
+    "tail.wavelength",
+    "tail.bending",
+    "tail.length",
+    "tail.radius",
+)
 MOST_DESIGNS = 4000
 MOST_SINGLY = (12, 9)  #: values along the sides where symmetry does not help and each design counts
 PIECE = 500  #: designs between two looks at the budget
 #: Readings that are as far off as a velocity.
 MEASURES = {
     "swimming_speed": "us",
+    "path_speed": "us",
     "forward_velocity": "us",
     "lateral_amplitude": "uq",
     "yaw_amplitude": "or",
@@ -70,7 +81,8 @@ def solve(tables: Any, name: str = "design") -> dict[str, Any]:
     answer["tables"] = canonical(swimmer)
     if swimmer.region is not None:
         answer["tables"]["region"] = tables["region"]
-    answer["toml"] = to_toml(answer["tables"], f"{name}, from the microswim studio")
+    own = dropped.beside(answer["tables"])
+    answer["toml"] = to_toml(own, f"{name}, from the microswim studio")
     ours = [w for w in caught if w.category.__module__.startswith("microswim")]
     answer["notes"] = list(dict.fromkeys(" ".join(str(w.message).split()) for w in ours))
     answer["milliseconds"] = 1e3 * (time.perf_counter() - start)
@@ -91,23 +103,10 @@ def surrogate(swimmer: Swimmer) -> Gait:
 
 def describe(swimmer: Swimmer, gait: Gait) -> dict[str, Any]:
     """Return the shape, gait and readings of a swimmer, ready for JSON."""
-    tail, body = as_wave(swimmer.tail), swimmer.body
-    length, wave = float(tail.apparent_length), float(tail.wavenumber)
     return {
         "units": {k: v[0] for k, v in units_of(swimmer).items()},
         "dimensional": swimmer.units == "SI",
-        "shape": {
-            "semi_axes": [float(a) for a in body.semi_axes3],
-            "body": body.shape,
-            "kind": tail.kind,
-            "length": length,
-            "amplitude": float(tail.amplitude),
-            "wavenumber": wave,
-            "ramp": float(tail.ramp),
-            "radius": float(tail.radius),
-            "sign": float(getattr(tail, "sign", 0.0)),
-            "sheared": tail.sections == "sheared",
-        },
+        "shape": shape(swimmer),
         "around": around.scene(swimmer),
         "magnet": _magnet(swimmer),
         "gait": {
@@ -205,7 +204,7 @@ def axis(swimmer: Swimmer, ask: Any) -> tuple[str, np.ndarray]:
     field, low, high, count = (ask.get(k) for k in ("field", "from", "to", "count"))
     bounds = ("wall.", "channel.")  # of which the surrogate knows nothing
     known = {n for n in swimmer.numbers if not n.startswith(bounds)}
-    known |= {"tail.waves", "tail.wavelength"}
+    known |= {"tail.waves", "tail.wavelength"} if isinstance(swimmer.tail, WaveTail) else set()
     if field not in known:
         raise SpecError("map", field, "a number of this spec, such as tail.amplitude")
     ends = [v for v in (low, high) if isinstance(v, (int, float)) and math.isfinite(v)]

@@ -28,13 +28,15 @@ from microswim import checks
 from microswim.errors import MicroswimError, SpecError
 from microswim.models.rft.warm_up import warm_up
 from microswim.spec import presets
-from microswim.studio import answers, page
+from microswim.studio import answers, dropped, films, page
 from microswim.studio import judge_jobs as work
 from microswim.studio import spec_tables as tables
 from microswim.studio.budget import Budget
+from microswim.studio.exchange import exchanged
 from microswim.studio.hosts import LOCAL, Hosts
 from microswim.studio.judge_processes import Judge
 from microswim.studio.words import words
+from microswim.swimmer.geometry.solids import reading
 
 LARGEST_BODY = 512 * 1024  #: bytes
 SLOWEST_BODY = 30.0  #: seconds until it is here
@@ -106,9 +108,12 @@ def create_app(
         Route("/api/presets", get(_presets)),
         Route("/api/spec", post(_spec, as_text=True), methods=["POST"]),
         Route("/api/solve", post(_solve), methods=["POST"]),
+        Route("/api/exchange", post(_exchange), methods=["POST"]),
         Route("/api/map", post(_map), methods=["POST"]),
         Route("/api/optimum", post(_optimum), methods=["POST"]),
         Route("/api/snapshot", post(_snapshot), methods=["POST"]),
+        Route("/api/surface", dropping(_surface), methods=["POST"]),
+        Route("/api/film", dropping(_film), methods=["POST"]),
         Route("/api/jobs", post(lambda ask: _start_job(judge, ask)), methods=["POST"]),
         Route("/api/jobs/{token}", get(lambda r: _job(judge, r)), methods=["GET"]),
         Route("/api/jobs/{token}", get(lambda r: _cancel(judge, r)), methods=["DELETE"]),
@@ -137,11 +142,33 @@ def get(answer: Callable[[Request], Any]) -> Callable[[Request], Any]:
 
 def post(answer: Callable[[Any], Any], as_text: bool = False) -> Callable[[Request], Any]:
     """Return the endpoint that takes JSON, or text; other types and long bodies are refused."""
+    wanted = "text/plain" if as_text else "application/json"
 
+    async def read(request: Request) -> Any:
+        return _said(await _body(request, wanted, LARGEST_BODY), as_text)
+
+    return _endpoint(read, answer)
+
+
+def dropping(answer: Callable[[Any], Any]) -> Callable[[Request], Any]:
+    """Return the endpoint that takes a dropped file after a line of JSON, which has its name.
+
+    The answer is called with what the line says and ``content``, the file.
+    """
+
+    async def read(request: Request) -> Any:
+        body = await _body(request, "application/octet-stream", dropped.LARGEST + LARGEST_BODY)
+        head, _, content = body.partition(b"\n")  # what is asked, on a line, before the file
+        return {**_object(_said(head, False)), "content": bytes(content)}
+
+    return _endpoint(read, answer)
+
+
+def _endpoint(read: Callable[[Request], Any], answer: Callable[[Any], Any]) -> Any:
     async def endpoint(request: Request) -> Response:
         try:
             async with asyncio.timeout(SLOWEST_BODY):
-                ask = await _body(request, as_text)
+                ask = await read(request)
         except TimeoutError:
             return JSONResponse({"error": "the request did not come to its end"}, 408)
         except Refused as refused:
@@ -156,8 +183,8 @@ def post(answer: Callable[[Any], Any], as_text: bool = False) -> Callable[[Reque
     return endpoint
 
 
-async def _body(request: Request, as_text: bool) -> Any:
-    wanted = "text/plain" if as_text else "application/json"
+async def _body(request: Request, wanted: str, largest: int) -> bytearray:
+    """The body of a request of the wanted type, from a page of this studio."""
     origin, host = request.headers.get("origin"), request.headers.get("host", "")
     if origin is not None and origin.partition("://")[2] != host:
         raise Refused(403, "this page does not belong to this studio")
@@ -166,8 +193,13 @@ async def _body(request: Request, as_text: bool) -> Any:
     body = bytearray()
     async for chunk in request.stream():
         body += chunk
-        if len(body) > LARGEST_BODY:
-            raise Refused(413, f"more than {LARGEST_BODY // 1024} KiB; a spec is much smaller")
+        if len(body) > largest:
+            raise Refused(413, f"more than {largest // 1024} KiB; a spec is much smaller")
+    return body
+
+
+def _said(body: bytes | bytearray, as_text: bool) -> Any:
+    """A body as text, or as the JSON in it."""
     try:
         text = body.decode("utf-8")
         read = {
@@ -246,6 +278,10 @@ def _solve(ask: Any) -> Any:
     return answers.solve(_object(ask).get("tables"), str(ask.get("name", "design"))[:80])
 
 
+def _exchange(ask: Any) -> Any:
+    return exchanged(_object(ask).get("tables"), ask.get("field"), ask.get("value"))
+
+
 def _map(ask: Any) -> Any:
     return answers.map_(_object(ask).get("tables"), ask.get("x"), ask.get("y"))
 
@@ -258,6 +294,18 @@ def _optimum(ask: Any) -> Any:
 def _snapshot(ask: Any) -> Response:
     html = page.snapshot(_object(ask).get("designs"), ask.get("map"), ask.get("view"))
     return Response(html, media_type="application/octet-stream", headers=SAFE)
+
+
+def _surface(ask: Any) -> Any:
+    token = dropped.keep(str(ask.get("name")), ask["content"])
+    read = reading.read(dropped.place_of(token))
+    corners = read.surface.points
+    size = [float(x) for x in corners.max(axis=0) - corners.min(axis=0)]
+    return {"file": token, "size": size, "faces": len(read.surface.faces), "notes": read.remarks}
+
+
+def _film(ask: Any) -> Any:
+    return films.read(str(ask.get("name")), ask["content"], ask)
 
 
 def _start_job(judge: Judge, ask: Any) -> Any:

@@ -13,8 +13,8 @@ from microswim.errors import MicroswimError, SpecError
 from microswim.gait.gait import Gait
 from microswim.numerics.fourier import MIRROR_Q, series_of
 from microswim.studio import answers
+from microswim.studio.drawing import reach
 from microswim.studio.spec_tables import canonical, swimmer_of
-from microswim.swimmer.geometry.tails.kinds import as_wave
 from microswim.swimmer.swimmer import Swimmer
 
 Progress = Callable[[int, int], None]
@@ -153,7 +153,7 @@ def _window(swimmer: Swimmer) -> tuple[np.ndarray, np.ndarray]:
     step = (length + front + 2 * margin) / 55
     half = max(
         margin,
-        float(as_wave(swimmer.tail).amplitude) * 2.0,
+        2.0 * reach(swimmer.settled.tail),
         float(swimmer.body.semi_axes3[1]) * 1.6,
     )
     count = 2 * int(half / step) + 1

@@ -65,14 +65,18 @@ def snapshot(designs: Any, ask: Any = None, view: Any = None) -> str:
 
 
 def usual_map(tables: Any) -> dict[str, Any]:
-    """Return axes of a map about a design: its amplitude, and its waves or wavelength."""
+    """Return axes of a map about a design: its amplitude and its waves or wavelength, or what it
+    has in their place; nothing where it has no two such numbers.
+    """
     numbers = swimmer_of(tables).numbers
-    other = "tail.waves" if "tail.waves" in numbers else "tail.wavelength"
-    b, n = numbers["tail.amplitude"], numbers[other]
-    x = {"field": "tail.amplitude", "from": b / 20 or 1e-9, "to": 2 * b or 1e-6, "count": 24}
-    top = min(2.5 * n, 20.0) if other == "tail.waves" else 2.5 * n
-    y = {"field": other, "from": min(n / 3, top / 2), "to": top, "count": 18}
-    return {"x": x, "y": y, "output": "swimming_speed"}
+    x, y = ([n for n in answers.AXES if numbers.get(n) is not None] + ["", ""])[:2]
+    if not y:
+        return {}
+    side = {"field": x, "from": numbers[x] / 20 or 1e-9, "to": 2 * numbers[x] or 1e-6, "count": 24}
+    n = numbers[y]
+    top = min(2.5 * n, 20.0) if y == "tail.waves" else 2.5 * n
+    up = {"field": y, "from": min(n / 3, top / 2), "to": top, "count": 18}
+    return {"x": side, "y": up, "output": "swimming_speed"}
 
 
 def _view(view: Any) -> dict[str, Any]:

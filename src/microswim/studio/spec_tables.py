@@ -16,7 +16,7 @@ from microswim.spec.file import from_dict
 from microswim.spec.readers.text import toml
 from microswim.spec.tables import FIELDS
 from microswim.spec.units import DIMENSIONS, SIZES
-from microswim.swimmer.geometry.tails.kinds import WaveTail, as_wave
+from microswim.studio import dropped
 from microswim.swimmer.swimmer import Swimmer
 
 LARGEST_SPEC = 256 * 1024  #: bytes; a region calibration is the most of it
@@ -56,12 +56,7 @@ def swimmer_of(tables: Any) -> Swimmer:
             '"helix" or "plane_wave" here',
             "the studio runs no code from a spec",
         )
-    named = next((n for n, t in tables.items() if isinstance(t, dict) and "file" in t), None)
-    if named is not None:
-        raise SpecError(f"{named}.file: the studio reads no file that a spec names")
-    swimmer = from_dict(tables)
-    if isinstance(swimmer.tail, WaveTail):
-        as_wave(swimmer.tail)
+    swimmer = from_dict(dropped.located(tables))
     waves = float(swimmer.tail.number_of_waves)
     if not waves <= MOST_WAVES:
         raise SpecError("tail.waves", f"{waves:.6g}", f"at most {MOST_WAVES:g} in the studio")
@@ -71,7 +66,7 @@ def swimmer_of(tables: Any) -> Swimmer:
 def canonical(swimmer: Swimmer) -> dict[str, Any]:
     """Return every field of a swimmer as spec tables, quantities in units that suit its size."""
     units = units_of(swimmer)
-    tables = plain(describe(swimmer))
+    tables = dropped.named(plain(describe(swimmer)))
     del tables["units"]
     if not any(map(any, swimmer.interaction.coupling)):
         del tables["interaction"]["coupling"]
@@ -88,7 +83,8 @@ def units_of(swimmer: Swimmer) -> dict[str, tuple[str, float]]:
     """Return the unit and its size in SI by dimension; empty for a dimensionless swimmer."""
     if swimmer.units != "SI":
         return {}
-    size, viscosity = float(swimmer.tail.apparent_length), float(swimmer.fluid.viscosity)
+    size = float(swimmer.tail.apparent_length) or 2.0 * max(map(float, swimmer.body.semi_axes3))
+    viscosity = float(swimmer.fluid.viscosity)
     suits = {
         "length": "um" if size < 1e-3 else "mm" if size < 1.0 else "m",
         "viscosity": "mPa s" if viscosity < 0.1 else "Pa s",

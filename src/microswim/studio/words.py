@@ -2,21 +2,26 @@
 
 from __future__ import annotations
 
+import math
 from typing import Any
 
+from microswim.gait import palette
 from microswim.gait.quantities import NUMBERS, QUANTITIES
 from microswim.gait.readable import READ_IN
 from microswim.gait.units import is_dimensionless, unit
 from microswim.spec.fields import Field
 from microswim.spec.tables import FIELDS
 from microswim.spec.units import SIZES
-from microswim.studio.answers import MAP_OUTPUTS
+from microswim.path.regimes import STEEP, STRAIGHT
+from microswim.studio.answers import AXES, MAP_OUTPUTS
+from microswim.studio.films import FORMATS as FILMS
 from microswim.studio.judge_jobs import LEVELS
 from microswim.studio.spec_tables import LARGEST_SPEC
+from microswim.swimmer.geometry.solids.reading import FORMATS as SURFACES
 
-#: Kinds of tail that the page does not draw: none, given by code, which it never runs, by a film,
-#: or in motion only once a solve has found the beat.
-NOT_DRAWN = ("custom", "elastic", "waveform", "none")
+#: What the page cannot make of another swimmer: a tail by code, which it never runs; what is in a
+#: file, which is dropped.
+NOT_CHOSEN = ("custom", "waveform", "mesh")
 
 
 def words() -> dict[str, Any]:
@@ -27,8 +32,17 @@ def words() -> dict[str, Any]:
         "quantities": {name: _quantity(name) for name in NUMBERS},
         "read_in": READ_IN,
         "outputs": MAP_OUTPUTS,
+        "axes": AXES,
+        "lean": [math.degrees(STRAIGHT), math.degrees(STEEP)],
         "levels": LEVELS,
+        "palette": {
+            "swimmers": [[palette.BODY, palette.TAIL, palette.PATH], palette.SECOND],
+            "map": palette.MAP,
+        },
         "largest": LARGEST_SPEC,
+        "surfaces": SURFACES,
+        "films": FILMS,
+        "lengths": list(SIZES["m"]),
     }
 
 
@@ -40,7 +54,7 @@ def _field(field: Field) -> dict[str, Any]:
         "help": about.help,
         "entries": about.entries,
         "usual": about.usual,
-        "choices": [(word, field.said(word)) for word in field.choices if word not in NOT_DRAWN],
+        "choices": [(word, field.said(word)) for word in field.choices if word not in NOT_CHOSEN],
     }
 
 

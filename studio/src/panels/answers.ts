@@ -2,10 +2,10 @@
 
 import { digits, el, reading } from "../state/dom";
 import { called } from "../state/words";
-import type { Store } from "../state/store";
+import type { Design, Store } from "../state/store";
 import type { Answer } from "../state/types";
 
-const LISTED = ["forward_velocity", "body_rate_hz", "lateral_amplitude", "path_radius", "efficiency", "mean_torque", "mean_power"];
+const LISTED = ["forward_velocity", "path_speed", "body_rate_hz", "lateral_amplitude", "path_radius", "efficiency", "mean_torque", "mean_power"];
 
 export class Answers {
   readonly node = el("section", { class: "answers" });
@@ -19,7 +19,7 @@ export class Answers {
     const many = store.designs.length > 1;
     this.node.replaceChildren(
       many ? this.heads() : this.hero(),
-      this.trust(),
+      ...this.store.designs.map((d, i) => this.trust(d, i === this.store.active ? "trust" : undefined, many ? `${"AB"[i]}: ` : "")),
       this.remarks(),
       el("dl", { class: many ? "list two" : "list" }, ...(many ? ["swimming_speed", "body_lengths_per_time", ...LISTED] : LISTED).flatMap((n) => this.row(n))),
     );
@@ -28,13 +28,15 @@ export class Answers {
   private hero(): HTMLElement {
     const answer = this.store.shown(this.store.design);
     const r = answer.readings;
-    const [n, unit] = reading("swimming_speed", r.swimming_speed, answer.dimensional);
+    const first = leading(answer);
+    const [n, unit] = reading(first, r[first], answer.dimensional);
     const [l] = reading("body_lengths_per_time", r.body_lengths_per_time, answer.dimensional);
-    return el("div", { class: "hero", title: called("swimming_speed").meaning },
-      el("div", { class: "caption" }, called("swimming_speed").label),
-      el("div", { class: "figure" },
-        el("span", { "data-reading": "swimming_speed", "data-value": String(r.swimming_speed) }, n),
-        el("small", {}, unit, answer === this.store.design.answer ? this.off(answer, "swimming_speed") : null)),
+    const caption = el("div", { class: "caption" }, called(first).label);
+    const figure = el("div", { class: "figure" },
+      el("span", { "data-reading": first, "data-value": String(r[first]) }, n),
+      el("small", {}, unit, answer === this.store.design.answer ? this.off(answer, first) : null));
+    if (first !== "swimming_speed") return el("div", { class: "hero", title: called(first).meaning }, caption, figure);
+    return el("div", { class: "hero", title: called(first).meaning }, caption, figure,
       el("div", { class: "under" },
         el("b", { "data-reading": "body_lengths_per_time", "data-value": String(r.body_lengths_per_time) }, l),
         answer.dimensional ? " body lengths per second" : " body lengths per unit time",
@@ -82,39 +84,61 @@ export class Answers {
     const { store } = this;
     const speeds = store.designs.map((d) => {
       const answer = store.shown(d);
-      const [n, unit] = reading("swimming_speed", answer.readings.swimming_speed, answer.dimensional);
+      const first = leading(answer);
+      const [n, unit] = reading(first, answer.readings[first], answer.dimensional);
       return el("b", {}, n, unit ? el("small", {}, ` ${unit}`) : null);
     });
-    const trust = this.trust();
-    trust.removeAttribute("id");
-    return [...speeds, trust];
+    return [...speeds, this.trust(store.design)];
   }
 
-  /** Expected error of the surrogate here, in colour. */
-  private trust(): HTMLElement {
-    const { design, model } = this.store;
-    if (model === "bem") {
-      const fresh = this.store.shown(design) !== design.answer;
-      const where = fresh && design.answer.around ? " at the starting pose" : "";
-      const text = fresh ? `${this.store.method}${where}` : `${this.store.method}: asking the judge …`;
-      return el("div", { class: `trust ${fresh ? "good" : "open"}`, id: "trust" }, el("i"), text);
+  /** Which model answered a design, how far off it is and whether it is asked where it holds, in colour. */
+  trust(design: Design, id?: string, before = ""): HTMLElement {
+    const { grade, text, title } = this.trusted(design);
+    return el("div", { class: `trust ${grade}`, id, title }, el("i"), before + text);
+  }
+
+  /** A design in two lines: how fast by what, and how sure that is. */
+  told(design: Design): { text: string; trust: string } {
+    const answer = this.store.shown(design);
+    const first = leading(answer);
+    const value = reading(first, answer.readings[first], answer.dimensional).filter(Boolean).join(" ");
+    return { text: `${design.name}: ${called(first).label.toLowerCase()} ${value}`, trust: this.trusted(design).text };
+  }
+
+  private trusted(design: Design): { grade: Grade; text: string; title?: string } {
+    const { store } = this;
+    if (store.model === "bem") {
+      const method = store.methodOf(design);
+      if (store.shown(design) === design.answer) return { grade: "open", text: `${method}: asking the judge …` };
+      return { grade: "good", text: `${method}${design.answer.around ? " at the starting pose" : ""}` };
     }
     const { around, expected_error: error, how, region, calibration: made } = design.answer;
-    const who = this.store.ours;
+    const who = store.oursOf(design);
     if (around && !made?.here) {
       const what = around.kind === "wall" ? "wall" : "channel";
-      const title = "Local resistance is that of free fluid; ask the judge, then calibrate here.";
-      return el("div", { class: "trust poor", id: "trust", title }, el("i"), `Surrogate: knows nothing of the ${what}`);
+      return {
+        grade: "poor", text: `${who}: knows nothing of the ${what}`,
+        title: "Local resistance is that of free fluid; ask the judge, then calibrate here.",
+      };
     }
-    if (error === null && region) return el("div", { class: "trust fair", id: "trust" }, el("i"), "Surrogate, outside its calibrated region");
+    if (error === null && region) return { grade: "fair", text: `${who}, outside its calibrated region` };
     const where = region || !made ? "" : `, calibrated at ${made.here ? "this" : "another"} design`;
-    const title = [...(made?.lines ?? []), ...(error === null ? [] : [how])].join("\n")
-      || "No reference has been asked; ask the judge, then calibrate here.";
+    const title = [...(made?.lines ?? []), how].join("\n") || "No reference has been asked; ask the judge, then calibrate here.";
+    if (design.answer.shape.length === 0) return { grade: "good", text: "A body alone: its own resistance", title };
     if (error === null) {
       const grade = !made ? "open" : made.here ? "good" : "fair";
-      return el("div", { class: `trust ${grade}`, id: "trust", title }, el("i"), `${who}${where || ", not calibrated"}`);
+      return { grade, text: `${who}${where || ", error not known here"}`, title };
     }
-    const grade = error < 0.05 ? "good" : error < 0.2 ? "fair" : "poor";
-    return el("div", { class: `trust ${grade}`, id: "trust", title }, el("i"), `${who}${where}: expected error ${digits(100 * error, 2)} %`);
+    const inside = region ? ", inside its region" : who === "Atlas" ? ", inside its range" : where;
+    return { grade: error < 0.05 ? "good" : error < 0.2 ? "fair" : "poor", text: `${who}${inside}: expected error ${digits(100 * error, 2)} %`, title };
   }
+}
+
+type Grade = "good" | "fair" | "poor" | "open";
+
+/** The speed that says most: along the axis of its path; on a circle, where that is zero, along the path itself; beside
+ * a wall, where no path is followed, that at the start. */
+function leading({ readings: r }: Answer): string {
+  if (r.swimming_speed === null || r.swimming_speed === undefined) return "forward_velocity";
+  return r.swimming_speed < 1e-6 * (r.path_speed ?? 0) ? "path_speed" : "swimming_speed";
 }

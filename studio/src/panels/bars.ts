@@ -2,8 +2,9 @@
 
 import { call, download } from "../state/api";
 import { digits, el } from "../state/dom";
+import { link } from "../state/link";
 import { attempt, notice, type Store } from "../state/store";
-import { words } from "../state/words";
+import { Drop } from "./drop";
 import type { SpeedMap } from "./map";
 import type { Stage } from "../scene/stage";
 import type { Actor } from "../scene/actor";
@@ -18,6 +19,15 @@ export interface View {
   /** periods of the tail per second of ours */
   pace: number;
   arrows: boolean;
+}
+
+/** What the bar takes things away from. */
+export interface Page {
+  stage: Stage;
+  map: SpeedMap;
+  view: View;
+  actors: () => Actor[];
+  picture: () => Promise<Blob>;
 }
 
 export function icon(path: string): SVGSVGElement {
@@ -41,17 +51,18 @@ export class TopBar {
   private redo = el("button", { id: "redo", class: "icon", title: "Redo (Ctrl+Shift+Z)" });
   private compare = el("button", { id: "compare", title: "Put a second design beside this one" }, "Compare");
   private specs: Record<string, string> = {};
+  private drop: Drop | null = null;
 
-  constructor(private store: Store, private stage: Stage, private map: SpeedMap, private actors: () => Actor[], private view: View) {
+  constructor(private store: Store, private page: Page) {
     this.undo.append(icon(UNDO));
     this.redo.append(icon(REDO));
     this.undo.onclick = () => store.undo();
     this.redo.onclick = () => store.redo();
     this.compare.onclick = () => this.toggle();
     this.presets.addEventListener("change", () => void attempt(() => store.load(this.presets.value, this.specs[this.presets.value])));
-    const file = el("input", { type: "file", accept: ".toml", hidden: true, id: "file" });
+    const file = el("input", { type: "file", hidden: true, id: "file" });
     file.addEventListener("change", () => {
-      if (file.files?.[0]) void this.read(file.files[0]);
+      if (file.files?.[0]) void this.drop?.read(file.files[0]);
       file.value = "";
     });
     const name = el("span", { class: "name" });
@@ -63,20 +74,18 @@ export class TopBar {
       actions.append(el("span", { class: "fine" }, "Snapshot: plays without a server"), this.menu());
       this.node.append(brand, name, el("span", { class: "grow" }), more, actions);
     } else {
-      const load = el("button", { onclick: () => file.click(), title: "Load a spec (TOML); you can drop a file on the page" }, "Open…");
+      const load = el("button", { onclick: () => file.click(), title: "Load a spec, a surface (STL, PLY, OBJ), tracks or a beat (CSV); you can drop a file on the page" }, "Open…");
       actions.append(this.undo, this.redo, this.compare, this.menu());
       this.node.append(brand, this.presets, load, file, el("span", { class: "grow" }), more, actions);
       void attempt(async () => {
         const { names, specs } = await call<Presets>("/api/presets");
         this.specs = specs;
-        this.presets.append(el("option", { value: "", disabled: true, hidden: true }), ...names.map((n) => el("option", { value: n }, n)));
+        this.presets.append(el("option", { value: "", disabled: true, hidden: true }), ...families(names));
         this.show();
       });
-      document.addEventListener("dragover", (e) => e.preventDefault());
-      document.addEventListener("drop", (e) => {
-        e.preventDefault();
-        const dropped = e.dataTransfer?.files[0];
-        if (dropped) void this.read(dropped);
+      store.on("designs", () => {
+        this.drop ??= new Drop(store);
+        file.accept = this.drop.accept;
       });
     }
     for (const event of ["structure", "answer", "tables", "designs"] as const) store.on(event, () => this.show());
@@ -95,14 +104,6 @@ export class TopBar {
     this.presets.value = design.name in this.specs ? design.name : "";
   }
 
-  private async read(file: File): Promise<void> {
-    const { largest } = words();
-    const kib = (n: number): string => `${Math.round(n / 1024)} KiB`;
-    if (file.size > largest) return notice(`${file.name} has ${kib(file.size)}; a spec has at most ${kib(largest)}.`, "error");
-    const text = await file.text();
-    await attempt(() => this.store.load(file.name.replace(/\.toml$/, ""), text));
-  }
-
   private toggle(): void {
     const { store } = this;
     if (store.designs.length > 1) store.designs = [store.design];
@@ -117,11 +118,11 @@ export class TopBar {
 
   private menu(): HTMLElement {
     const items: [string, string, () => unknown][] = [
-      ["Picture (PNG)", "take-png", async () => download(`${this.file}.png`, await this.stage.picture())],
+      ["Picture (PNG)", "take-png", async () => download(`${this.file}.png`, await this.page.picture())],
       ["Spec (TOML)", "take-spec", () => download(`${this.file}.toml`, this.store.design.answer.toml)],
       ["Trajectory (CSV)", "take-csv", () => this.csv()],
     ];
-    if (!this.store.snapshot) items.push(["Snapshot (HTML)", "take-html", () => this.html()]);
+    if (!this.store.snapshot) items.push(["Snapshot (HTML)", "take-html", () => this.html()], ["Link to this design", "take-link", () => this.link()]);
     const box = el("details", { class: "menu" }, el("summary", { id: "take" }, "Take away"),
       el("div", {}, ...items.map(([text, id, act]) => el("button", { id, onclick: () => {
         box.open = false;
@@ -139,7 +140,7 @@ export class TopBar {
 
   /** The path recorded since the last change, in the lab frame. */
   private csv(): void {
-    const { record, answer } = this.actors()[this.store.active];
+    const { record, answer } = this.page.actors()[this.store.active];
     const held = answer.gait.one_pose;
     if (held) return notice(`No path is followed here: the ${held} would turn with the swimmer.`, "error");
     if (record.length === 0) return notice("Nothing is recorded yet; let it swim.", "error");
@@ -147,15 +148,38 @@ export class TopBar {
     download(`${this.file}.csv`, ["time,x,y,z,qw,qx,qy,qz,phase", ...rows, ""].join("\n"));
   }
 
+  private async link(): Promise<void> {
+    const address = await link(this.store);
+    if (!address) return notice("This design is too long for a link; take its spec (TOML).", "error");
+    try {
+      await navigator.clipboard.writeText(address);
+      notice("The link is copied. It opens this design wherever a studio runs at this address.");
+    } catch {
+      notice("The address of this page is the link to this design: copy it from there.");
+    }
+  }
+
   private async html(): Promise<void> {
-    const { store, stage } = this;
+    const { store } = this;
+    const { stage, map, view: seen } = this.page;
     const designs = store.designs.map((d) => ({ name: d.name, tables: d.answer.tables }));
     const way = stage.camera.position.clone().sub(stage.controls.target).toArray();
-    const view = { camera: way, pace: this.view.pace, arrows: this.view.arrows };
-    const html = await call<string>("/api/snapshot", { designs, map: this.map.current, view });
+    const view = { camera: way, pace: seen.pace, arrows: seen.arrows };
+    const html = await call<string>("/api/snapshot", { designs, map: map.current, view });
     download(`${this.file}.html`, new Blob([html], { type: "text/html" }));
     notice("The snapshot plays in any browser, without a server.");
   }
+}
+
+/** Presets by family, each under its own name. */
+function families(names: string[]): HTMLElement[] {
+  const groups = new Map<string, HTMLElement>();
+  for (const name of names) {
+    const [family, member] = name.split("/");
+    if (!groups.has(family)) groups.set(family, el("optgroup", { label: family }));
+    groups.get(family)!.append(el("option", { value: name }, member));
+  }
+  return [...groups.values()];
 }
 
 export class Transport {
@@ -206,6 +230,12 @@ export class Transport {
     const slower = f / this.view.pace;
     if (!answer.dimensional) this.says.textContent = `${digits(this.view.pace, 2)} periods/s`;
     else this.says.textContent = slower > 1.05 ? `${digits(slower, 2)} × slowed` : slower < 0.95 ? `${digits(1 / slower, 2)} × faster` : "real time";
+  }
+
+  /** The bar that is shown. */
+  get bar(): { pixels: number; text: string } {
+    const [bar, text] = [this.scale.firstElementChild as HTMLElement, this.scale.lastElementChild as HTMLElement];
+    return { pixels: parseFloat(bar.style.width), text: text.textContent! };
   }
 
   /** A bar of 1, 2 or 5 of some unit, about 90 pixels long. */

@@ -1,5 +1,6 @@
 // The left panel: every number of the spec as a slider with its unit, choices as segments.
 
+import { call } from "../state/api";
 import { digits, el, pretty } from "../state/dom";
 import { label, quantity, read, sensible, spoken, type Range } from "../state/fields";
 import { field, size } from "../state/words";
@@ -90,10 +91,19 @@ export class Controls {
     if (typeof value === "boolean") return [this.toggle(path)];
     if (Array.isArray(value)) {
       const about = field(path);
+      if (value.some(Array.isArray) || !about?.entries.length) return [this.folded(path, value)];
       const head = about?.kind === "number" && !path.includes("[") ? [el("h4", { title: about.help }, about.label)] : [];
       return [...head, ...value.flatMap((v, i) => this.field(`${path}[${i}]`, v))];
     }
     return quantity(value) ? [this.slider(path)] : [];
+  }
+
+  /** A table of numbers, closed until somebody wants it. */
+  private folded(path: string, rows: Value[]): HTMLElement {
+    const cells = rows.flatMap((row, i) => Array.isArray(row) ? row.flatMap((v, j) => this.field(`${path}[${i}][${j}]`, v)) : this.field(`${path}[${i}]`, row));
+    const box = el("details", { class: "folded", open: this.open.get(path) }, el("summary", { title: field(path)?.help }, `${label(path)}, ${rows.length} ${rows.some(Array.isArray) ? "rows" : "numbers"}`), ...cells);
+    box.addEventListener("toggle", () => this.open.set(path, box.open));
+    return box;
   }
 
   private range(path: string): Range {
@@ -126,7 +136,7 @@ export class Controls {
       const f = log ? Math.log(q.n / low) / Math.log(high / low) : (q.n - low) / (high - low);
       track.value = String(Math.round(f * STEPS));
       track.style.setProperty("--at", `${100 * f}%`);
-      if (document.activeElement !== box) box.value = digits(q.n, 4).replace("−", "-").replace(/(\.\d*?)0+$/, "$1").replace(/\.$/, "");
+      if (document.activeElement !== box) box.value = typed(q.n);
       unit.textContent = pretty(q.unit);
     };
     const move = (commit: boolean): void => {
@@ -153,8 +163,10 @@ export class Controls {
 
   private choice(path: string): HTMLElement {
     const none: [string, string][] = path === "coefficients.law" ? [["", "none chosen"]] : [];
-    const options = [...none, ...field(path)!.choices];
     const { store } = this;
+    const options = [...none, ...field(path)!.choices];
+    const now = read(store.design.tables, path);
+    if (typeof now === "string" && !options.some(([value]) => value === now)) options.push([now, now]);
     const set = (value: string): void => this.choose(path, value);
     if (options.length > 2) {
       const select = el("select", { "data-field": path, "aria-label": label(path) }, ...options.map(([v, t]) => el("option", { value: v }, t)));
@@ -200,16 +212,24 @@ export class Controls {
     return el("div", { class: "row" }, el("label", {}, "Free directions"), el("div", { class: "segments six" }, ...buttons));
   }
 
+  /** Another body or tail, of about the same size. */
+  private async exchange(path: string, value: string): Promise<void> {
+    const { store } = this;
+    const ask = { tables: store.design.tables, field: path, value };
+    const tables = await attempt(() => call<Tables>("/api/exchange", ask));
+    if (!tables) return this.refresh();
+    if (path === "tail.kind" && value !== "helix" && tables.motion?.frequency_frame === "lab") tables.motion.frequency_frame = "body";
+    store.replace(tables);
+  }
+
   /** A choice that changes which numbers there are. */
   private choose(path: string, value: string): void {
     const { store } = this;
+    if (path === "body.shape" || path === "tail.kind") return void this.exchange(path, value);
     const tables: Tables = structuredClone(store.design.tables);
     const [part, name] = path.split(".");
     if (value === "") delete tables[part][name];
     else tables[part][name] = value;
-    if (path === "body.shape") tables.body = bodyOf(value, store.design.answer.shape.semi_axes, tables);
-    if (path === "tail.kind") for (const k of ["handedness", "sections", "surface_motion"]) delete tables.tail[k];
-    if (path === "tail.kind" && value !== "helix" && tables.motion?.frequency_frame === "lab") tables.motion.frequency_frame = "body";
     if (path === "coefficients.law") {
       for (const k of ["normal", "tangential"]) delete tables.coefficients[k];
       if (value === "constant") Object.assign(tables.coefficients, constantOf(tables));
@@ -231,22 +251,18 @@ export class Controls {
   }
 }
 
-/** Another body of about the same size. */
-function bodyOf(shape: string, axes: number[], tables: Tables): Record<string, Value> {
-  const { n, unit } = quantity(tables.tail.length)!;
-  const [a, b, c] = axes[0] > 0 ? axes.map((x) => x / size(unit)) : [n / 4, n / 4, n / 4];
-  const say = (x: number): Value => spoken(Number(x.toPrecision(4)), unit);
-  if (shape === "sphere") return { shape, radius: say(Math.cbrt(a * b * c)) };
-  if (shape === "spheroid") return { shape, semi_axes: [say(a === b ? 1.5 * a : a), say(b)] };
-  if (shape === "ellipsoid") return { shape, semi_axes: [say(a), say(b), say(b === c ? 0.8 * c : c)] };
-  return { shape };
+/** A number as one types it, four digits. */
+function typed(n: number): string {
+  const size = Math.abs(n);
+  const text = size && (size >= 1e5 || size < 1e-4) ? n.toExponential(3) : digits(n, 4).replace("−", "-");
+  return text.replace(/(\.\d*?)0+(?=e|$)/, "$1").replace(/\.(?=e|$)/, "").replace("e+", "e");
 }
 
 /** A wall below, or a channel three times as wide as the swimmer, as a first guess. */
 function boundOf(kind: string, design: Design): Record<string, Value> {
-  const { unit } = quantity(design.tables.tail.length)!;
-  const { semi_axes: [a, b, c], amplitude, radius, length } = design.answer.shape;
-  const reach = Math.max(b, c, amplitude + radius);
+  const unit = design.answer.units.length ?? "";
+  const { semi_axes: [a, b, c], reach: out, radius, length } = design.answer.shape;
+  const reach = Math.max(b, c, out + radius);
   const say = (x: number): Value => spoken(Number((x / size(unit)).toPrecision(3)), unit);
   if (kind === "wall") return { distance: say(2 * reach), tilt: "0 deg", azimuth: "90 deg" };
   const none = say(0);

@@ -3,13 +3,11 @@
 import { digits, el, withPrefix } from "../state/dom";
 import { cross, dot, rotate, spinMobility, type Drive, type Pose, type Vec } from "../state/motion";
 import type { Store } from "../state/store";
-import { called } from "../state/words";
+import { called, words } from "../state/words";
 
 const HISTORY = 240;
 /** T, of a spec that names no field */
 const USUAL = 5e-3;
-/** degrees off the field's axis: up to the first it turns straight, from the second on it tumbles */
-const LEAN = [5, 45];
 type Slider = "share" | "strength" | "size" | "azimuth" | "elevation";
 
 export class Driver {
@@ -24,6 +22,7 @@ export class Driver {
   private chart = el("canvas", { width: 536, height: 170, id: "stepout" });
   private state = el("div", { class: "trust open", id: "step" }, el("i"), "");
   private figure = el("div", { class: "figure", id: "driven-speed" });
+  private sure = el("div", { id: "drive-trust" });
   private went: Vec[] = [];
   private turned: [number, number][] = [];
   private leans: number[] = [];
@@ -34,8 +33,9 @@ export class Driver {
   private clock = 0;
   measured = 0;
 
-  constructor(private store: Store, private changed: () => void) {
+  constructor(private store: Store, private changed: () => void, private trust: () => HTMLElement) {
     store.on("structure", () => this.calibrate());
+    for (const event of ["answer", "designs"] as const) store.on(event, () => this.sure.replaceChildren(this.trust()));
     this.build();
   }
 
@@ -93,6 +93,11 @@ export class Driver {
     return this.magnetic ? Math.max(Math.abs(this.rate), this.stepOut) : Math.abs(gait.rate) || 1;
   }
 
+  /** Rate whose periods the eye follows: the field's, unless it hardly turns. */
+  get shownRate(): number {
+    return Math.max(Math.abs(this.rate), this.stepOut / 200) || 1;
+  }
+
   get heading(): Vec {
     const a = (this.azimuth * Math.PI) / 180;
     const e = (this.elevation * Math.PI) / 180;
@@ -118,7 +123,7 @@ export class Driver {
       el("button", { id: `drive-${mode}`, "aria-pressed": String((mode === "field") === this.magnetic), onclick: () => this.choose(mode === "field") }, text));
     const sliders = el("div", { hidden: !this.magnetic },
       el("div", { class: "hero" }, el("div", { class: "caption" }, "Speed along the field's axis"), this.figure),
-      this.state, this.chart,
+      this.state, this.sure, this.chart,
       this.slider("Field frequency", "share", 0, 2, () => this.frequency(this.rate)),
       this.slider("Field strength", "strength", -1, 1, () => this.said(this.B, "T")),
       this.slider("Moment of the magnet", "size", -1, 1, () => this.said(Math.hypot(...this.moment), "A m²")),
@@ -246,8 +251,9 @@ export class Driver {
   /** How it turns in step, by the mean angle between its axis and the field's. */
   private regime(): string {
     const lean = this.leans.reduce((a, b) => a + b, 0) / this.leans.length;
-    const name = lean < LEAN[0] ? "Synchronous" : lean < LEAN[1] ? "Wobbling" : "Tumbling";
-    return lean < LEAN[0] ? name : `${name}, ${Math.round(lean)}° off the axis`;
+    const [straight, steep] = words().lean;
+    const name = lean < straight ? "Synchronous" : lean < steep ? "Wobbling" : "Tumbling";
+    return lean < straight ? name : `${name}, ${Math.round(lean)}° off the axis`;
   }
 
   /** Rate of turning over rate of the field; beyond step-out it falls as w - sqrt(w^2 - w_c^2). */

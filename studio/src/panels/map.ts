@@ -5,7 +5,7 @@ import { el, pretty, reading } from "../state/dom";
 import { label, numbers, quantity, read, si, spoken } from "../state/fields";
 import { called, size, words } from "../state/words";
 import type { Controls } from "./controls";
-import { colour, ticks } from "./scales";
+import { colour, gradient, ticks } from "./scales";
 import { attempt, notice, type Store } from "../state/store";
 import type { Axis, MapAnswer, MapAsk, Tables } from "../state/types";
 
@@ -21,6 +21,11 @@ export class SpeedMap {
   private latest: Latest<{ tables: Tables; ask: MapAsk }, MapAnswer>;
   private selects: Record<string, HTMLSelectElement> = {};
   private foot = el("div", { class: "foot" });
+  private bar = el("div", { class: "mapbar" });
+  private plot = el("div", { class: "plot" });
+  private nothing = el("p", { class: "fine" }, "Nothing propels it by itself: there is no map. A field can drive it.");
+  /** whether the design has two numbers to draw over */
+  private possible = true;
   visible = true;
   /** answers so far, for the tests */
   count = 0;
@@ -73,18 +78,21 @@ export class SpeedMap {
       this.store.commit();
     });
     this.canvas.addEventListener("pointerleave", () => (this.tip.hidden = true));
-    this.node.append(
-      el("div", { class: "mapbar" }, this.selects.output, best, this.selects.x, el("span", {}, "×"), this.selects.y),
-      el("div", { class: "plot" }, this.canvas, this.tip), this.foot,
-    );
+    this.bar.append(this.selects.output, best, this.selects.x, el("span", {}, "×"), this.selects.y);
+    this.plot.append(this.canvas, this.tip);
+    this.node.append(this.bar, this.plot, this.foot, this.nothing);
   }
 
   private options(): void {
     const { tables } = this.store.design;
-    const known = numbers(tables).filter((f) => f !== "fluid.density" && !/coupling|^wall|^channel/.test(f));
-    if (!known.includes(this.field.y)) this.field.y = "tail.waves" in tables.tail ? "tail.waves" : this.field.y;
-    if (!known.includes(this.field.y)) this.field.y = known.includes("tail.waves") ? "tail.waves" : "tail.wavelength";
-    if (!known.includes(this.field.x)) this.field.x = "tail.amplitude";
+    const known = numbers(tables).filter((f) => f !== "fluid.density" && !/coupling|\]\[|^(wall|channel|magnet|field)/.test(f));
+    const [x, y] = words().axes.filter((f) => known.includes(f));
+    this.possible = y !== undefined;
+    if (!known.includes(this.field.x)) this.field.x = x ?? this.field.x;
+    if (!known.includes(this.field.y)) this.field.y = this.field.x === y ? x : y ?? this.field.y;
+    this.bar.hidden = this.plot.hidden = !this.possible;
+    this.nothing.hidden = this.possible;
+    this.foot.hidden = !this.possible;
     for (const key of ["x", "y"] as const) {
       const part = (f: string): string => (f.startsWith("tail.") ? "" : `${f.split(".")[0]}: `);
       this.selects[key].replaceChildren(...known.map((f) => el("option", { value: f }, `${part(f)}${label(f).toLowerCase()}`)));
@@ -104,7 +112,7 @@ export class SpeedMap {
   }
 
   private ask(): MapAsk | null {
-    const wave = this.store.design.answer.shape.kind !== "helix";
+    const wave = !this.store.design.answer.shape.rigid;
     const x = this.axis(this.field.x, wave ? 48 : 72);
     const y = this.axis(this.field.y, wave ? 36 : 54);
     return x && y ? { x, y, output: this.output } : null;
@@ -116,7 +124,7 @@ export class SpeedMap {
       if (stored && !this.answer) this.take(stored, { tables: this.store.design.tables, ask: stored.ask });
       return;
     }
-    if (!this.visible) return;
+    if (!this.visible || !this.possible) return;
     const ask = this.ask();
     if (!ask) return;
     if (ask.x.field === ask.y.field) return notice("Choose two different numbers for the map.", "error");
@@ -219,7 +227,7 @@ export class SpeedMap {
     };
     this.foot.replaceChildren(
       el("span", {}, `across: ${named("x")}; up: ${named("y")}`),
-      el("span", { class: "legend" }, say(low), el("i"), say(top)),
+      el("span", { class: "legend" }, say(low), el("i", { style: `background: ${gradient()}` }), say(top)),
       ...(this.answer!.inside ? [el("span", { id: "inside" }, "Calibrated inside the frame.")] : []));
   }
 
@@ -317,6 +325,7 @@ export class SpeedMap {
   /** For a second design: nothing of the first may show. */
   forget(): void {
     this.answer = this.picture = null;
+    this.foot.replaceChildren();
     this.draw();
   }
 }

@@ -1,10 +1,7 @@
 // Colours and ticks of the map.
 
 import { digits } from "../state/dom";
-
-const STOPS: [number, number, number][] = [
-  [18, 28, 48], [27, 62, 92], [32, 104, 122], [58, 150, 130], [132, 190, 118], [226, 205, 106], [255, 236, 178],
-];
+import { words } from "../state/words";
 
 /** Round numbers along the lower or the left edge of a picture whose axis runs from low to high. */
 export function ticks(g: CanvasRenderingContext2D, edge: "x" | "y", low: number, high: number): void {
@@ -38,9 +35,15 @@ function round(low: number, high: number, count: number): number[] {
   return Array.from({ length: Math.max(0, Math.floor(high / step) - first + 1) }, (_, i) => (first + i) * step);
 }
 
-/** Colour of a share of the range. */
+/** Colour of a share of the range: red, green, blue. */
 export function colour(f: number): [number, number, number] {
-  const x = Math.min(1, Math.max(0, f)) * (STOPS.length - 1);
-  const i = Math.min(STOPS.length - 2, Math.floor(x));
-  return [0, 1, 2].map((k) => STOPS[i][k] + (x - i) * (STOPS[i + 1][k] - STOPS[i][k])) as [number, number, number];
+  stops ??= words().palette.map.map((hex) => [1, 3, 5].map((i) => parseInt(hex.slice(i, i + 2), 16)));
+  const x = Math.min(1, Math.max(0, f)) * (stops.length - 1);
+  const i = Math.min(stops.length - 2, Math.floor(x));
+  return [0, 1, 2].map((k) => stops![i][k] + (x - i) * (stops![i + 1][k] - stops![i][k])) as [number, number, number];
 }
+
+let stops: number[][] | null = null;
+
+/** The range as a gradient from left to right. */
+export const gradient = (): string => `linear-gradient(90deg, ${words().palette.map.join(", ")})`;

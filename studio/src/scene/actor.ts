@@ -6,8 +6,10 @@ import { LineGeometry } from "three/examples/jsm/lines/LineGeometry.js";
 import { LineMaterial } from "three/examples/jsm/lines/LineMaterial.js";
 import { bodyWrench, rotate, start, stay, step, twist, type Drive, type Pose } from "../state/motion";
 import { Bounds } from "./bounds";
+import { Hull } from "./hull";
 import { Tube } from "./tube";
 import type { Answer } from "../state/types";
+import { words } from "../state/words";
 
 const SHOWN = 900;
 const KEPT = 20000;
@@ -20,28 +22,14 @@ export interface Look {
   path: string;
 }
 
-export const LOOKS: Look[] = [
-  { body: "#efe6d6", tail: "#4fc3b8", path: "#f2b661" },
-  { body: "#cfd9ee", tail: "#8f8bea", path: "#a9b4ff" },
-];
-
-/** Meridians on the body, so that one sees it turn. */
-function stripes(colour: string): THREE.CanvasTexture {
-  const canvas = document.createElement("canvas");
-  canvas.width = 512;
-  canvas.height = 64;
-  const g = canvas.getContext("2d")!;
-  g.fillStyle = colour;
-  g.fillRect(0, 0, 512, 64);
-  for (let i = 0; i < 6; i++) {
-    g.fillStyle = i === 0 ? "rgba(20,40,60,.42)" : "rgba(20,40,60,.14)";
-    g.fillRect((i * 512) / 6 + 20, 0, i === 0 ? 26 : 12, 64);
-  }
-  const texture = new THREE.CanvasTexture(canvas);
-  texture.colorSpace = THREE.SRGBColorSpace;
-  texture.anisotropy = 4;
-  return texture;
+/** Colours of the first or of the second swimmer. */
+export function look(i: number): Look {
+  const [body, tail, path] = words().palette.swimmers[i];
+  return { body, tail, path };
 }
+
+/** Colours of the arrows. */
+export const ARROWS: Record<string, string> = { thrust: "#5fd0a0", drag: "#ff8a70", velocity: "#ffffff", field: "#6fa8ff", moment: "#e58cff" };
 
 export class Actor {
   readonly root = new THREE.Group();
@@ -53,7 +41,7 @@ export class Actor {
   readonly sqr = new THREE.Group();
   readonly around = new Bounds();
   private home = new THREE.Group();
-  private body: THREE.Mesh;
+  private hull: Hull;
   private tail: THREE.Mesh;
   private tube = new Tube();
   private path: Line2;
@@ -63,9 +51,7 @@ export class Actor {
   private colour: THREE.Color;
 
   constructor(private scene: THREE.Object3D, public look: Look) {
-    const shell = new THREE.SphereGeometry(1, 64, 48);
-    shell.rotateZ(Math.PI / 2);
-    this.body = new THREE.Mesh(shell, new THREE.MeshStandardMaterial({ map: stripes(look.body), roughness: 0.42 }));
+    this.hull = new Hull(look.body);
     this.tail = new THREE.Mesh(this.tube.geometry, new THREE.MeshStandardMaterial({ color: look.tail, roughness: 0.34 }));
     this.tail.frustumCulled = false;
     this.colour = new THREE.Color(look.path);
@@ -74,10 +60,10 @@ export class Actor {
     }));
     this.path.frustumCulled = false;
     this.sqr.add(this.tail);
-    this.root.add(this.body, this.sqr);
+    this.root.add(this.hull.mesh, this.sqr);
     this.home.add(this.around.group);
     scene.add(this.root, this.path, this.home);
-    for (const [name, tint] of [["thrust", "#5fd0a0"], ["drag", "#ff8a70"], ["velocity", "#ffffff"], ["field", "#6fa8ff"], ["moment", "#e58cff"]]) {
+    for (const [name, tint] of Object.entries(ARROWS)) {
       this.arrows[name] = arrow(tint);
       scene.add(this.arrows[name]);
     }
@@ -85,17 +71,18 @@ export class Actor {
 
   dispose(): void {
     this.around.dispose();
+    this.hull.dispose();
     this.scene.remove(this.root, this.path, this.home, ...Object.values(this.arrows));
   }
 
   update(answer: Answer): void {
     this.answer = answer;
     if (answer.gait.one_pose) Object.assign(this.pose, start(), { phase: this.pose.phase });
-    const [a, b, c] = answer.shape.semi_axes;
-    this.body.visible = a > 0;
-    if (a > 0) this.body.scale.set(a, b, c);
-    this.sqr.position.set(a, 0, 0);
-    this.tube.update(answer.shape, 0);
+    const { shape } = answer;
+    this.hull.update(shape);
+    this.sqr.position.set(shape.semi_axes[0], 0, 0);
+    this.tail.visible = shape.length > 0;
+    if (this.tail.visible) this.tube.update(shape, 0);
     this.around.update(answer.around, answer.shape);
     this.pose_();
   }
@@ -159,7 +146,8 @@ export class Actor {
     this.root.position.set(x[0], x[1], x[2]).add(this.offset);
     this.root.quaternion.set(q[1], q[2], q[3], q[0]);
     const { shape } = this.answer;
-    if (shape.kind === "helix") this.tail.rotation.x = shape.sign * phase;
+    if (!this.tail.visible) return;
+    if (shape.rigid) this.tail.rotation.x = shape.sign * phase;
     else {
       this.tail.rotation.x = 0;
       this.tube.update(shape, phase);
@@ -206,7 +194,7 @@ export class Actor {
     const speed = Math.hypot(V[0], V[1], V[2]);
     const [a, b] = shape.semi_axes;
     const reach = 0.24 * size;
-    const up = 1.3 * Math.max(b, shape.amplitude + shape.radius);
+    const up = 1.3 * Math.max(b, shape.reach + shape.radius);
     const middle = rotate(q, [a + 0.5 * shape.length, 0, 0]);
     const place = (from: number[], lift: number): number[] =>
       [x[0] + from[0] + this.offset.x, x[1] + from[1] + this.offset.y, x[2] + from[2] + this.offset.z + lift];

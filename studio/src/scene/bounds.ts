@@ -139,17 +139,7 @@ export class Bounds {
   room(pose: Pose, shape: Shape): number {
     const { bounds } = this;
     if (!bounds) return Infinity;
-    const [a, b, c] = shape.semi_axes;
-    const balls: [Vec, number][] = [];
-    for (let i = 0; a > 0 && i <= 8; i++) {
-      const f = Math.cos((Math.PI * i) / 8);
-      balls.push([[a * f, 0, 0], Math.max(b, c) * Math.sqrt(1 - f * f)]);
-    }
-    for (let i = 0; i <= 16; i++) {
-      const s = (shape.length * i) / 16;
-      const wide = shape.amplitude * Math.min(1, s / (shape.ramp * shape.length || 1e-300));
-      balls.push([[a + s, 0, 0], wide + shape.radius]);
-    }
+    const balls = surroundings(shape);
     return Math.min(...balls.map(([p, r]) => {
       const way = rotate(pose.q, p);
       return this.clear(bounds, [way[0] + pose.x[0], way[1] + pose.x[1], way[2] + pose.x[2]]) - r;
@@ -166,6 +156,24 @@ export class Bounds {
     const side = bounds.diameter! / 2 - out;
     return bounds.open ? side : Math.min(side, bounds.length! / 2 - Math.abs(away.x));
   }
+}
+
+/** Balls that hold the swimmer: centres from the body's, and radii. */
+function surroundings(shape: Shape): [Vec, number][] {
+  const [a, b, c] = shape.semi_axes;
+  const balls: [Vec, number][] = [];
+  const corners = shape.mesh?.points ?? [];
+  for (let i = 0; i < corners.length; i += 3) balls.push([[corners[i], corners[i + 1], corners[i + 2]], 0]);
+  for (let i = 0; a > 0 && !corners.length && i <= 8; i++) {
+    const f = Math.cos((Math.PI * i) / 8);
+    balls.push([[a * f, 0, 0], Math.max(b, c) * Math.sqrt(1 - f * f)]);
+  }
+  for (let i = 0; shape.length > 0 && i <= 16; i++) {
+    const s = (shape.length * i) / 16;
+    const grown = shape.ramp ? Math.min(1, s / (shape.ramp * shape.length)) : 1;
+    balls.push([[a + s, 0, 0], (shape.line ? shape.reach : shape.reach * grown) + shape.radius]);
+  }
+  return balls;
 }
 
 const circle = (r: number, s: number): THREE.Vector3[] =>

@@ -1,10 +1,18 @@
 // The flow on a slice through the swimmer: speed as colour, drifting specks show where it goes.
 
 import * as THREE from "three";
+import { colour } from "../panels/scales";
 import type { FlowAnswer } from "../state/types";
 
 const SPECKS = 700;
 const TAIL = 9;
+
+/** Where a share of the largest speed stands on the scale of colours: slow flow is to be seen too. */
+const seen = (share: number): number => Math.min(1, share) ** 0.55;
+
+/** Colours of even steps of speed, from rest to the largest. */
+export const speeds = (count: number): string[] =>
+  Array.from({ length: count }, (_, i) => `rgb(${colour(seen(i / (count - 1))).map(Math.round).join(" ")})`);
 
 export class Flow {
   readonly group = new THREE.Group();
@@ -89,14 +97,12 @@ export class Flow {
     const [rows, columns] = flow.shape;
     for (let i = 0; i < rows * columns; i++) {
       const v = Math.hypot(this.field[3 * i], this.field[3 * i + 1], this.field[3 * i + 2]) / flow.scale;
-      const t = Math.min(1, v) ** 0.55;
+      const t = seen(v);
+      const [red, green, blue] = colour(t);
       const x = Math.abs((2 * (i % columns)) / (columns - 1) - 1);
       const y = Math.abs((2 * Math.floor(i / columns)) / (rows - 1) - 1);
       const edge = (1 - x ** 6) * (1 - y ** 6);
-      this.pixels[4 * i] = 30 + 200 * t * t;
-      this.pixels[4 * i + 1] = 70 + 140 * t;
-      this.pixels[4 * i + 2] = 130 + 60 * t;
-      this.pixels[4 * i + 3] = 175 * t * edge;
+      this.pixels.set([red, green, blue, 175 * t * edge], 4 * i);
     }
     this.texture.needsUpdate = true;
   }

@@ -3,6 +3,8 @@
 import * as THREE from "three";
 import { OrbitControls } from "three/examples/jsm/controls/OrbitControls.js";
 
+import { captioned, type Caption } from "./picture";
+
 const FLOOR = /* glsl */ `
   varying vec3 place;
   void main() {
@@ -153,14 +155,14 @@ export class Stage {
     this.renderer.setPixelRatio(quality * Math.min(window.devicePixelRatio, 2));
   }
 
-  /** In full resolution, whatever was shown. */
-  async picture(): Promise<Blob> {
+  /** In full resolution, whatever was shown, with its caption. */
+  async picture(caption: Caption): Promise<Blob> {
     const shown = this.quality;
     this.sharpen(1);
     this.render();
-    const made = await new Promise<Blob | null>((resolve) => this.renderer.domElement.toBlob(resolve, "image/png"));
+    const scene = this.renderer.domElement;
+    const made = captioned(scene, scene.width / this.host.clientWidth, caption);
     this.sharpen(shown);
-    if (!made) throw new Error("The browser made no picture.");
     return made;
   }
 

@@ -1,4 +1,5 @@
-// The tail as a tube about its centreline: P = [s, b_s cos(ks - phase), -sign b_s sin(ks - phase)].
+// The tail as a tube about its centreline: that of a wave, P = [s, b_s cos(ks - phase), -sign b_s sin(ks - phase)],
+// or a series in the phase of points along it.
 
 import * as THREE from "three";
 import type { Shape } from "../state/types";
@@ -15,9 +16,10 @@ export class Tube {
   /** Positions in the frame sqr, origin at the joint; the same arrays are written again. */
   update(shape: Shape, phase: number): void {
     const waves = Math.max(1, (shape.wavenumber * shape.length) / (2 * Math.PI));
-    const rings = Math.min(720, Math.ceil(26 * waves) + 8);
+    const rings = shape.line ? shape.line[0].length / 3 : Math.min(720, Math.ceil(26 * waves) + 8);
     if (rings !== this.rings) this.allocate(rings);
-    const centre = this.centreline(shape, phase, rings);
+    const centre = shape.line ? followed(shape.line, phase) : this.wave(shape, phase, rings);
+    const half = shape.section ?? [shape.radius, shape.radius];
     let normal = new THREE.Vector3(0, 1, 0);
     const tangent = new THREE.Vector3();
     const binormal = new THREE.Vector3();
@@ -27,43 +29,51 @@ export class Tube {
       const [before, after] = i < rings ? [centre[Math.max(0, i - 1)], centre[Math.min(rings - 1, i + 1)]] : [centre[rings - 2], tip];
       if (shape.sheared) tangent.set(1, 0, 0);
       else tangent.subVectors(after, before).normalize();
+      if (shape.section) normal = this.outward(shape, phase, (shape.length * Math.min(i, rings - 1)) / (rings - 1));
       normal = normal.addScaledVector(tangent, -normal.dot(tangent)).normalize();
       binormal.crossVectors(tangent, normal);
       const lift = i < rings ? 0 : ((i - rings + 1) / CAP) * (Math.PI / 2);
-      this.ring(i, here, normal, binormal, tangent, shape.radius, lift);
+      this.ring(i, here, normal, binormal, tangent, half, lift);
     }
     for (const name of ["position", "normal"]) this.geometry.attributes[name].needsUpdate = true;
     this.geometry.computeBoundingSphere();
   }
 
-  private centreline(shape: Shape, phase: number, rings: number): THREE.Vector3[] {
-    const out = shape.kind === "helix" ? -shape.sign : 0;
+  private wave(shape: Shape, phase: number, rings: number): THREE.Vector3[] {
     const end = shape.ramp * shape.length;
     return Array.from({ length: rings }, (_, i) => {
       const s = (shape.length * i) / (rings - 1);
-      const b = shape.amplitude * (s < end ? s / end : 1);
-      const a = shape.wavenumber * s - phase;
-      return new THREE.Vector3(s, b * Math.cos(a), out * b * Math.sin(a));
+      const full = shape.amplitude + ((shape.amplitude_end - shape.amplitude) * s) / shape.length;
+      const b = full * (s < end ? s / end : 1);
+      const out = this.outward(shape, phase, s, true);
+      return out.multiplyScalar(b).setX(s);
     });
   }
 
-  private ring(i: number, p: THREE.Vector3, n: THREE.Vector3, b: THREE.Vector3, t: THREE.Vector3, r: number, lift: number): void {
+  /** Where the wave swings out at s: in the plane of a plane wave always to the same side, unless with its size. */
+  private outward(shape: Shape, phase: number, s: number, signed = false): THREE.Vector3 {
+    const a = shape.wavenumber * s - phase;
+    if (shape.kind === "helix") return new THREE.Vector3(0, Math.cos(a), -shape.sign * Math.sin(a));
+    return new THREE.Vector3(0, signed ? Math.cos(a) : 1, 0);
+  }
+
+  private ring(i: number, p: THREE.Vector3, n: THREE.Vector3, b: THREE.Vector3, t: THREE.Vector3, half: number[], lift: number): void {
     const flat = Math.cos(lift);
     const up = Math.sin(lift);
+    const [A, B] = half;
+    const C = Math.min(A, B);
     for (let j = 0; j <= AROUND; j++) {
       const angle = (2 * Math.PI * j) / AROUND;
       const c = Math.cos(angle) * flat;
       const s = Math.sin(angle) * flat;
       const at = 3 * (i * (AROUND + 1) + j);
-      const x = c * n.x + s * b.x + up * t.x;
-      const y = c * n.y + s * b.y + up * t.y;
-      const z = c * n.z + s * b.z + up * t.z;
-      this.normals[at] = x;
-      this.normals[at + 1] = y;
-      this.normals[at + 2] = z;
-      this.points[at] = p.x + r * x;
-      this.points[at + 1] = p.y + r * y;
-      this.points[at + 2] = p.z + r * z;
+      // of an ellipse the normal goes with the inverse half axes
+      const [cn, sn, un] = [(c * C) / A, (s * C) / B, up];
+      const size = Math.hypot(cn, sn, un);
+      for (const [k, axis] of (["x", "y", "z"] as const).entries()) {
+        this.normals[at + k] = (cn * n[axis] + sn * b[axis] + un * t[axis]) / size;
+        this.points[at + k] = p[axis] + A * c * n[axis] + B * s * b[axis] + C * up * t[axis];
+      }
     }
   }
 
@@ -84,4 +94,14 @@ export class Tube {
     this.geometry.setAttribute("position", new THREE.BufferAttribute(this.points, 3));
     this.geometry.setAttribute("normal", new THREE.BufferAttribute(this.normals, 3));
   }
+}
+
+/** Points of a centreline at a phase. */
+function followed(series: number[][], phase: number): THREE.Vector3[] {
+  const x = [...series[0]];
+  for (let h = 1; h < series.length; h += 2) {
+    const [c, s] = [Math.cos(((h + 1) / 2) * phase), Math.sin(((h + 1) / 2) * phase)];
+    for (let i = 0; i < x.length; i++) x[i] += c * series[h][i] + s * series[h + 1][i];
+  }
+  return Array.from({ length: x.length / 3 }, (_, i) => new THREE.Vector3(x[3 * i], x[3 * i + 1], x[3 * i + 2]));
 }

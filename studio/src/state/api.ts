@@ -8,12 +8,13 @@ export async function call<T>(
   path: string, ask?: unknown, method?: string, signal?: AbortSignal,
 ): Promise<T> {
   const isText = typeof ask === "string";
+  const isFile = ask instanceof Blob;
   let response: Response;
   try {
     response = await fetch(path, {
       method: method ?? (ask === undefined ? "GET" : "POST"),
-      headers: ask === undefined ? {} : { "content-type": isText ? "text/plain" : "application/json" },
-      body: ask === undefined ? undefined : isText ? (ask as string) : JSON.stringify(ask),
+      headers: ask === undefined ? {} : { "content-type": isText ? "text/plain" : isFile ? ask.type : "application/json" },
+      body: ask === undefined ? undefined : isText || isFile ? (ask as string | Blob) : JSON.stringify(ask),
       signal,
     });
   } catch (error) {

@@ -36,6 +36,9 @@ export type Event = "tables" | "answer" | "structure" | "designs" | "problem" | 
 /** Who judges: boundary elements know a wall, finite elements a channel. */
 export const METHODS = { bem: "Boundary elements", fem: "Finite elements" };
 
+/** What answers by itself: the correction of many solves, resistive force theory, the same about a tail that bends. */
+const OURS: Record<string, string> = { atlas: "Atlas", rft: "Surrogate", elastic: "Elastic tail" };
+
 export class Store {
   designs: Design[] = [];
   active = 0;
@@ -66,12 +69,20 @@ export class Store {
 
   /** What answers the active design where the reference does not. */
   get ours(): string {
-    return this.design?.answer.gait.model === "atlas" ? "Atlas" : "Surrogate";
+    return this.design ? this.oursOf(this.design) : OURS.rft;
+  }
+
+  oursOf(design: Design): string {
+    return OURS[design.answer.gait.model] ?? OURS.rft;
   }
 
   /** The reference's method for the active design. */
   get method(): string {
-    return this.design?.answer.around && this.design.answer.around.kind !== "wall" ? METHODS.fem : METHODS.bem;
+    return this.design ? this.methodOf(this.design) : METHODS.bem;
+  }
+
+  methodOf({ answer: { around } }: Design): string {
+    return around && around.kind !== "wall" ? METHODS.fem : METHODS.bem;
   }
 
   /** What is shown of a design: the surrogate's answer or the reference's. */
@@ -136,6 +147,16 @@ export class Store {
     write(tables, path, text);
     const made = await call<Answer>("/api/solve", { tables, name: this.design.name });
     this.replace(made.tables);
+  }
+
+  /** Another design in place of the active one, once it is solved; whether it can be is told by the promise. */
+  async take(name: string, tables: Tables): Promise<true> {
+    const made = await call<Answer>("/api/solve", { tables, name });
+    const old = this.design;
+    this.open(name, made);
+    this.design.past.push(old.committed);
+    this.tell("tables");
+    return true;
   }
 
   /** Put other tables in place of the active design's, as one step that can be undone. */

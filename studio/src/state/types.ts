@@ -5,17 +5,29 @@ import type { Words } from "./words";
 export type Value = string | number | boolean | Value[];
 export type Tables = Record<string, Record<string, Value>>;
 
+/** What the scene draws; src/microswim/studio/drawing.py says how. */
 export interface Shape {
   semi_axes: [number, number, number];
   body: string;
+  /** corners of a body that is no ellipsoid, and faces of four of them */
+  mesh: { points: number[]; faces: number[] } | null;
   kind: string;
+  /** whether the phase turns the tail as a whole */
+  rigid: boolean;
   length: number;
+  /** farthest that the tail comes from the axis */
+  reach: number;
   amplitude: number;
+  amplitude_end: number;
   wavenumber: number;
   ramp: number;
   radius: number;
+  /** half axes of a cross-section that is not round */
+  section: [number, number] | null;
   sign: number;
   sheared: boolean;
+  /** centreline of a tail that is no wave: rows of a series in the phase, of s, q, r at each point */
+  line: number[][] | null;
 }
 
 /** Wall or channel, from the body's centre in its axes at the start. */

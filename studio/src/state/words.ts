@@ -28,13 +28,24 @@ export interface Words {
   read_in: Record<string, [string, number, number][]>;
   /** quantities that a map can show */
   outputs: string[];
+  /** numbers that a map is first drawn over, the dearest first */
+  axes: string[];
+  /** degrees off the field's axis: up to the first it turns straight, from the second on it tumbles */
+  lean: [number, number];
   /** resolutions of the judge */
   levels: string[];
+  /** body, tail and path of each swimmer, and a map's values from the least to the largest */
+  palette: { swimmers: [string, string, string][]; map: string[] };
   /** bytes of a spec file */
   largest: number;
+  /** endings of files that hold a surface, and of those that hold tracks or a beat */
+  surfaces: string[];
+  films: string[];
+  /** units of length */
+  lengths: string[];
 }
 
-let told: Words = { fields: {}, units: {}, quantities: {}, read_in: {}, outputs: [], levels: [], largest: 0 };
+let told: Words = { fields: {}, units: {}, quantities: {}, read_in: {}, outputs: [], axes: [], lean: [0, 0], levels: [], palette: { swimmers: [], map: [] }, largest: 0, surfaces: [], films: [], lengths: [] };
 
 export function learn(words: Words): void {
   told = words;

@@ -11,7 +11,7 @@ import ngsolve as ngs
 import numpy as np
 
 from microswim.errors import MicroswimError, SpecError
-from microswim.gait import doors
+from microswim.gait import doors, palette
 from microswim.models.fem.stokes import SWIMMER, Stokes
 from microswim.numerics import files as whole
 
@@ -113,11 +113,11 @@ class View:
 def _draw(plotter: Any, file: Path, view: View) -> None:
     """Swimmer's surface over the speed in the plane r = 0, seen along r."""
     pv = _pyvista()
-    plotter.set_background("#440154")  # the resting fluid's colour
+    plotter.set_background(palette.EDGE)  # the resting fluid's colour
     grid = pv.read(file).clean(tolerance=1e-7)  # the elements come apart, each with its points
     grid["speed"] = np.linalg.norm(grid["velocity"], axis=1)
     skin = pv.read(file.with_suffix(".skin.vtu")).extract_surface(algorithm="dataset_surface")
-    plotter.add_mesh(skin.clean(), color="#c9a227", smooth_shading=True)
+    plotter.add_mesh(skin.clean(), color=palette.BODY, smooth_shading=True)
     (s, q, _), half = view.middle, view.reach
     bar = {"title": "speed / (body diameter x rate)\n", "color": "white", "n_labels": 3}
     look = {"scalars": "speed", "cmap": "viridis", "clim": [0.0, view.fastest]}

@@ -1,5 +1,7 @@
 """The one look of all figures: a palette that the colour-blind tell apart, journal sizes.
 
+A swimmer has the colours of the page and of films (`gait.palette`).
+
 The palette is that of Okabe & Ito (2008); lines differ in their dashes too, so that figures survive
 a grey print. Letters are outlines in SVG, the same on every machine.
 """
@@ -8,6 +10,8 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING, Any
 
+from microswim.gait.palette import BODY as BODY
+from microswim.gait.palette import TAIL as TAIL
 from microswim.gait.readable import label, prefixed
 
 if TYPE_CHECKING:
@@ -19,7 +23,6 @@ SKY, GREY, BLACK = "#56B4E9", "#6E6E6E", "#222222"
 PALE_BLUE, PALE_ORANGE, PALE_GREEN = "#D3E6F3", "#F8DFD2", "#D5EEE4"  # behind lines
 PALE = "#E6E6E6"
 CYCLE = (BLUE, ORANGE, GREEN, PURPLE, SKY, "#E69F00", GREY, BLACK)
-BODY, TAIL = "#3f8fc9", "#e08a3c"  # of a swimmer, shaded
 LINES = ((BLUE, "-"), (ORANGE, (0, (5, 1.5))), (BLACK, (0, (5, 1, 1, 1))))
 WIDE, NARROW = 7.2, 3.5  # inches: two columns, one
 

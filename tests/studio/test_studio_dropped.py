@@ -1,4 +1,4 @@
-"""Files dropped onto the page: surfaces become bodies, a traced beat a tail, tracks are described."""
+"""Files dropped onto the page: surfaces become bodies, a beat a tail, tracks are described."""
 
 import json
 

@@ -1,4 +1,4 @@
-"""In Chromium: bodies and tails drawn as what they are, files dropped, links, pictures taken away."""
+"""In Chromium: bodies and tails as what they are, files dropped, links, pictures taken away."""
 
 import io
 import struct
@@ -77,9 +77,7 @@ def dropped(page, tmp_path, name, content):
 
 def test_a_surface_dropped_is_the_robot(page, tmp_path):
     put(page, "tabak/helix-sbt")
-    robot = ms.Swimmer(
-        body=ms.Sphere(radius=0.5), tail=ms.NoTail(), fluid=ms.Fluid(viscosity=1.0)
-    )
+    robot = ms.Swimmer(body=ms.Sphere(radius=0.5), tail=ms.NoTail(), fluid=ms.Fluid(viscosity=1.0))
     content = write_stl(tmp_path / "x.stl", robot, fineness=0.5).read_bytes()
     dropped(page, tmp_path, "ball.stl", content)
     page.click("#card-do")

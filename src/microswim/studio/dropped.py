@@ -1,7 +1,7 @@
 """Surface files dropped onto the page: kept in the user's cache under their digest.
 
-The page names such a file in its spec by ``dropped/<digest>/<name>``. Whoever has the digest has had
-the file, so that nothing is kept about anyone, and a link to a design holds on this machine.
+The page names such a file in its spec by ``dropped/<digest>/<name>``. Whoever has the digest has
+had the file, so that nothing is kept about anyone, and a link to a design holds on this machine.
 """
 
 from __future__ import annotations

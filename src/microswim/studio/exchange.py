@@ -90,7 +90,7 @@ BODIES: dict[str, Callable[[float, float, float], Body]] = {
 }
 
 
-def _filament(swimmer: Swimmer) -> dict[str, float]:
+def _filament(swimmer: Swimmer) -> dict[str, Any]:
     """Length, radius and frequency of the tail; of the body's size where there is none."""
     tail = swimmer.tail
     length = float(tail.apparent_length) or 4.0 * max(map(float, swimmer.body.semi_axes3))
@@ -118,7 +118,7 @@ def _elastic(swimmer: Swimmer) -> ElasticTail:
     own = _filament(swimmer)
     drag = float(swimmer.fluid.viscosity) * 2.0 * math.pi * own["frequency"] * own["length"] ** 4
     wave = _round(float(swimmer.tail.wavelength_along_s or own["length"]))  # some laws ask for it
-    how = {"bending": _round(STIFF * abs(drag)), "wavelength": wave}
+    how: dict[str, Any] = {"bending": _round(STIFF * abs(drag)), "wavelength": wave}
     return ElasticTail(**own, **how, drive="heave", amplitude=_round(HEAVE * own["length"]))
 
 

@@ -1,4 +1,4 @@
-"""Tables of filmed cells dropped onto the page: tracks are described, a traced beat becomes a tail."""
+"""Tables of filmed cells that are dropped: tracks are described, a traced beat becomes a tail."""
 
 from __future__ import annotations
 
@@ -46,7 +46,7 @@ def read(name: str, content: bytes, asked: dict[str, Any]) -> dict[str, Any]:
     ending = Path(name).suffix.lower()
     if ending not in FORMATS:
         raise SpecError("file", name[:80], "a table of tracks or of a beat: CSV or TrackMate's XML")
-    how = {k: str(asked[k]) for k in ("pixel", "fps") if asked.get(k)}
+    how: dict[str, Any] = {k: str(asked[k]) for k in ("pixel", "fps") if asked.get(k)}
     with tempfile.TemporaryDirectory() as folder:
         path = Path(folder) / f"table{ending}"
         path.write_bytes(content)

@@ -9,10 +9,10 @@ from microswim.gait import palette
 from microswim.gait.quantities import NUMBERS, QUANTITIES
 from microswim.gait.readable import READ_IN
 from microswim.gait.units import is_dimensionless, unit
+from microswim.path.regimes import STEEP, STRAIGHT
 from microswim.spec.fields import Field
 from microswim.spec.tables import FIELDS
 from microswim.spec.units import SIZES
-from microswim.path.regimes import STEEP, STRAIGHT
 from microswim.studio.answers import AXES, MAP_OUTPUTS
 from microswim.studio.films import FORMATS as FILMS
 from microswim.studio.judge_jobs import LEVELS

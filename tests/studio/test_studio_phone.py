@@ -13,7 +13,7 @@ SHEETS = {
 ASTRAY = """() => [...document.querySelectorAll("button, select, summary, input")].filter((e) => {
   const r = e.getBoundingClientRect();
   if (!r.width || !e.checkVisibility()) return false;
-  const panel = e.closest(".panel");
+  const panel = e.closest(".panel, .actions.open");
   const across = r.left < -1 || r.right > innerWidth + 1;
   const lost = across || (!panel && (r.top < -1 || r.bottom > innerHeight + 1));
   return lost || (e.tagName === "BUTTON" && r.height < 32);

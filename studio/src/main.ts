@@ -141,7 +141,7 @@ function toggle(id: string, text: string, title: string, act: (on: boolean) => v
 }
 
 const arrows = (...names: string[]): HTMLElement =>
-  el("span", { hidden: true }, ...names.map((n) => el("span", {}, el("i", { style: `background: ${ARROWS[n]}` }), n)));
+  el("span", { hidden: true }, ...names.map((n) => el("span", { class: n }, el("i", { style: `background: ${ARROWS[n]}` }), n)));
 const legends = { forces: arrows("velocity", "drag", "thrust"), magnet: arrows("field", "moment"), flow: el("span", { class: "flowbar", id: "flowbar", hidden: true }) };
 const legend = el("div", { class: "arrows" }, ...Object.values(legends));
 const toggles = {
@@ -306,4 +306,4 @@ window.addEventListener("hashchange", () => window.location.reload()); // anothe
 void begin().catch((error: Error) => notice(error.message, "error"));
 
 // For tests and the curious.
-Object.assign(window, { studio: { store, stage, map, driver, flow, actors: () => actors, frames: () => frames, view } });
+Object.assign(window, { studio: { store, stage, map, driver, flow, actors: () => actors, frames: () => frames, view, picture: () => stage.picture(caption()) } });

@@ -70,7 +70,7 @@ def test_it_opens_and_swims(page, tmp_path):
 
 # Distinct shades on the stage, coarsely.
 COLOURS = """async () => {
-  const bitmap = await createImageBitmap(await studio.stage.picture());
+  const bitmap = await createImageBitmap(await studio.picture());
   const canvas = new OffscreenCanvas(160, 90), g = canvas.getContext('2d');
   g.drawImage(bitmap, 0, 0, 160, 90);
   const d = g.getImageData(0, 0, 160, 90).data, seen = new Set();
@@ -493,7 +493,7 @@ def test_what_one_takes_away(page, browser, tmp_path):
 
 def test_two_designs_side_by_side_and_two_tabs_apart(page, browser, server):
     page.click("#compare")
-    page.click('[data-field="tail.kind"][data-value="plane_wave"]')
+    page.select_option('[data-field="tail.kind"]', "plane_wave")
     page.wait_for_function("() => studio.store.design.answer.shape.kind === 'plane_wave'")
     cells = page.locator(".answers [data-reading=swimming_speed]")
     values = [float(cells.nth(i).get_attribute("data-value")) for i in range(2)]

@@ -90,7 +90,9 @@ def test_the_header_folds_and_all_of_it_is_reached(phone):
     for name in ("#undo", "#redo", "#compare", "#take"):
         assert phone.is_visible(name)
     phone.tap("#take")
-    assert phone.is_visible("#take-png")
+    for name in ("#take-png", "#take-link"):
+        phone.locator(name).scroll_into_view_if_needed()
+        assert phone.is_visible(name)
     assert phone.evaluate(ASTRAY) == []
     phone.tap("#more")
     assert not phone.is_visible("#compare")

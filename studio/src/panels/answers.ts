@@ -5,7 +5,7 @@ import { called } from "../state/words";
 import type { Design, Store } from "../state/store";
 import type { Answer } from "../state/types";
 
-const LISTED = ["forward_velocity", "path_speed", "body_rate_hz", "lateral_amplitude", "path_radius", "efficiency", "mean_torque", "mean_power"];
+const LISTED = ["swimming_speed", "forward_velocity", "path_speed", "body_rate_hz", "lateral_amplitude", "path_radius", "efficiency", "mean_torque", "mean_power"];
 
 export class Answers {
   readonly node = el("section", { class: "answers" });
@@ -21,8 +21,15 @@ export class Answers {
       many ? this.heads() : this.hero(),
       ...this.store.designs.map((d, i) => this.trust(d, i === this.store.active ? "trust" : undefined, many ? `${"AB"[i]}: ` : "")),
       this.remarks(),
-      el("dl", { class: many ? "list two" : "list" }, ...(many ? ["swimming_speed", "body_lengths_per_time", ...LISTED] : LISTED).flatMap((n) => this.row(n))),
+      el("dl", { class: many ? "list two" : "list" }, ...this.listed(many).flatMap((n) => this.row(n))),
     );
+  }
+
+  /** What stands in the list: all of two designs, of one what does not stand above it. */
+  private listed(many: boolean): string[] {
+    if (many) return [LISTED[0], "body_lengths_per_time", ...LISTED.slice(1)];
+    const first = leading(this.store.shown(this.store.design));
+    return LISTED.filter((n) => n !== first);
   }
 
   private hero(): HTMLElement {

@@ -47,6 +47,25 @@ def test_a_body_that_is_no_ellipsoid_is_drawn_by_its_own_surface(body, known):
     assert size == pytest.approx([2 * a for a in body.semi_axes3], rel=1e-3)
 
 
+def test_several_tails_stand_where_the_package_has_them():
+    spec = {
+        "fluid": {"viscosity": 1.0},
+        "body": {"shape": "sphere", "radius": 0.5},
+        "tail": [
+            {"kind": "helix", **WAVE, "position": [-0.3, 0.35, 0.0], "direction": [1, 0.5, 0]},
+            {"kind": "helix", **WAVE, "position": [-0.3, -0.35, 0.0], "phase": 1.5},
+        ],
+    }
+    made = answers.solve(spec)
+    assert answers.solve(made["tables"])["readings"] == pytest.approx(made["readings"])
+    swimmer = swimmer_of(spec)
+    phase, s = 0.7, np.linspace(0.0, 2.0, 9)
+    for tail, drawn in zip(swimmer.tail.each, made["shape"]["tails"], strict=True):
+        own = tail.own.centreline(s, phase + drawn["ahead"])[0]
+        there = own @ np.reshape(drawn["rotation"], (3, 3)).T + drawn["root"]
+        assert np.abs(there - tail.centreline(s, phase)[0]).max() < 1e-12
+
+
 def test_an_ellipsoid_travels_as_three_numbers():
     made = shape(of(ms.Ellipsoid(semi_axes=(0.5, 0.4, 0.3))))
     assert made["mesh"] is None
@@ -60,7 +79,7 @@ def test_the_line_of_a_tail_follows_it_between_the_phases_it_was_made_from(name)
     length = made["length"]
     tail = swimmer.settled.tail
     for phase in (0.1, 2.345, 5.0):
-        line = evaluate(np.array(made["line"]), phase).reshape(ALONG, 3)
+        line = evaluate(np.array(made["tails"][0]["line"]), phase).reshape(ALONG, 3)
         true = tail.centreline(np.linspace(0.0, length, ALONG), phase)[0]
         assert np.abs(line - true).max() < 1e-3 * length
         assert np.linalg.norm(true[:, 1:], axis=1).max() < 1.01 * made["reach"]

@@ -132,7 +132,7 @@ def test_a_traced_beat_is_the_tail_of_a_swimmer(app):
     assert told["tables"]["motion"]["free"] == ["us", "uq", "or"]
     assert "guess" in " ".join(told["notes"])
     made = answers.solve(told["tables"])
-    assert made["shape"]["line"]
+    assert made["shape"]["tails"][0]["line"]
     assert made["readings"]["forward_velocity"] > 0
 
 

@@ -26,7 +26,7 @@ SEEN = 1e-4  #: of the tail's length: less an eye does not see
 def shape(swimmer: Swimmer) -> dict[str, Any]:
     """Return the form of a swimmer, lengths in its own units, ready for JSON."""
     tail, body = swimmer.settled.tail, swimmer.body
-    wave = isinstance(tail, WaveTail)
+    tails = [] if tail.is_absent else list(tail.each)
     return {
         "semi_axes": [float(a) for a in body.semi_axes3],
         "body": body.shape,
@@ -34,16 +34,34 @@ def shape(swimmer: Swimmer) -> dict[str, Any]:
         "kind": swimmer.tail.kind,
         "rigid": bool(tail.is_rigid),
         "length": float(tail.apparent_length),
-        "reach": reach(tail),
-        "amplitude": float(tail.amplitude) if wave else 0.0,
-        "amplitude_end": _end(tail) if wave else 0.0,
-        "wavenumber": float(tail.wavenumber) if wave else 0.0,
-        "ramp": float(tail.ramp) if wave else 0.0,
+        "reach": max(map(reach, tails), default=0.0),
+        "ramp": min((float(getattr(t.own, "ramp", 0.0)) for t in tails), default=0.0),
         "radius": float(tail.radius),
-        "section": None if tail.section is None else [float(a) for a in tail.section],
         "sign": float(tail.sign),
-        "sheared": tail.sections == "sheared",
-        "line": None if wave or tail.is_absent else line(tail),
+        "tails": [filament(t) for t in tails],
+    }
+
+
+def filament(tail: Tail) -> dict[str, Any]:
+    """Return one tail in its own axes, and where those stand: root from the joint, and rotation."""
+    own = tail.own
+    wave = own if isinstance(own, WaveTail) else None
+    return {
+        "kind": own.kind,
+        "rigid": bool(own.is_rigid),
+        "ahead": float(tail.ahead),
+        "root": [float(x) for x in tail.placement.root],
+        "rotation": np.asarray(tail.placement.rotation, float).ravel().tolist(),
+        "length": float(own.apparent_length),
+        "amplitude": 0.0 if wave is None else float(wave.amplitude),
+        "amplitude_end": 0.0 if wave is None else _end(wave),
+        "wavenumber": 0.0 if wave is None else float(wave.wavenumber),
+        "ramp": 0.0 if wave is None else float(wave.ramp),
+        "radius": float(own.radius),
+        "section": None if own.section is None else [float(a) for a in own.section],
+        "sign": float(own.sign),
+        "sheared": own.sections == "sheared",
+        "line": line(own) if wave is None else None,
     }
 
 
@@ -53,11 +71,9 @@ def _end(tail: WaveTail) -> float:
 
 def reach(tail: Tail) -> float:
     """Return the largest distance of the centreline from the axis s."""
-    if tail.is_absent:
-        return 0.0
     if isinstance(tail, WaveTail):
         return max(float(tail.amplitude), _end(tail))
-    return float(np.linalg.norm(_positions(tail)[..., 1:], axis=-1).max())
+    return max(float(np.linalg.norm(_positions(t)[..., 1:], axis=-1).max()) for t in tail.each)
 
 
 def line(tail: Tail) -> list[list[float]]:

@@ -54,6 +54,8 @@ def located(tables: dict[str, Any]) -> dict[str, Any]:
 
 
 def _located(name: str, table: Any) -> Any:
+    if isinstance(table, list):
+        return [_located(f"{name}[{n}]", one) for n, one in enumerate(table)]
     if not isinstance(table, dict) or "file" not in table:
         return table
     token = TOKEN.fullmatch(str(table["file"]))

@@ -7,6 +7,7 @@ anything is imported.
 from __future__ import annotations
 
 import math
+from collections.abc import Callable
 from typing import Any
 
 from microswim.errors import SpecError
@@ -46,10 +47,10 @@ def swimmer_of(tables: Any) -> Swimmer:
     """
     if not isinstance(tables, dict):
         raise SpecError("the spec must be an object of tables, [fluid], [body], [tail], ...")
-    tail = tables.get("tail")
-    if isinstance(tail, list):
-        raise SpecError("tail: the studio shows one tail; microswim run and show take several")
-    if isinstance(tail, dict) and tail.get("kind") == "custom":
+    tails = tables.get("tail")
+    for tail in tails if isinstance(tails, list) else [tails]:
+        if not isinstance(tail, dict) or tail.get("kind") != "custom":
+            continue
         raise SpecError(
             "tail.kind",
             "custom",
@@ -74,9 +75,17 @@ def canonical(swimmer: Swimmer) -> dict[str, Any]:
         del tables["coefficients"], tables["interaction"]
     made = swimmer.calibration
     return {
-        part: {k: _quantity(f"{part}.{k}", v, units) for k, v in table.items()}
+        part: _each(
+            table,
+            lambda one, part=part: {k: _quantity(f"{part}.{k}", v, units) for k, v in one.items()},
+        )
         for part, table in tables.items()
     } | ({} if made is None else {"calibration": made.as_tables()})
+
+
+def _each(table: Any, change: Callable[[Any], Any]) -> Any:
+    """A table changed, or each of several."""
+    return [change(one) for one in table] if isinstance(table, list) else change(table)
 
 
 def units_of(swimmer: Swimmer) -> dict[str, tuple[str, float]]:

@@ -2,7 +2,7 @@
 
 import { call } from "../state/api";
 import { digits, el, pretty } from "../state/dom";
-import { label, quantity, read, sensible, spoken, type Range } from "../state/fields";
+import { label, quantity, read, sensible, several, spoken, tableOf, type Range } from "../state/fields";
 import { field, size } from "../state/words";
 import { attempt, type Design, type Store } from "../state/store";
 import type { Tables, Value } from "../state/types";
@@ -40,7 +40,8 @@ export class Controls {
     this.rows = [];
     this.node.replaceChildren();
     for (const [part, title] of TITLES) {
-      if (design.tables[part]) this.node.append(this.section(part, title));
+      const names = several(design.tables, part);
+      names.forEach((name, i) => this.node.append(this.section(name, names.length > 1 ? `${title} ${i + 1}` : title)));
     }
     this.node.append(el("div", { class: "problem", id: "problem", hidden: true, role: "alert" }));
     this.node.scrollTop = scroll;
@@ -50,8 +51,8 @@ export class Controls {
 
   /** Every field of a table, those that matter most first. */
   private fields(part: string): HTMLElement[] {
-    const table = this.store.design.tables[part] ?? {};
-    const first = FIRST[part] ?? [];
+    const table = tableOf(this.store.design.tables, part);
+    const first = FIRST[part.replace(/\[.*/, "")] ?? [];
     const names = [...first.filter((n) => n in table), ...Object.keys(table).filter((n) => !first.includes(n))];
     return names.flatMap((name) => this.field(`${part}.${name}`, table[name]));
   }
@@ -59,7 +60,7 @@ export class Controls {
   private section(part: string, title: string): HTMLElement {
     const body = this.fields(part);
     if (part === "fluid") body.push(...this.bounds());
-    const box = el("details", { open: this.open.get(part) }, el("summary", {}, title), ...body);
+    const box = el("details", { open: this.open.get(part) ?? true }, el("summary", {}, title), ...body);
     box.addEventListener("toggle", () => this.open.set(part, box.open));
     return box;
   }
@@ -86,6 +87,7 @@ export class Controls {
   }
 
   private field(path: string, value: Value): HTMLElement[] {
+    if (/^\w+\[\d+\]\.kind$/.test(path)) return [];
     if (path === "motion.free") return [this.freedom(path)];
     if (field(path)?.choices.length) return [this.choice(path)];
     if (typeof value === "boolean") return [this.toggle(path)];

@@ -3,7 +3,7 @@
 import { Latest, call } from "../state/api";
 import { el, pretty, reading } from "../state/dom";
 import { label, numbers, quantity, read, si, spoken } from "../state/fields";
-import { called, size, words } from "../state/words";
+import { called, plain, size, words } from "../state/words";
 import type { Controls } from "./controls";
 import { colour, gradient, ticks } from "./scales";
 import { attempt, notice, type Store } from "../state/store";
@@ -86,7 +86,7 @@ export class SpeedMap {
   private options(): void {
     const { tables } = this.store.design;
     const known = numbers(tables).filter((f) => f !== "fluid.density" && !/coupling|\]\[|^(wall|channel|magnet|field)/.test(f));
-    const [x, y] = words().axes.filter((f) => known.includes(f));
+    const [x, y] = words().axes.flatMap((f) => known.find((k) => plain(k) === f) ?? []);
     this.possible = y !== undefined;
     if (!known.includes(this.field.x)) this.field.x = x ?? this.field.x;
     if (!known.includes(this.field.y)) this.field.y = this.field.x === y ? x : y ?? this.field.y;

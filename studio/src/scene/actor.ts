@@ -7,7 +7,7 @@ import { LineMaterial } from "three/examples/jsm/lines/LineMaterial.js";
 import { bodyWrench, rotate, start, stay, step, twist, type Drive, type Pose } from "../state/motion";
 import { Bounds } from "./bounds";
 import { Hull } from "./hull";
-import { Tube } from "./tube";
+import { TailMesh } from "./tube";
 import type { Answer } from "../state/types";
 import { words } from "../state/words";
 
@@ -42,8 +42,8 @@ export class Actor {
   readonly around = new Bounds();
   private home = new THREE.Group();
   private hull: Hull;
-  private tail: THREE.Mesh;
-  private tube = new Tube();
+  private tails: TailMesh[] = [];
+  private skin: THREE.Material;
   private path: Line2;
   private trail: number[] = [];
   private arrows: Record<string, THREE.Group> = {};
@@ -52,14 +52,12 @@ export class Actor {
 
   constructor(private scene: THREE.Object3D, public look: Look) {
     this.hull = new Hull(look.body);
-    this.tail = new THREE.Mesh(this.tube.geometry, new THREE.MeshStandardMaterial({ color: look.tail, roughness: 0.34 }));
-    this.tail.frustumCulled = false;
+    this.skin = new THREE.MeshStandardMaterial({ color: look.tail, roughness: 0.34 });
     this.colour = new THREE.Color(look.path);
     this.path = new Line2(new LineGeometry(), new LineMaterial({
       linewidth: 2, vertexColors: true, transparent: true, depthWrite: false, toneMapped: false,
     }));
     this.path.frustumCulled = false;
-    this.sqr.add(this.tail);
     this.root.add(this.hull.mesh, this.sqr);
     this.home.add(this.around.group);
     scene.add(this.root, this.path, this.home);
@@ -81,8 +79,14 @@ export class Actor {
     const { shape } = answer;
     this.hull.update(shape);
     this.sqr.position.set(shape.semi_axes[0], 0, 0);
-    this.tail.visible = shape.length > 0;
-    if (this.tail.visible) this.tube.update(shape, 0);
+    this.tails.splice(shape.tails.length).forEach((tail) => {
+      this.sqr.remove(tail.group);
+      tail.dispose();
+    });
+    shape.tails.forEach((filament, i) => {
+      if (!this.tails[i]) this.sqr.add((this.tails[i] = new TailMesh(this.skin)).group);
+      this.tails[i].update(filament);
+    });
     this.around.update(answer.around, answer.shape);
     this.pose_();
   }
@@ -145,13 +149,7 @@ export class Actor {
     this.home.position.copy(this.offset);
     this.root.position.set(x[0], x[1], x[2]).add(this.offset);
     this.root.quaternion.set(q[1], q[2], q[3], q[0]);
-    const { shape } = this.answer;
-    if (!this.tail.visible) return;
-    if (shape.rigid) this.tail.rotation.x = shape.sign * phase;
-    else {
-      this.tail.rotation.x = 0;
-      this.tube.update(shape, phase);
-    }
+    for (const tail of this.tails) tail.pose(phase);
   }
 
   draw(drive: Drive, arrows: boolean, height: number): void {

@@ -171,7 +171,7 @@ function surroundings(shape: Shape): [Vec, number][] {
   for (let i = 0; shape.length > 0 && i <= 16; i++) {
     const s = (shape.length * i) / 16;
     const grown = shape.ramp ? Math.min(1, s / (shape.ramp * shape.length)) : 1;
-    balls.push([[a + s, 0, 0], (shape.line ? shape.reach : shape.reach * grown) + shape.radius]);
+    balls.push([[a + s, 0, 0], shape.reach * grown + shape.radius]);
   }
   return balls;
 }

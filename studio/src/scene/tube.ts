@@ -2,19 +2,55 @@
 // or a series in the phase of points along it.
 
 import * as THREE from "three";
-import type { Shape } from "../state/types";
+import type { Filament } from "../state/types";
 
 const AROUND = 14;
 const CAP = 5;
 
-export class Tube {
+/** A tail on the stage, where it stands on its body. */
+export class TailMesh {
+  readonly group = new THREE.Group();
+  private tube = new Tube();
+  private mesh: THREE.Mesh;
+  private shape: Filament | null = null;
+
+  constructor(material: THREE.Material) {
+    this.mesh = new THREE.Mesh(this.tube.geometry, material);
+    this.mesh.frustumCulled = false;
+    this.group.matrixAutoUpdate = false;
+    this.group.add(this.mesh);
+  }
+
+  update(shape: Filament): void {
+    this.shape = shape;
+    const [a, b, c, d, e, f, g, h, i] = shape.rotation;
+    const [x, y, z] = shape.root;
+    this.group.matrix.set(a, b, c, x, d, e, f, y, g, h, i, z, 0, 0, 0, 1);
+    this.tube.update(shape, 0);
+  }
+
+  /** Turn it, or bend it, to a phase of the motor. */
+  pose(motor: number): void {
+    const { shape } = this;
+    if (!shape) return;
+    const phase = motor + shape.ahead;
+    this.mesh.rotation.x = shape.rigid ? shape.sign * phase : 0;
+    if (!shape.rigid) this.tube.update(shape, phase);
+  }
+
+  dispose(): void {
+    this.tube.geometry.dispose();
+  }
+}
+
+class Tube {
   readonly geometry = new THREE.BufferGeometry();
   private rings = 0;
   private points = new Float32Array(0);
   private normals = new Float32Array(0);
 
   /** Positions in the frame sqr, origin at the joint; the same arrays are written again. */
-  update(shape: Shape, phase: number): void {
+  update(shape: Filament, phase: number): void {
     const waves = Math.max(1, (shape.wavenumber * shape.length) / (2 * Math.PI));
     const rings = shape.line ? shape.line[0].length / 3 : Math.min(720, Math.ceil(26 * waves) + 8);
     if (rings !== this.rings) this.allocate(rings);
@@ -39,7 +75,7 @@ export class Tube {
     this.geometry.computeBoundingSphere();
   }
 
-  private wave(shape: Shape, phase: number, rings: number): THREE.Vector3[] {
+  private wave(shape: Filament, phase: number, rings: number): THREE.Vector3[] {
     const end = shape.ramp * shape.length;
     return Array.from({ length: rings }, (_, i) => {
       const s = (shape.length * i) / (rings - 1);
@@ -51,7 +87,7 @@ export class Tube {
   }
 
   /** Where the wave swings out at s: in the plane of a plane wave always to the same side, unless with its size. */
-  private outward(shape: Shape, phase: number, s: number, signed = false): THREE.Vector3 {
+  private outward(shape: Filament, phase: number, s: number, signed = false): THREE.Vector3 {
     const a = shape.wavenumber * s - phase;
     if (shape.kind === "helix") return new THREE.Vector3(0, Math.cos(a), -shape.sign * Math.sin(a));
     return new THREE.Vector3(0, signed ? Math.cos(a) : 1, 0);

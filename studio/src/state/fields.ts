@@ -1,30 +1,48 @@
 // Values of a spec by dotted name: names for people, numbers with units, where sliders run.
 
-import { field, size } from "./words";
+import { field, plain, size } from "./words";
 import type { Answer, Tables, Value } from "./types";
 
-export function label(path: string): string {
+export function label(named: string): string {
+  const path = plain(named);
   const known = field(path);
   const entry = /^[^[]+\[(\d+)\]$/.exec(path);
   const name = entry ? known?.entries[Number(entry[1])] : path.includes("[") ? undefined : known?.label;
   return name ?? path.replace(/^[a-z]+\./, "").replace(/_/g, " ");
 }
 
+/** The table that a path lies in, its name there and places in a list; of several tables of a name each has a number. */
+function parts(tables: Tables, path: string): [Record<string, Value> | undefined, string, string[]] {
+  const [, part, number, name, index] = /^(\w+)(?:\[(\d+)\])?\.([^[]+)(.*)$/.exec(path)!;
+  const tableOrTables: unknown = tables[part];
+  const table = number === undefined ? tableOrTables : (tableOrTables as unknown[] | undefined)?.[Number(number)];
+  return [table as Record<string, Value> | undefined, name, index.replace(/\]/g, "").split("[").slice(1)];
+}
+
+/** Names of the tables of a part: itself, or each of several by its number. */
+export function several(tables: Tables, part: string): string[] {
+  const found: unknown = tables[part];
+  if (found === undefined) return [];
+  return Array.isArray(found) ? found.map((_, i) => `${part}[${i}]`) : [part];
+}
+
+export const tableOf = (tables: Tables, part: string): Record<string, Value> => parts(tables, `${part}.x`)[0] ?? {};
+
 export function read(tables: Tables, path: string): Value | undefined {
-  const [part, name, ...index] = path.replace(/\]/g, "").split(/[.[]/);
-  let value: Value | undefined = tables[part]?.[name];
+  const [table, name, index] = parts(tables, path);
+  let value: Value | undefined = table?.[name];
   for (const i of index) value = Array.isArray(value) ? value[Number(i)] : undefined;
   return value;
 }
 
 export function write(tables: Tables, path: string, value: Value): void {
-  const [part, name, ...index] = path.replace(/\]/g, "").split(/[.[]/);
-  tables[part] ??= {};
+  if (!path.split(".")[0].includes("[")) tables[path.split(".")[0]] ??= {};
+  const [table, name, index] = parts(tables, path);
   if (index.length === 0) {
-    tables[part][name] = value;
+    table![name] = value;
     return;
   }
-  let list = tables[part][name] as Value[];
+  let list = table![name] as Value[];
   for (const i of index.slice(0, -1)) list = list[Number(i)] as Value[];
   list[Number(index[index.length - 1])] = value;
 }
@@ -57,8 +75,8 @@ export function numbers(tables: Tables): string[] {
     if (Array.isArray(value)) value.forEach((v, i) => visit(`${path}[${i}]`, v));
     else if (quantity(value)) found.push(path);
   };
-  for (const [part, table] of Object.entries(tables)) {
-    for (const [name, value] of Object.entries(table)) visit(`${part}.${name}`, value);
+  for (const part of Object.keys(tables).flatMap((p) => several(tables, p))) {
+    for (const [name, value] of Object.entries(tableOf(tables, part))) visit(`${part}.${name}`, value);
   }
   return found;
 }
@@ -86,7 +104,7 @@ export function sensible(path: string, q: Quantity, answer: Answer): Range {
   const wide = (2 * Math.max(...shape.semi_axes) || shape.length / 2) / unit;
   if (path.startsWith("body.")) return linear(nice(wide) / 20, nice(1.5 * wide));
   if (path.startsWith("channel.position")) return linear(-nice(wide), nice(wide));
-  switch (path) {
+  switch (plain(path)) {
     case "tail.length": return linear(nice(q.n) / 10, nice(2.5 * q.n));
     case "tail.amplitude": return linear(0, nice(Math.max(1.6 * q.n, (0.06 * shape.length) / unit)));
     case "tail.wavelength": return linear(nice(q.n / 4), nice(3 * q.n));

@@ -15,8 +15,24 @@ export interface Shape {
   /** whether the phase turns the tail as a whole */
   rigid: boolean;
   length: number;
-  /** farthest that the tail comes from the axis */
+  /** farthest that a tail comes from the axis */
   reach: number;
+  ramp: number;
+  radius: number;
+  sign: number;
+  tails: Filament[];
+}
+
+/** One tail in its own axes, and where those stand. */
+export interface Filament {
+  kind: string;
+  rigid: boolean;
+  /** of its phase before that of the motor */
+  ahead: number;
+  root: [number, number, number];
+  /** row by row, its own axes to the body's */
+  rotation: number[];
+  length: number;
   amplitude: number;
   amplitude_end: number;
   wavenumber: number;

@@ -53,9 +53,12 @@ export function learn(words: Words): void {
 
 export const words = (): Words => told;
 
+/** A field's name without the number of its tail. */
+export const plain = (path: string): string => path.replace(/^(\w+)\[\d+\]\./, "$1.");
+
 /** What is known of a field; an entry of a list is one of its field. */
 export function field(path: string): Field | undefined {
-  return told.fields[path.replace(/\[.*$/, "")];
+  return told.fields[plain(path).replace(/\[.*$/, "")];
 }
 
 export function size(unit: string): number {

@@ -13,7 +13,7 @@ export function label(named: string): string {
 
 /** The table that a path lies in, its name there and places in a list; of several tables of a name each has a number. */
 function parts(tables: Tables, path: string): [Record<string, Value> | undefined, string, string[]] {
-  const [, part, number, name, index] = X.exec(path)!;
+  const [, part, number, name, index] = /^(\w*)(?:\[(\d+)\])?\.([^[]+)(.*)$/.exec(path)!;
   const tableOrTables: unknown = tables[part];
   const table = number === undefined ? tableOrTables : (tableOrTables as unknown[] | undefined)?.[Number(number)];
   return [table as Record<string, Value> | undefined, name, index.replace(/\]/g, "").split("[").slice(1)];

@@ -19,7 +19,6 @@ from chromium import CHROMIUM, FLAGS, opened  # noqa: E402
 
 OUT = ROOT / "docs" / "img"
 WIDE = {"width": 1280, "height": 800}
-COLOURS = 192  # of a picture: enough for a dark ground, a quarter of the bytes
 
 
 def put(page, name):
@@ -33,8 +32,7 @@ def swum(page, seconds=12):
 
 
 def mapped(page):
-    count = page.evaluate("() => studio.map.count")
-    page.wait_for_function(f"() => studio.map.count > {count - 1}")
+    page.wait_for_selector(".map .legend")
     swum(page, 6)
 
 
@@ -115,11 +113,12 @@ TAKEN = [studio, flow, channel, elastic, field, dropped, tracks, cell, compare]
 
 def take(browser, address, act):
     page = opened(browser, address, viewport=WIDE)
+    page.wait_for_selector("body[data-warm]", state="attached")
     act(page)
     picture = Image.open(BytesIO(page.screenshot())).convert("RGB")
     page.close()
-    file = OUT / f"studio-{act.__name__}.png"
-    picture.quantize(COLOURS, dither=Image.Dither.FLOYDSTEINBERG).save(file, optimize=True)
+    file = OUT / f"studio-{act.__name__}.jpg"
+    picture.save(file, quality=90, subsampling=0, optimize=True)
     print(f"{file.relative_to(ROOT)}: {file.stat().st_size // 1024} kB")
 
 

@@ -294,6 +294,7 @@ async function warming(): Promise<void> {
     const { warm, doing } = await call<{ warm: boolean; doing: string }>("/api/status");
     if (warm) {
       document.body.dataset.warm = "yes";
+      if (!map.drawn) map.refresh(); // the first one may have come too early
       return;
     }
     if (i === 1) notice(`Getting ready (${doing}); the first numbers may take a few seconds.`);

@@ -21,7 +21,7 @@ def server():
         yield re.search(r"http://127\.0\.0\.1:\d+/", line).group()
     finally:
         process.terminate()
-        process.wait(20)
+        process.wait(90)  # a solve under way ends first
         process.stdout.close()
 
 

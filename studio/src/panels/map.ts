@@ -139,6 +139,10 @@ export class SpeedMap {
     this.paint();
   }
 
+  get drawn(): boolean {
+    return this.answer !== null;
+  }
+
   /** What a snapshot takes along. */
   get current(): MapAsk | null {
     return this.asked && { ...this.asked.ask, output: this.output };

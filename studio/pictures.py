@@ -1,4 +1,4 @@
-"""Take the pictures of the studio that the documentation shows: python studio/pictures.py [NAME ...].
+"""Take the pictures of the studio that the documentation shows: pictures.py [NAME ...].
 
 Wants Chromium and playwright, as the browser tests do. Look at what it made before you commit it.
 """
@@ -70,7 +70,9 @@ def dropped(page):
     from microswim import Swimmer
     from microswim.output.io.stl import write_stl
 
-    tables = re.findall(r"```toml\n(.*?)```", (ROOT / "docs/tutorials/cad.md").read_text(), re.DOTALL)
+    tables = re.findall(
+        r"```toml\n(.*?)```", (ROOT / "docs/tutorials/cad.md").read_text(), re.DOTALL
+    )
     spec, stl = Path("/tmp/picture.toml"), Path("/tmp/robot.stl")
     spec.write_text(tables[0])
     write_stl(stl, Swimmer.from_toml(spec), fineness=0.8)
@@ -86,8 +88,14 @@ def dropped(page):
 
 
 def tracks(page):
-    made = re.findall(r"cat > plant.py <<'END'\n(.*?)END\n", (ROOT / "docs/tutorials/movie.md").read_text(), re.DOTALL)
-    subprocess.run([sys.executable, "-c", made[0]], cwd="/tmp", check=True, stdout=subprocess.DEVNULL)
+    made = re.findall(
+        r"cat > plant.py <<'END'\n(.*?)END\n",
+        (ROOT / "docs/tutorials/movie.md").read_text(),
+        re.DOTALL,
+    )
+    subprocess.run(
+        [sys.executable, "-c", made[0]], cwd="/tmp", check=True, stdout=subprocess.DEVNULL
+    )
     page.set_input_files("#file", "/tmp/spots.csv")
     page.fill("#drop-pixel", "0.11um")
     page.fill("#drop-fps", "25")

@@ -124,7 +124,7 @@ def test_the_page_is_told_of_every_field_and_quantity_it_shows(app):
     assert set(told["outputs"]) <= set(told["quantities"])
     for sizes, value in (("um", 1e-6), ("mPa s", 1e-3), ("deg", math.pi / 180)):
         assert told["units"][sizes] == pytest.approx(value, rel=1e-15)
-    for name in presets.names(one_tail=True):
+    for name in presets.names():
         spec = canonical(from_dict(tomllib.loads(presets.read(name))))
         each = [(part, t) for part, t in spec.items() for t in (t if isinstance(t, list) else [t])]
         assert {f"{part}.{field}" for part, t in each for field in t} <= set(told["fields"])
@@ -171,18 +171,12 @@ def test_who_chose_no_law_is_answered_by_the_atlas_again_and_again(app):
     assert answers.solve(chosen)["gait"]["model"] == "rft"
 
 
-def test_several_tails_are_refused_in_a_sentence_and_not_offered():
-    with pytest.raises(ms.SpecError, match="the studio shows one tail"):
-        answers.solve(tomllib.loads(presets.read("several/two-tails")))
-    assert not any(name.startswith("several/") for name in presets.names(one_tail=True))
-
-
 @pytest.mark.parametrize("name", ["tabak/helix", "goto/A"])
 def test_presets_keep_the_model_of_the_paper(name):
     assert answers.solve(tomllib.loads(presets.read(name)))["gait"]["model"] == "rft"
 
 
-@pytest.mark.parametrize("name", presets.names(one_tail=True))
+@pytest.mark.parametrize("name", presets.names())
 def test_canonical_tables_and_toml_say_the_same_swimmer(name):
     swimmer = ms.Swimmer.preset(name)
     full = tables.canonical(swimmer)

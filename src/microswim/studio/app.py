@@ -260,7 +260,7 @@ async def _answered(request: Request, answer: Callable[[Any], Any], ask: Any) ->
 
 
 def _presets(_: Any) -> Any:
-    shown = presets.names(one_tail=True)
+    shown = presets.names()
     return {"names": shown, "specs": {n: presets.read(n) for n in shown}}
 
 

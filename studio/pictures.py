@@ -103,11 +103,6 @@ def tracks(page):
     page.wait_for_selector("#tracks")
 
 
-def cell(page):
-    put(page, "goto/C")
-    mapped(page)
-
-
 def compare(page):
     put(page, "tabak/helix")
     page.click("#compare")
@@ -116,7 +111,7 @@ def compare(page):
     mapped(page)
 
 
-TAKEN = [studio, flow, channel, elastic, field, dropped, tracks, cell, compare]
+TAKEN = [studio, flow, channel, elastic, field, dropped, tracks, compare]
 
 
 def take(browser, address, act):

@@ -109,6 +109,8 @@ viscosity = "1 mPa s"
 [body]
 shape = "sphere"
 radius = "1 um"
+[coefficients]
+law = "cox"
 [tail]
 kind = "elastic"
 length = "8 um"

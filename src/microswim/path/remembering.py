@@ -17,7 +17,7 @@ import numpy as np
 
 from microswim.errors import SpecError
 from microswim.gait.units import unit
-from microswim.models.elastic.unsteady.march import Shape, at_rest, marched
+from microswim.models.elastic.unsteady.march import LOOSEST, Shape, at_rest, marched
 from microswim.models.elastic.unsteady.numbers import units_of
 from microswim.numerics.array import Array
 from microswim.numerics.files import write
@@ -29,7 +29,7 @@ if TYPE_CHECKING:
     import xarray as xr
 
 CHUNKS, PERIODS = 48, 2.0  #: of a path that are kept: at most so many, of so many periods at least
-LOOSE = 30.0  #: times the tolerance: the second march, for the error of the first
+LOOSE = 30.0  #: times the tolerance, or a part of it: a second march, for the error of the first
 REPULSION = 0.01  #: range over the length
 
 
@@ -93,8 +93,9 @@ def remember(
         if progress is not None:
             progress(i + 1, len(cuts) - 1)
     ends = times[[0, -1]]
-    loose = marched(swimmer, start, ends, LOOSE * tolerance, float(ends[0]), **more).shapes[-1]
-    off = float(np.linalg.norm(loose.position - shapes[-1].position))
+    other = LOOSE * tolerance if LOOSE * tolerance <= LOOSEST else min(tolerance, LOOSEST) / LOOSE
+    again = marched(swimmer, start, ends, other, float(ends[0]), **more).shapes[-1]
+    off = float(np.linalg.norm(again.position - shapes[-1].position))
     return _told(swimmer, times, shapes, places, off)
 
 

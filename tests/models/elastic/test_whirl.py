@@ -46,6 +46,10 @@ def test_a_hook_gives_way_in_space_as_in_two_planes(turning):
     force = -ms.summary(replace(one, hook=hook).gait())["held_wrench"][0]
     truth = 2.0 * thrust(3.0, "clamped", "pivot", turning) * 0.5 * RATE * tilt**2
     assert force == pytest.approx(truth, rel=1e-3)
+    settled = replace(one, hook=hook).settled  # a tail like any other, without a hook
+    assert settled.hook is None
+    found = -ms.summary(settled.gait("rft"))["held_wrench"][0]
+    assert found == pytest.approx(force, rel=1e-6)
 
 
 @pytest.mark.parametrize(("hand", "pitch"), [("left", -0.4), ("right", 0.4)])
@@ -63,6 +67,9 @@ def test_a_stiff_helix_is_the_helix(hand, pitch):
     ours, other = stiff.with_({"tail.frequency": sense}).gait(), replace(stiff, tail=helix).gait()
     np.testing.assert_allclose(np.abs(ours.mean_velocity), np.abs(other.mean_velocity), atol=1e-6)
     assert np.sign(ours.mean_velocity[0]) == -1.0
+    unchosen = ms.Lighthill()  # of the pitch at rest, where no wavelength is given
+    pair = [unchosen.pair(t, 1.0) for t in (replace(bent, bending=1.0), helix)]
+    np.testing.assert_allclose(pair[0], pair[1])
     x = np.linspace(0.0, 2.0, 300)
     angle = 2.0 * np.pi * x / pitch
     points = np.stack([x, radius * np.cos(angle), radius * np.sin(angle)], axis=1)[

@@ -38,7 +38,7 @@ def settled_swimmer(swimmer: Swimmer) -> Swimmer:
     """
     tail = elastic_tail(swimmer)
     if tail.turns:
-        return replace(swimmer, tail=whirled_tail(tail, whirl(swimmer)))
+        return replace(swimmer, tail=whirled_tail(tail, whirl(swimmer)), hook=None)
     return replace(swimmer, tail=settled_tail(tail, settled(problem(swimmer))), hook=None)
 
 

@@ -20,6 +20,7 @@ from microswim.swimmer.swimmer import Swimmer
 
 FIRST, MOST = 8, 40  #: polynomials a strain
 SHARP = 1e-4  #: largest share that the last two of them may have in the tail's place
+LOOSEST = 3e-5  #: tolerance; with a looser one the steps of BDF fail more often than they save
 POINTS = 33  #: of the filament, in what is handed on
 
 
@@ -79,7 +80,7 @@ def marched(
     times
         Increasing, in the swimmer's units.
     tolerance
-        Of a step, relative.
+        Of a step, relative; at most `LOOSEST`.
     begun
         Time of the field at the first time.
     more
@@ -93,6 +94,7 @@ def marched(
         If a step cannot be made small enough, or the filament bends too sharply.
     """
     units, n = units_of(swimmer), start.strains.shape[1]
+    tolerance = min(tolerance, LOOSEST)
     while True:
         of = in_time(swimmer, n, start.phase, **more)
         found = _integrated(

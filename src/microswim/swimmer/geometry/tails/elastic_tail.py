@@ -73,7 +73,8 @@ class ElasticTail(Tail):
         Where the filament is magnetic, from and to which part of its length.
     wavelength
         Of the inner moments, along the filament. Else for laws of local resistance that need
-        one; Cox's law, which needs none, where the swimmer chooses no law.
+        one (by default the pitch at rest); Cox's law, which needs none, where the swimmer
+        chooses no law and there is none.
     sections, surface_motion
         As for `WaveTail`, for the reference solvers.
 
@@ -216,8 +217,15 @@ class ElasticTail(Tail):
         return self.length
 
     @property
-    def alpha(self) -> float:
-        return 1.0
+    def alpha(self) -> Any:
+        if not self.rest_pitch:
+            return 1.0
+        pitch = self._pitch
+        return pitch / np.sqrt((2.0 * np.pi * self.rest_radius) ** 2 + pitch**2)
+
+    @property
+    def _pitch(self) -> Any:
+        return np.sign(np.real(self.rest_pitch)) * self.rest_pitch  # type: ignore[operator]
 
     @property
     def number_of_waves(self) -> Any:
@@ -225,8 +233,11 @@ class ElasticTail(Tail):
         return 0.0 if self.wavelength is None else self.length / self.wavelength
 
     @property
-    def wavelength_along_s(self) -> float | None:
-        return self.wavelength
+    def wavelength_along_s(self) -> Any:
+        """Wavelength for laws of local resistance: as given, or the pitch at rest; None: none."""
+        if self.wavelength is not None or not self.rest_pitch:
+            return self.wavelength
+        return self._pitch
 
     @property
     def edges(self) -> np.ndarray:

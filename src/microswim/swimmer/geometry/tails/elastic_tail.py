@@ -220,8 +220,8 @@ class ElasticTail(Tail):
     def alpha(self) -> Any:
         if not self.rest_pitch:
             return 1.0
-        pitch = self._pitch
-        return pitch / np.sqrt((2.0 * np.pi * self.rest_radius) ** 2 + pitch**2)
+        pitch, radius = self._pitch, self.rest_radius or 0.0
+        return pitch / np.sqrt((2.0 * np.pi * radius) ** 2 + pitch**2)
 
     @property
     def _pitch(self) -> Any:

@@ -182,7 +182,7 @@ def _ease(touch: Any, R: Any, N: Any, work: Any) -> Any:
 
 @compiled(error_model="numpy")
 def kept_off(numbers: Any, touch: Any, R: Any, U: Any, D: Any, work: Any) -> None:
-    """Let what a flow does to a swimmer stay bounded below the smallest gap solved.
+    """Hold what a flow does to a swimmer bounded below the smallest gap solved.
 
     R (U + D), the wrench of the flow on the swimmer held, does not grow as R does in `continued`:
     ``D - (1 - g/g_0) R^-1 N (N . (U + D)) / (N' R^-1 N)``. U (6,): flow and rotation at the centre.
@@ -203,7 +203,7 @@ def kept_off(numbers: Any, touch: Any, R: Any, U: Any, D: Any, work: Any) -> Non
 
 @compiled(error_model="numpy")
 def continued(numbers: Any, touch: Any, R: Any, F: Any, work: Any) -> None:
-    """Let R and F_p grow like 1/gap below the smallest gap solved, for body and then for tail.
+    """Add what grows like 1/gap below the smallest gap solved, for body and then for tail.
 
     ``R + c N N'``, ``c = (g_0/g - 1) / (N' R^-1 N)``, and ``F_p + c N (n . u)`` where the nearest
     point moves with u per unit phase rate, on the tail.

@@ -173,7 +173,7 @@ def touch_tube(
 
 @compiled()
 def nearer_first(touch: Any) -> None:
-    """Change body and tail if the tail is nearer."""
+    """Put the tail first if it is nearer than the body."""
     if touch[7] < touch[0]:
         for i in range(7):
             touch[i], touch[7 + i] = touch[7 + i], touch[i]

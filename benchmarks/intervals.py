@@ -159,8 +159,9 @@ def once(function: Any) -> Any:
     kept: dict[Any, Any] = {}
 
     def called(swimmer: ms.Swimmer, grid: dict[str, np.ndarray], **options: Any) -> Any:
-        key = (swimmer.tail.kind, *grid, *(v.size for v in grid.values()))
-        if max(key[-1:]) < 50:
+        sizes = [v.size for v in grid.values()]
+        key = (swimmer.tail.kind, *grid, *sizes)
+        if max(sizes) < 50:
             return function(swimmer, grid, **options)
         if key not in kept:
             kept[key] = function(swimmer, grid, **options)

@@ -43,7 +43,8 @@ def _plain(numbers: dict[str, Any]) -> dict[str, Any]:
 
 def columns(row: dict[str, Any]) -> dict[str, Any]:
     """Return what the table of cells holds of it; persistence by headings is there already."""
-    some, line = row.get("wandering"), {}
+    some: Any = row.get("wandering")
+    line: dict[str, Any] = {}
     for name in SHOWN if some else ():
         low, high = some["interval_95"][name] or ("", "")
         wide = f"wandering_{name}"

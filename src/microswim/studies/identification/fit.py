@@ -154,7 +154,9 @@ def _followed(
             progress(i + 1, len(guesses))
         if fits and not left_over(problem, problem.path(min(fits, key=_cost).x)):
             break
-    if designs is None or not fits:
+    else:
+        return fits  # none holds: what lies beside is no better
+    if designs is None:
         return fits
     n = len(problem.unknowns)
     for _ in range(ROUNDS):
@@ -209,7 +211,11 @@ def fit(
         i = problem.names.index(FREQUENCY)
         first[i] *= problem.wobble_ratio(first)
     low, best = lowest(problem), []
-    for z in initial_poses(problem, np.maximum(first, 1.01 * low), count=phases):
+    try:
+        poses = initial_poses(problem, np.maximum(first, 1.01 * low), count=phases)
+    except (MicroswimError, np.linalg.LinAlgError, ValueError):  # a design that no law knows
+        return []
+    for z in poses:
         best.append(least(problem, z))
     best = [done for done in best if done is not None]
     return [min(best, key=_cost)] if best else []

@@ -41,7 +41,7 @@ def stretches(
     found = np.ones((values.size, 2))
     if not np.isfinite(uncertainty).all() or not (uncertainty > 0).all():
         return found
-    t = student.ppf(0.5 + LEVEL / 2.0, max(done.fun.size - done.x.size, 1))
+    t = float(student.ppf(0.5 + LEVEL / 2.0, max(done.fun.size - done.x.size, 1)))
     ways = _ways(problem, done)
 
     def end(i: int, sense: float) -> _End:

@@ -179,7 +179,8 @@ def _persistence(swims: list[Any], seed: int) -> dict[str, Estimate | None]:
     squares, rates = square * share[:, 0], np.maximum(rate * share[:, 1], floor)
 
     def about(value: float, drawn: np.ndarray) -> Estimate:
-        return Estimate(value, *map(float, np.quantile(drawn, (0.025, 0.975))))
+        low, high = np.quantile(drawn, (0.025, 0.975))
+        return Estimate(value, float(low), float(high))
 
     found: dict[str, Estimate | None] = {
         "persistence_time": about(1.0 / rate, 1.0 / rates),

@@ -7,7 +7,6 @@ smooth window, whose error falls fast with the number of beats.
 from __future__ import annotations
 
 import numpy as np
-from scipy.spatial.transform import Rotation
 
 from microswim.gait.gait import Gait
 from microswim.gait.stepping import integrate, pack
@@ -75,6 +74,8 @@ def _start(steady: SteadyTurning) -> Array:
     aside = b - (b @ n) * n
     aside /= np.linalg.norm(aside)
     lab = np.array([n, aside, np.cross(n, aside)])  # rows: x, y, z of the lab, body frame
+    from scipy.spatial.transform import Rotation  # a gait need not wait for it
+
     return Rotation.from_matrix(lab).as_quat(scalar_first=True)
 
 

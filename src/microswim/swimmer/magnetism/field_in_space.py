@@ -178,8 +178,7 @@ class CoilField(FieldInSpace):
     file
         Calibration in the layout of multipole sources for each coil (YAML; SI), or a table of B on
         a grid (CSV), x, y, z, Bx, By, Bz with units in the header and a column coil where there
-        are several; between its points B is free of sources to rounding (`microswim.swimmer.
-        magnetism.grid`), outside it there is none.
+        are several; between its points B is free of sources to rounding, outside it there is none.
     currents
         One for each coil of the file (A), in the file's order; of a table times the current at
         which it was measured, 1 by default.

@@ -27,7 +27,18 @@ from microswim.studies.identification.paths import path_of
 
 NAMES = ("tail.amplitude", "tail.waves", "tail.frequency")
 OFF = np.array([0.1, 0.1, 0.0, 0.0, 0.0, 0.1])  #: stated relative errors of ``off``
-COLUMNS = ("kind", "seed", "name", "truth", "value", "low", "high", "listed", "why", "seconds")
+COLUMNS: tuple[str, ...] = (
+    "kind",
+    "seed",
+    "name",
+    "truth",
+    "value",
+    "low",
+    "high",
+    "listed",
+    "why",
+    "seconds",
+)
 
 
 def drawn(rng: np.random.Generator, kind: str) -> dict[str, float]:

@@ -155,7 +155,7 @@ def _fitted(sums: np.ndarray, width: float) -> tuple[float, float]:
 def _persistence(swims: list[Any], seed: int) -> dict[str, Estimate | None]:
     """Persistence, diffusion and speed in space; intervals by drawing cells, or pieces, again."""
     d, width = swims[0][0].shape[1], float(np.median([step for _, step, _ in swims]))
-    whole = np.array([_sums(*one, width) for one in swims])
+    whole = np.array([_sums(v, step, noise, width) for v, step, noise in swims])
     parts, many = whole, len(swims) >= FEWEST
     if not many:
         parts = np.array([

@@ -258,20 +258,19 @@ def test_numba_still_names_its_files_as_the_cache_expects():
     assert hasattr(kernels.add_tip, "_numba_type_")
 
 
-def test_a_digest_knows_constants_options_and_callees():
-    def digest_of(scale, options=(), callee=1.0):
-        space = {
-            "SCALE": scale,
-            "inner": types.SimpleNamespace(py_func=eval(f"lambda x: {callee}")),
-        }
+def test_a_digest_knows_constants_options_and_callees_and_where_they_stand():
+    def digest_of(scale, options=(), callee=1.0, room="here"):
+        inner = eval(f"lambda x: {callee}")
+        inner.__module__ = room
+        space = {"SCALE": scale, "inner": types.SimpleNamespace(py_func=inner)}
         exec("def kernel(x):\n    return SCALE * inner(x)", space)
         return digest(space["kernel"], dict(options))
 
     whole = {
         digest_of(1.0), digest_of(2.0), digest_of(1.0, {"fastmath": {"nsz"}}),
-        digest_of(1.0, callee=2.0),
+        digest_of(1.0, callee=2.0), digest_of(1.0, room="there"),
     }  # fmt: skip
-    assert len(whole) == 4
+    assert len(whole) == 5
     assert digest_of(2.0) in whole
 
 

@@ -23,7 +23,9 @@ import numpy as np
 
 
 def digest(function: Callable[..., Any], options: dict[str, Any]) -> str:
-    """Return a digest of a kernel: its code, the constants it reads, the kernels it calls."""
+    """Return a digest of a kernel: its code, the constants it reads, the kernels it calls, and in
+    which modules they stand: kept code imports them by name.
+    """
     chosen = [(name, sorted(v) if isinstance(v, set) else v) for name, v in options.items()]
     whole = hashlib.sha256(repr(sorted(chosen)).encode())
     for part in _parts_of(function, set()):
@@ -36,6 +38,7 @@ def _parts_of(function: Callable[..., Any], seen: set[int]) -> Iterator[bytes]:
         return
     seen.add(id(function))
     code = function.__code__
+    yield f"{function.__module__}.{function.__qualname__}".encode()  # code is kept with its callees
     yield code.co_code
     for constant in code.co_consts:
         yield constant.co_code if isinstance(constant, CodeType) else repr(constant).encode()

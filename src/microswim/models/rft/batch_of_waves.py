@@ -27,9 +27,9 @@ MARGIN = 1.0  #: digits of the quadrature beyond the tolerance
 
 
 def of_waves(solved: Any, good: np.ndarray, body: Any, rate: Any, seconds: float) -> dict[str, Any]:
-    """Results of plane waves, at as many phases as each takes; NaN where even the most do not do.
+    """Return results of plane waves, at as many phases as each takes.
 
-    ``solved(rows, phase)`` gives twists, tail powers and, without `body`, drag times speed.
+    NaN where even the most do not do. ``solved(rows, phase)`` gives twists, tail powers and, without `body`, drag times speed.
     """
     out, rows = blank(len(good)), np.flatnonzero(good)
     for some in np.array_split(rows, max(1, -(-len(rows) // CHUNK))):
@@ -61,7 +61,7 @@ def _interleaved(a: np.ndarray, b: np.ndarray) -> np.ndarray:
 def solved_waves(
     swimmer: Swimmer, p: Any, body: Any, phase: np.ndarray, tolerance: float, seconds: float
 ) -> tuple[Any, Any]:
-    """Twists (n, m, 6) and tail powers (n, m) of plane waves at m phases."""
+    """Return twists (n, m, 6) and tail powers (n, m) of plane waves at m phases."""
     V, power = np.empty((len(p), phase.size, 6)), np.empty((len(p), phase.size))
     arc, free = swimmer.motion.line_element == "arc", np.array(swimmer.motion.mask)
     loops = loops_for(max(seconds, phase.size * wave_nodes(p).sum() * SEGMENT))
@@ -91,7 +91,7 @@ def shapes(p: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
 
 
 def wave_nodes(p: np.ndarray) -> np.ndarray:
-    """Nodes on ramp and rest (n, 2) of plane waves that reach rounding."""
+    """Return nodes on ramp and rest (n, 2) of plane waves that reach rounding."""
     return np.stack(node_numbers.written(PLANE_WAVE, *shapes(p)), axis=-1)
 
 

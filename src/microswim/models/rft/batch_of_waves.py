@@ -29,7 +29,8 @@ MARGIN = 1.0  #: digits of the quadrature beyond the tolerance
 def of_waves(solved: Any, good: np.ndarray, body: Any, rate: Any, seconds: float) -> dict[str, Any]:
     """Return results of plane waves, at as many phases as each takes.
 
-    NaN where even the most do not do. ``solved(rows, phase)`` gives twists, tail powers and, without `body`, drag times speed.
+    NaN where even the most do not do. ``solved(rows, phase)`` gives twists, tail powers and,
+    without `body`, drag times speed.
     """
     out, rows = blank(len(good)), np.flatnonzero(good)
     for some in np.array_split(rows, max(1, -(-len(rows) // CHUNK))):

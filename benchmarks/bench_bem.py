@@ -34,7 +34,7 @@ from scipy.spatial.distance import cdist
 import microswim as ms
 from microswim.data import load
 from microswim.models import bem
-from microswim.models.bem.mesh import swimmer_surface
+from microswim.models.bem.patches.mesh import swimmer_surface
 from microswim.models.bem.system import Layer, rigid_modes
 
 RESULTS = Path(__file__).parent / "results" / "bem.json"

@@ -29,8 +29,8 @@ from scipy.stats import qmc
 
 import microswim as ms
 from microswim.models import bem, fem
-from microswim.models.bem.mesh import swimmer_surface
-from microswim.models.bem.surface import grid_boxes, sample
+from microswim.models.bem.patches.mesh import swimmer_surface
+from microswim.models.bem.patches.surface import grid_boxes, sample
 from microswim.models.bem.system import rigid_modes, solve_density, wrench_rows
 from microswim.models.fem import gait as qs
 from microswim.models.fem.mesh import Level, level_named

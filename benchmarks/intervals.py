@@ -22,7 +22,7 @@ from scipy.stats import beta
 
 import microswim as ms
 from microswim.numerics.rigid_motion import multiply
-from microswim.studies.identification import first_guesses, fit, honesty
+from microswim.studies.identification.fitting import first_guesses, fit, honesty
 from microswim.studies.identification.paths import path_of
 
 NAMES = ("tail.amplitude", "tail.waves", "tail.frequency")

@@ -46,11 +46,11 @@ from .path.regimes import Regimes as Regimes
 from .path.regimes import regimes as regimes
 from .path.trajectory import trajectory as trajectory
 from .spec.readers.beat import read_waveform as read_waveform
-from .studies.identification.fit import identify_swimmer as identify_swimmer
+from .studies.identification.films.track import Track as Track
+from .studies.identification.films.tracks import Tracks as Tracks
+from .studies.identification.films.tracks import read_tracks as read_tracks
+from .studies.identification.fitting.fit import identify_swimmer as identify_swimmer
 from .studies.identification.result import Identification as Identification
-from .studies.identification.track import Track as Track
-from .studies.identification.tracks import Tracks as Tracks
-from .studies.identification.tracks import read_tracks as read_tracks
 from .studies.identification.wandering import wandering as wandering
 from .studies.identification.without_model import TrackNumbers as TrackNumbers
 from .studies.identification.without_model import describe_track as describe_track
@@ -68,12 +68,6 @@ from .swimmer.drag.coefficients import Lighthill as Lighthill
 from .swimmer.drag.coefficients import ValidityWarning as ValidityWarning
 from .swimmer.drag.coefficients import closed_form as closed_form
 from .swimmer.drag.interaction import Interaction as Interaction
-from .swimmer.flow import PoiseuilleFlow as PoiseuilleFlow
-from .swimmer.flow import RotationFlow as RotationFlow
-from .swimmer.flow import ShearFlow as ShearFlow
-from .swimmer.flow import StrainFlow as StrainFlow
-from .swimmer.flow import UniformFlow as UniformFlow
-from .swimmer.fluid import Fluid as Fluid
 from .swimmer.geometry.bodies import Ellipsoid as Ellipsoid
 from .swimmer.geometry.bodies import NoBody as NoBody
 from .swimmer.geometry.bodies import Sphere as Sphere
@@ -86,15 +80,14 @@ from .swimmer.geometry.solids.surface_file import SurfaceFile as SurfaceFile
 from .swimmer.geometry.surroundings import Channel as Channel
 from .swimmer.geometry.surroundings import Wall as Wall
 from .swimmer.geometry.tails.custom_tail import CustomTail as CustomTail
-from .swimmer.geometry.tails.hook import Hook as Hook
+from .swimmer.geometry.tails.elastic.hook import Hook as Hook
 from .swimmer.geometry.tails.kinds import ElasticTail as ElasticTail
 from .swimmer.geometry.tails.kinds import HelicalTail as HelicalTail
 from .swimmer.geometry.tails.kinds import NoTail as NoTail
 from .swimmer.geometry.tails.kinds import PlaneWaveTail as PlaneWaveTail
 from .swimmer.geometry.tails.kinds import SeveralTails as SeveralTails
 from .swimmer.geometry.tails.kinds import WaveformTail as WaveformTail
-from .swimmer.geometry.tails.waveform import Waveform as Waveform
-from .swimmer.gravity import Gravity as Gravity
+from .swimmer.geometry.tails.waveforms.waveform import Waveform as Waveform
 from .swimmer.group import Group as Group
 from .swimmer.magnetism.applied_field import OscillatingField as OscillatingField
 from .swimmer.magnetism.applied_field import RotatingField as RotatingField
@@ -105,7 +98,14 @@ from .swimmer.magnetism.field_in_time import SequenceField as SequenceField
 from .swimmer.magnetism.magnet import Magnet as Magnet
 from .swimmer.member import Member as Member
 from .swimmer.motion import Motion as Motion
-from .swimmer.noise import Noise as Noise
+from .swimmer.surroundings.flow import PoiseuilleFlow as PoiseuilleFlow
+from .swimmer.surroundings.flow import RotationFlow as RotationFlow
+from .swimmer.surroundings.flow import ShearFlow as ShearFlow
+from .swimmer.surroundings.flow import StrainFlow as StrainFlow
+from .swimmer.surroundings.flow import UniformFlow as UniformFlow
+from .swimmer.surroundings.fluid import Fluid as Fluid
+from .swimmer.surroundings.gravity import Gravity as Gravity
+from .swimmer.surroundings.noise import Noise as Noise
 from .swimmer.swimmer import Swimmer as Swimmer
 
 __version__: str

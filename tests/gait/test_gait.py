@@ -4,8 +4,8 @@ import numpy as np
 import pytest
 
 import microswim as ms
-from microswim.numerics import fourier as g
-from microswim.numerics.extremes import extremes
+from microswim.numerics.series import fourier as g
+from microswim.numerics.series.extremes import extremes
 
 
 def test_series_passes_through_its_samples_and_differentiates():

@@ -5,7 +5,7 @@ import pytest
 
 import microswim as ms
 from microswim.models.bem.levels import get_level
-from microswim.models.bem.mesh import swimmer_surface
+from microswim.models.bem.patches.mesh import swimmer_surface
 from microswim.swimmer.drag import ribbon
 from microswim.swimmer.fields import lifted
 

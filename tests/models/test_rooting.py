@@ -7,7 +7,7 @@ import pytest
 
 import microswim as ms
 from microswim.models.bem.levels import get_level
-from microswim.models.bem.mesh import swimmer_surface
+from microswim.models.bem.patches.mesh import swimmer_surface
 from microswim.models.rooting import check
 
 WAVE = {"length": 2.0, "radius": 0.05}

@@ -16,8 +16,8 @@ from microswim.models.rft import helix as rigidhelix
 from microswim.models.rft import plane_wave as planarwave
 from microswim.models.rft import segment as kernels
 from microswim.models.rft.segment import HELIX, PLANE_WAVE
-from microswim.numerics.code_cache import digest
-from microswim.numerics.compiled import settled
+from microswim.numerics.compiling.code_cache import digest
+from microswim.numerics.compiling.compiled import settled
 from microswim.numerics.quadrature import gauss
 from microswim.swimmer.drag import lighthill
 from microswim.swimmer.fields import lifted
@@ -197,7 +197,7 @@ def test_after_warming_up_nothing_is_left_to_compile():
 
 
 AT_ONCE = """
-from microswim.numerics.compiled import njit
+from microswim.numerics.compiling.compiled import njit
 
 def double(x):
     return 2 * x

@@ -7,7 +7,7 @@ import sys
 import numpy as np
 
 from microswim.control import motion
-from microswim.numerics.cores import MANY
+from microswim.numerics.compiling.cores import MANY
 
 THREADS = """
 from concurrent.futures import ThreadPoolExecutor

@@ -3,9 +3,9 @@
 import numpy as np
 import pytest
 
-from microswim.numerics.compiled import settled
-from microswim.numerics.extremes import half_range
-from microswim.numerics.fourier import evaluate
+from microswim.numerics.compiling.compiled import settled
+from microswim.numerics.series.extremes import half_range
+from microswim.numerics.series.fourier import evaluate
 
 RNG = np.random.default_rng(5)
 #: Harmonics that decay as those of a twist do; a constant; nothing.

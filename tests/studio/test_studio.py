@@ -17,7 +17,7 @@ import numpy as np
 import pytest
 
 import microswim as ms
-from microswim.numerics.fourier import evaluate
+from microswim.numerics.series.fourier import evaluate
 from microswim.spec import presets
 from microswim.spec.describe import to_tables
 from microswim.spec.file import from_dict

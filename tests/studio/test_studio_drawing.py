@@ -10,7 +10,7 @@ import pytest
 import microswim as ms
 from microswim.errors import SpecError
 from microswim.gait import palette
-from microswim.numerics.fourier import evaluate
+from microswim.numerics.series.fourier import evaluate
 from microswim.spec import presets
 from microswim.studio import answers, exchange
 from microswim.studio.drawing import ALONG, shape

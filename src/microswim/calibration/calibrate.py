@@ -24,11 +24,11 @@ from microswim.errors import SpecError
 from microswim.gait.gait import Gait
 from microswim.models.rft.gait import gait as checked_surrogate
 from microswim.models.rft.gait import unchecked as surrogate
-from microswim.numerics.compiled import pays, settled
+from microswim.numerics.compiling.compiled import pays, settled
 from microswim.numerics.complex_step import STEP, derivative_from
-from microswim.numerics.extremes import half_range
-from microswim.numerics.fourier import series_of
 from microswim.numerics.gauss_newton import gauss_newton
+from microswim.numerics.series.extremes import half_range
+from microswim.numerics.series.fourier import series_of
 from microswim.swimmer import physical_sense
 from microswim.swimmer.fields import lifted
 from microswim.swimmer.magnetism.drive import drive_of

@@ -94,7 +94,7 @@ def command(
     angle) in the frame of the head, is fitted by smooth modes; tail.kind = "waveform" takes it.
     """
     from microswim.spec.readers.beat import is_beat
-    from microswim.studies.identification.tracks import read_tracks
+    from microswim.studies.identification.films.tracks import read_tracks
 
     units = "SI" if given is None else given.swimmer.units
     if tracks.is_file() and is_beat(tracks):
@@ -185,7 +185,7 @@ def _fit(given: Given, read: Any, what: str, fit: dict[str, Any]) -> tuple[list[
     """The swimmer of each track, or why there is none and what it does hold; and what draws it."""
     from microswim.cli._progress import bar
     from microswim.spec.values import from_text
-    from microswim.studies.identification.fit import SHAPE, identify_swimmer
+    from microswim.studies.identification.fitting.fit import SHAPE, identify_swimmer
     from microswim.studies.identification.without_model import describe_track
 
     swimmer, rows, paths = given.swimmer, [], {}

@@ -15,8 +15,8 @@ from microswim import checks
 from microswim.errors import SpecError
 from microswim.models.elastic.unsteady.march import Shape, at_rest, drawn, marched
 from microswim.numerics.array import kept, still_read_only
-from microswim.swimmer.flow import UniformFlow
 from microswim.swimmer.magnetism.applied_field import UniformField
+from microswim.swimmer.surroundings.flow import UniformFlow
 from microswim.swimmer.swimmer import Swimmer
 
 INPUTS = ("motor_rate", "force", "torque", "field", "flow")

@@ -21,8 +21,8 @@ import numpy as np
 
 from microswim.gait.stepping import LOWER as LOWER
 from microswim.gait.stepping import row
-from microswim.numerics.compiled import FAST, njit, prange
-from microswim.numerics.cores import loop
+from microswim.numerics.compiling.compiled import FAST, njit, prange
+from microswim.numerics.compiling.cores import loop
 from microswim.numerics.rigid_motion import to_lab
 
 INPUTS = {

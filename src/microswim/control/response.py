@@ -19,7 +19,7 @@ from microswim.errors import MicroswimError
 from microswim.gait.gait import Gait
 from microswim.gait.stepping import LOWER
 from microswim.numerics.array import read_only
-from microswim.numerics.fourier import series_of
+from microswim.numerics.series.fourier import series_of
 from microswim.path import strain
 from microswim.swimmer.swimmer import Swimmer
 

@@ -16,8 +16,8 @@ import numpy as np
 
 from microswim.control.motion import LOWER
 from microswim.numerics.array import Array
-from microswim.numerics.fourier import evaluate
 from microswim.numerics.rigid_motion import multiply, rotation_matrix
+from microswim.numerics.series.fourier import evaluate
 from microswim.path.tumbling import tumbled
 
 

@@ -3,7 +3,7 @@
 ``R(phi) V + F_p(phi) rate = W_external``: 6x6 resistance R, propulsive wrench F_p per unit phase
 rate. The force and torque by the fluid on the swimmer is ``-(R V + F_p rate)``. Six-vectors are
 ``[linear; angular]`` in the body frame about the body's centre. Holds Eqs. (15) and (24). A gait
-does not know which model made it. A *series* is one of `microswim.numerics.fourier`.
+does not know which model made it. A *series* is one of `microswim.numerics.series.fourier`.
 """
 
 from __future__ import annotations
@@ -20,8 +20,8 @@ from microswim.gait import doors, portrait
 from microswim.gait.poses.one_pose import refusal
 from microswim.gait.turned import sense
 from microswim.numerics.array import kept, read_only
-from microswim.numerics.extremes import half_range
-from microswim.numerics.fourier import evaluate, rotate, series_of
+from microswim.numerics.series.extremes import half_range
+from microswim.numerics.series.fourier import evaluate, rotate, series_of
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure

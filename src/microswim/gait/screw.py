@@ -7,7 +7,7 @@ import numpy as np
 from microswim import checks
 from microswim.gait.gait import Gait
 from microswim.gait.stepping import WORK, integrate, pack, step
-from microswim.numerics.compiled import pays
+from microswim.numerics.compiling.compiled import pays
 from microswim.numerics.rigid_motion import ScrewMotion, along_twist, multiply, rotation_matrix
 
 #: Seconds of a step as Python, side by side with the others.

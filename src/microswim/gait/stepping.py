@@ -11,7 +11,7 @@ from typing import Any
 import numpy as np
 
 from microswim.gait.gait import Gait
-from microswim.numerics.compiled import FAST, compiled
+from microswim.numerics.compiling.compiled import FAST, compiled
 from microswim.numerics.rigid_motion import to_lab, turn
 from microswim.numerics.solve6 import solve
 

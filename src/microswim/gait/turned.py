@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from microswim.numerics.fourier import rotate
+from microswim.numerics.series.fourier import rotate
 
 if TYPE_CHECKING:
     from microswim.gait.gait import Gait

@@ -6,7 +6,7 @@ from typing import Any
 
 import numpy as np
 
-from microswim.numerics.compiled import FAST, compiled
+from microswim.numerics.compiling.compiled import FAST, compiled
 
 
 @compiled(fastmath=FAST, error_model="numpy")

@@ -14,7 +14,7 @@ import numpy as np
 
 from microswim import checks
 from microswim.numerics.array import kept, read_only
-from microswim.numerics.compiled import compiled
+from microswim.numerics.compiling.compiled import compiled
 
 
 @compiled()

@@ -7,7 +7,7 @@ from __future__ import annotations
 
 from typing import Any
 
-from microswim.numerics.compiled import compiled
+from microswim.numerics.compiling.compiled import compiled
 
 
 @compiled()

@@ -17,8 +17,8 @@ from typing import Any
 import numpy as np
 
 from microswim.gait.poses.table import FREE, resist
-from microswim.numerics.compiled import compiled, prange
-from microswim.numerics.cores import loop
+from microswim.numerics.compiling.compiled import compiled, prange
+from microswim.numerics.compiling.cores import loop
 from microswim.numerics.rigid_motion import turn
 from microswim.numerics.solve6 import solve
 from microswim.path.march import in_chart, unit

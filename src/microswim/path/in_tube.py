@@ -5,8 +5,8 @@ from __future__ import annotations
 import numpy as np
 
 from microswim.errors import SpecError
-from microswim.swimmer.flow import PoiseuilleFlow
 from microswim.swimmer.magnetism.applied_field import unit
+from microswim.swimmer.surroundings.flow import PoiseuilleFlow
 from microswim.swimmer.swimmer import Swimmer
 
 

@@ -17,7 +17,7 @@ import numpy as np
 
 from microswim.gait.poses.table import WORK as POSE_WORK
 from microswim.gait.poses.table import resist
-from microswim.numerics.compiled import compiled
+from microswim.numerics.compiling.compiled import compiled
 from microswim.numerics.rigid_motion import turn
 from microswim.path.velocity import WORK, velocity
 

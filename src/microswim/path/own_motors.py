@@ -24,7 +24,7 @@ from microswim.gait.units import unit
 from microswim.models.rft.gait import body_resistance, tail_series
 from microswim.models.rft.placed import at_own_rates, moved
 from microswim.numerics.array import Array, sealed
-from microswim.numerics.fourier import evaluate
+from microswim.numerics.series.fourier import evaluate
 from microswim.swimmer.parts import replaced
 from microswim.swimmer.physical_sense import require_drag, require_tail
 from microswim.swimmer.swimmer import Swimmer

@@ -18,7 +18,7 @@ from microswim.gait.poses.in_tube import kept_off
 from microswim.gait.poses.table import TUBE, carry, resist
 from microswim.gait.poses.table import WORK as POSE_WORK
 from microswim.gait.stepping import row
-from microswim.numerics.compiled import compiled
+from microswim.numerics.compiling.compiled import compiled
 from microswim.numerics.solve6 import solve
 
 STILL, LINEAR, CURVED = 0, 1, 2  #: flows: none that bends or turns, one gradient, Poiseuille's

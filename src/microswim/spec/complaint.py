@@ -10,10 +10,10 @@ from pydantic import BaseModel, ValidationError
 
 from microswim.errors import SpecError, nearest
 from microswim.spec.tables import FIELDS, TABLES, TAGS
-from microswim.swimmer.flow import FLOWS
 from microswim.swimmer.geometry.bodies import SHAPES
 from microswim.swimmer.geometry.tails.kinds import TAILS
 from microswim.swimmer.magnetism.fields import FIELDS as APPLIED_FIELDS
+from microswim.swimmer.surroundings.flow import FLOWS
 
 #: The kinds of the tables that have several.
 KINDS: dict[str, Any] = {"body": SHAPES, "tail": TAILS, "field": APPLIED_FIELDS, "flow": FLOWS}

@@ -26,19 +26,19 @@ from microswim.spec.trusted import Trusted
 from microswim.spec.units import DIMENSIONS, has_unit, to_si
 from microswim.swimmer.drag.coefficients import LAWS, Unchosen
 from microswim.swimmer.drag.interaction import Interaction
-from microswim.swimmer.flow import FLOWS, Flow
-from microswim.swimmer.fluid import Fluid
 from microswim.swimmer.geometry.bodies import SHAPES
 from microswim.swimmer.geometry.surroundings import Channel, Wall
-from microswim.swimmer.geometry.tails.hook import Hook
+from microswim.swimmer.geometry.tails.elastic.hook import Hook
 from microswim.swimmer.geometry.tails.kinds import TAILS, Tail, of_tails
-from microswim.swimmer.gravity import Gravity
 from microswim.swimmer.magnetism.fields import FIELDS as APPLIED_FIELDS
 from microswim.swimmer.magnetism.magnet import Magnet
 from microswim.swimmer.motion import Motion
-from microswim.swimmer.noise import Noise
 from microswim.swimmer.parts import numbered, without_number
 from microswim.swimmer.provenance import Provenance
+from microswim.swimmer.surroundings.flow import FLOWS, Flow
+from microswim.swimmer.surroundings.fluid import Fluid
+from microswim.swimmer.surroundings.gravity import Gravity
+from microswim.swimmer.surroundings.noise import Noise
 from microswim.swimmer.swimmer import Swimmer
 
 

@@ -11,7 +11,7 @@ from typing import Any
 import numpy as np
 
 from microswim.numerics.array import Array
-from microswim.numerics.fourier import series_of, trimmed
+from microswim.numerics.series.fourier import series_of, trimmed
 from microswim.swimmer.geometry.body import Body
 from microswim.swimmer.geometry.tails.kinds import Tail, WaveTail
 from microswim.swimmer.swimmer import Swimmer

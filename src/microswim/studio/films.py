@@ -11,11 +11,11 @@ import numpy as np
 from microswim.errors import MicroswimError, SpecError
 from microswim.numerics.plain import plain
 from microswim.spec.readers.beat import is_beat, read_waveform
-from microswim.studies.identification.tracks import Tracks, read_tracks
+from microswim.studies.identification.films.tracks import Tracks, read_tracks
 from microswim.studies.identification.without_model import describe_track
 from microswim.studio import budget
 from microswim.studio.spec_tables import canonical, swimmer_of
-from microswim.swimmer.geometry.tails.waveform import Waveform
+from microswim.swimmer.geometry.tails.waveforms.waveform import Waveform
 
 FORMATS = (".csv", ".tsv", ".txt", ".xml")
 MOST_TRACKS = 200

@@ -11,7 +11,7 @@ import numpy as np
 
 from microswim.errors import MicroswimError, SpecError
 from microswim.gait.gait import Gait
-from microswim.numerics.fourier import MIRROR_Q, series_of
+from microswim.numerics.series.fourier import MIRROR_Q, series_of
 from microswim.studio import answers
 from microswim.studio.drawing import reach
 from microswim.studio.spec_tables import canonical, swimmer_of

@@ -17,21 +17,21 @@ from microswim.swimmer import fitting, physical_sense, provenance
 from microswim.swimmer.drag.coefficients import Coefficients, Unchosen
 from microswim.swimmer.drag.interaction import Interaction
 from microswim.swimmer.fields import numbers_of, set_item, without_other_names
-from microswim.swimmer.flow import Flow
-from microswim.swimmer.fluid import Fluid
 from microswim.swimmer.geometry.body import Body
 from microswim.swimmer.geometry.surroundings import Channel, Wall
-from microswim.swimmer.geometry.tails.hook import Hook
+from microswim.swimmer.geometry.tails.elastic.hook import Hook
 from microswim.swimmer.geometry.tails.kinds import Tail, of_tails
 from microswim.swimmer.gradient import gradient
-from microswim.swimmer.gravity import Gravity
 from microswim.swimmer.magnetism.applied_field import AppliedField
 from microswim.swimmer.magnetism.magnet import Magnet
 from microswim.swimmer.motion import Motion
-from microswim.swimmer.noise import Noise
 from microswim.swimmer.parts import changed, part_of, spread
 from microswim.swimmer.provenance import Provenance
 from microswim.swimmer.region import Region
+from microswim.swimmer.surroundings.flow import Flow
+from microswim.swimmer.surroundings.fluid import Fluid
+from microswim.swimmer.surroundings.gravity import Gravity
+from microswim.swimmer.surroundings.noise import Noise
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure

@@ -17,8 +17,8 @@ from microswim.calibration.region.fit import Solved
 from microswim.errors import SpecError
 from microswim.gait.gait import DEGREES_OF_FREEDOM
 from microswim.models.rft.batch import expected_errors
-from microswim.numerics.compiled import settled
-from microswim.numerics.fourier import MIRROR_Q
+from microswim.numerics.compiling.compiled import settled
+from microswim.numerics.series.fourier import MIRROR_Q
 from microswim.swimmer.fields import lifted
 
 TAIL = ms.PlaneWaveTail(length=2.0, amplitude=0.1, waves=1.5, radius=0.04)

@@ -12,7 +12,7 @@ import microswim as ms
 from microswim.calibration.atlas.everywhere import everywhere
 from microswim.cli import main
 from microswim.models.rft.batch import expected_errors
-from microswim.numerics.compiled import settled
+from microswim.numerics.compiling.compiled import settled
 
 TAIL = ms.HelicalTail(length=2.0, amplitude=0.1, waves=3, radius=0.05, handedness="right")
 ROBOT = ms.Swimmer(body=ms.Sphere(radius=0.5), tail=TAIL, fluid=ms.Fluid(viscosity=100.0))

@@ -16,8 +16,8 @@ from microswim.gait.poses import beside_wall
 from microswim.gait.poses.table import WALL, WORK, PoseTable, resist
 from microswim.gait.stepping import pack
 from microswim.models import bem
-from microswim.models.bem.surface import positions
-from microswim.numerics.compiled import settled
+from microswim.models.bem.patches.surface import positions
+from microswim.numerics.compiling.compiled import settled
 from microswim.numerics.rigid_motion import multiply, rotation_matrix
 
 ROBOT = ms.Swimmer.preset("tabak/helix")

@@ -18,10 +18,10 @@ from microswim.gait.poses import in_tube, tube_contact
 from microswim.gait.poses.table import TUBE, WORK, PoseTable, carry, resist
 from microswim.gait.stepping import pack
 from microswim.models import bem
+from microswim.models.bem.patches.surface import positions
 from microswim.models.bem.solution import middle_of
-from microswim.models.bem.surface import positions
 from microswim.models.bem.system import wrench_rows
-from microswim.numerics.compiled import settled
+from microswim.numerics.compiling.compiled import settled
 from microswim.numerics.rigid_motion import multiply, rotation_matrix
 
 ROBOT = ms.Swimmer.preset("tabak/helix")

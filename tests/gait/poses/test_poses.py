@@ -9,7 +9,7 @@ import microswim as ms
 from microswim.errors import SpecError
 from microswim.gait.poses.face import FreePoses
 from microswim.gait.poses.table import WORK, resist
-from microswim.numerics.compiled import settled
+from microswim.numerics.compiling.compiled import settled
 
 
 def test_a_free_gait_is_the_same_at_every_pose() -> None:

@@ -7,7 +7,7 @@ import microswim as ms
 from microswim.errors import SpecError
 from microswim.models import bem, joint
 from microswim.models import swimmer_surface as geometry
-from microswim.models.bem.mesh import swimmer_surface
+from microswim.models.bem.patches.mesh import swimmer_surface
 
 BODY = ms.Sphere(radius=0.5)
 BASE = ms.HelicalTail(length=2.0, amplitude=0.1, waves=3, radius=0.05)

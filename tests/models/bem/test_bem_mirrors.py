@@ -8,10 +8,10 @@ import pytest
 import microswim as ms
 from microswim.models.bem import system
 from microswim.models.bem.levels import get_level
-from microswim.models.bem.mesh import body_surface
 from microswim.models.bem.mirrors import Mirrors
+from microswim.models.bem.patches.mesh import body_surface
+from microswim.models.bem.patches.surface import ellipsoid
 from microswim.models.bem.solution import solve
-from microswim.models.bem.surface import ellipsoid
 
 BODIES = {
     "sphere": ms.Sphere(radius=0.4),

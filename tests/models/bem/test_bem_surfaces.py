@@ -6,9 +6,10 @@ import pytest
 import microswim as ms
 from microswim.errors import MicroswimError
 from microswim.models import bem
-from microswim.models.bem import element, system
-from microswim.models.bem.near_wall import over, refined
-from microswim.models.bem.surface import Surface
+from microswim.models.bem import system
+from microswim.models.bem.patches import element
+from microswim.models.bem.patches.near_wall import over, refined
+from microswim.models.bem.patches.surface import Surface
 from oracles.slender_body import slender_torus
 
 EXACT_RULE = bem.Quadrature(points=7, near=3.0, far=1e6, radial=10, angular=14)

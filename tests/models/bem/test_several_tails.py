@@ -4,9 +4,9 @@ import numpy as np
 import pytest
 
 import microswim as ms
-from microswim.models.bem.cells import cells_about
 from microswim.models.bem.levels import get_level
-from microswim.models.bem.mesh import swimmer_surface
+from microswim.models.bem.patches.cells import cells_about
+from microswim.models.bem.patches.mesh import swimmer_surface
 from microswim.models.bem.solution import solve
 
 SHORT = {"length": 1.0, "amplitude": 0.08, "waves": 1.5, "radius": 0.05}

@@ -10,7 +10,7 @@ import microswim as ms
 from microswim.models.elastic.filament import filament
 from microswim.models.elastic.space import DragInSpace, balance_in_space, pose
 from microswim.models.elastic.whirl import Whirl, whirl
-from microswim.swimmer.geometry.tails.rest_shape import drawn_at_rest, helix_at_rest
+from microswim.swimmer.geometry.tails.elastic.rest_shape import drawn_at_rest, helix_at_rest
 from oracles.elastic_filament import thrust
 
 RATE = 2.0 * np.pi

@@ -6,7 +6,7 @@ import pytest
 import microswim as ms
 from microswim.errors import SpecError
 from microswim.models.bem.levels import get_level
-from microswim.models.bem.surface import ellipsoid
+from microswim.models.bem.patches.surface import ellipsoid
 from microswim.models.bem.system import Layer, factorised, rigid_modes, wrench_rows
 from microswim.models.group.coupled import Block, Placed, solve_coupled
 from microswim.models.group.nearness import refined

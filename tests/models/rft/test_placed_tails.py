@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 import microswim as ms
-from microswim.numerics.fourier import MIRROR_Q
+from microswim.numerics.series.fourier import MIRROR_Q
 from microswim.path import strain, weight
 
 WAVE = {"length": 2.0, "amplitude": 0.1, "waves": 3, "radius": 0.05}

@@ -9,7 +9,7 @@ from hypothesis import strategies as st
 
 import microswim as ms
 from microswim.models.rft import gait as rft_gait
-from microswim.numerics.fourier import rotate
+from microswim.numerics.series.fourier import rotate
 from microswim.swimmer.fields import lifted
 
 

@@ -7,7 +7,7 @@ from click.testing import CliRunner
 import microswim as ms
 from microswim.cli import main
 from microswim.models.bem.levels import get_level
-from microswim.models.bem.mesh import swimmer_surface
+from microswim.models.bem.patches.mesh import swimmer_surface
 from microswim.output.io.stl import write_stl
 
 pytest.importorskip("trimesh")

@@ -6,7 +6,7 @@ import pytest
 import microswim as ms
 from microswim.spec.file import from_dict
 from microswim.spec.readers.text import toml
-from microswim.swimmer.flow import FLOWS
+from microswim.swimmer.surroundings.flow import FLOWS
 
 SPEC = """
 [fluid]

@@ -9,7 +9,7 @@ from scipy.stats import binom
 
 import microswim as ms
 from microswim.cli import main
-from microswim.studies.identification import fit, honesty
+from microswim.studies.identification.fitting import fit, honesty
 from microswim.studies.identification.paths import path_of
 
 TRUE_WAVE = {"tail.amplitude": 0.14, "tail.waves": 1.6, "tail.frequency": 1.3}

@@ -9,8 +9,8 @@ from scipy.stats import binom, chi2
 
 import microswim as ms
 from microswim.cli import main
+from microswim.studies.identification.films.track import Track
 from microswim.studies.identification.paths import path_of
-from microswim.studies.identification.track import Track
 
 TRUE_HELIX = {"tail.amplitude": 0.13, "tail.waves": 2.3, "tail.frequency": 1.4}
 TRUE_WAVE = {"tail.amplitude": 0.14, "tail.waves": 1.6, "tail.frequency": 1.3}

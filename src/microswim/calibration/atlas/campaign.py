@@ -25,9 +25,9 @@ from microswim.errors import SpecError
 from microswim.gait.gait import Gait
 from microswim.jobs import references
 from microswim.numerics.sobol import points
-from microswim.swimmer.fluid import Fluid
 from microswim.swimmer.geometry.bodies import Spheroid
 from microswim.swimmer.geometry.tails.kinds import HelicalTail, PlaneWaveTail
+from microswim.swimmer.surroundings.fluid import Fluid
 from microswim.swimmer.swimmer import Swimmer
 
 SEED = 17

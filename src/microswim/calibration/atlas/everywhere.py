@@ -16,7 +16,7 @@ from microswim.calibration.region import body_flow as shaded
 from microswim.calibration.region.beats import finer
 from microswim.gait.gait import Gait
 from microswim.models.rft.batch import evaluate
-from microswim.numerics.cores import MANY
+from microswim.numerics.compiling.cores import MANY
 from microswim.swimmer.fields import in_terms_of, lifted
 from microswim.swimmer.parts import replaced
 from microswim.swimmer.swimmer import Swimmer

@@ -21,8 +21,8 @@ from microswim.calibration.region.positive_definite import REAL
 from microswim.errors import SpecError
 from microswim.gait.gait import Gait
 from microswim.models.rft.gait import gait as surrogate
-from microswim.numerics.extremes import half_range
-from microswim.numerics.fourier import series_of
+from microswim.numerics.series.extremes import half_range
+from microswim.numerics.series.fourier import series_of
 from microswim.swimmer.drag.coefficients import Cox, GrayHancock, Lighthill
 from microswim.swimmer.geometry.tails.kinds import as_wave
 from microswim.swimmer.swimmer import Swimmer

@@ -15,8 +15,8 @@ from microswim.calibration.region import positive_definite as blocks
 from microswim.calibration.region.beats import HALF, OTHER_HAND, PHASES, beat, scales
 from microswim.calibration.region.kriging import Surfaces
 from microswim.models.rft.plane_wave import fill_rows
-from microswim.numerics.fourier import MIRROR_Q, MIRROR_R
 from microswim.numerics.matern import matern_of_arrays
+from microswim.numerics.series.fourier import MIRROR_Q, MIRROR_R
 from microswim.numerics.solve6 import solve
 from microswim.swimmer.swimmer import Swimmer
 

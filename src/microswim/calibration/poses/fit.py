@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from microswim.numerics.array import Array
-from microswim.numerics.fourier import series_of
+from microswim.numerics.series.fourier import series_of
 
 
 def factors(R: Array, F: Array, normal: Array, length: float, viscosity: float) -> Array:

@@ -15,7 +15,7 @@ from microswim.errors import SpecError
 from microswim.gait.poses import beside_wall
 from microswim.models.swimmer_surface import smooth_centreline
 from microswim.numerics.array import Array
-from microswim.numerics.compiled import settled
+from microswim.numerics.compiling.compiled import settled
 from microswim.swimmer.swimmer import Swimmer
 
 #: Points of the centreline per wave, of the body's meridian, phases of the kink.

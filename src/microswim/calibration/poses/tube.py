@@ -21,7 +21,7 @@ from microswim.gait.poses.table import TUBE, PoseTable
 from microswim.gait.stepping import pack
 from microswim.models.bem.solution import middle_of
 from microswim.numerics.array import Array
-from microswim.numerics.compiled import settled
+from microswim.numerics.compiling.compiled import settled
 from microswim.numerics.sobol import points
 from microswim.swimmer.geometry.surroundings import Channel
 from microswim.swimmer.swimmer import Swimmer

@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 
 from microswim.calibration.region import positive_definite as blocks
-from microswim.numerics.compiled import compiled
+from microswim.numerics.compiling.compiled import compiled
 
 SAMPLES = 12  #: phases over a period of a plane wave
 HALF = SAMPLES // 2

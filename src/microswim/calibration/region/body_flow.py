@@ -42,7 +42,7 @@ from microswim.models.rft.segment import (
     plus,
     resistances,
 )
-from microswim.numerics.compiled import FAST, compiled
+from microswim.numerics.compiling.compiled import FAST, compiled
 from microswim.numerics.quadrature import PANEL, gauss
 from microswim.swimmer.drag.coefficients import GrayHancock
 from microswim.swimmer.geometry.tails.kinds import as_wave

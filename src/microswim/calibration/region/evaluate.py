@@ -10,9 +10,9 @@ from microswim.calibration.region import body_flow as shaded
 from microswim.calibration.region import positive_definite as blocks
 from microswim.calibration.region.beats import HALF, OTHER_HAND, PHASES, SAMPLES, beat, scales
 from microswim.calibration.region.kriging import Surfaces, predict
-from microswim.numerics.compiled import njit, prange
-from microswim.numerics.cores import loop
-from microswim.numerics.fourier import MIRROR_Q, MIRROR_R
+from microswim.numerics.compiling.compiled import njit, prange
+from microswim.numerics.compiling.cores import loop
+from microswim.numerics.series.fourier import MIRROR_Q, MIRROR_R
 from microswim.numerics.solve6 import solve
 from microswim.swimmer.swimmer import Swimmer
 

@@ -16,8 +16,8 @@ from microswim.calibration.region.correction import features
 from microswim.calibration.region.evaluate import helices, twists, waves
 from microswim.calibration.region.kriging import Kriging, Surfaces
 from microswim.gait.gait import Gait
-from microswim.numerics.extremes import half_range
-from microswim.numerics.fourier import MIRROR_R, series_of
+from microswim.numerics.series.extremes import half_range
+from microswim.numerics.series.fourier import MIRROR_R, series_of
 from microswim.swimmer.swimmer import Swimmer
 
 CONTRADICTED = 12.0

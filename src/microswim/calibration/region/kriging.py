@@ -19,7 +19,7 @@ from typing import Any
 import numpy as np
 
 from microswim.numerics.array import read_only
-from microswim.numerics.compiled import FAST, compiled
+from microswim.numerics.compiling.compiled import FAST, compiled
 from microswim.numerics.matern import matern, matern_of_arrays
 
 PHASORS = 3

@@ -19,7 +19,7 @@ from typing import Any
 
 import numpy as np
 
-from microswim.numerics.compiled import compiled
+from microswim.numerics.compiling.compiled import compiled
 
 REAL, VECTORS = 10, 6  #: helix: invariant corrections, and lateral vectors
 PLANES = ((0, 1, 5), (2, 3, 4))  #: plane wave: in the plane of the wave, and out of it

@@ -13,9 +13,9 @@ import numpy as np
 from microswim import checks
 from microswim.control.environments.random_streams import normals
 from microswim.errors import SpecError
-from microswim.numerics.compiled import njit
+from microswim.numerics.compiling.compiled import njit
 from microswim.numerics.rigid_motion import to_lab
-from microswim.swimmer.noise import BOLTZMANN
+from microswim.swimmer.surroundings.noise import BOLTZMANN
 
 FRAME = 6  # position, heading
 MM = 1e-3

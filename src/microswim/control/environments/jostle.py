@@ -13,7 +13,7 @@ import numpy as np
 from microswim.control.environments.random_streams import normals
 from microswim.control.motion import ratios, turned
 from microswim.gait.stepping import row
-from microswim.numerics.compiled import njit
+from microswim.numerics.compiling.compiled import njit
 from microswim.numerics.rigid_motion import to_lab
 
 

@@ -8,7 +8,7 @@ import numpy as np
 
 from microswim.control.environments.random_streams import direction, uniform
 from microswim.errors import SpecError
-from microswim.numerics.compiled import njit
+from microswim.numerics.compiling.compiled import njit
 
 POINTS = 41
 SHORTEST, LONGEST = 1e-3, 1e6  # mm, of a path that is given

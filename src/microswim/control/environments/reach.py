@@ -27,8 +27,8 @@ from microswim.control.environments.world import World, robot
 from microswim.control.motion import FIELD_BENDS, INPUT, substep
 from microswim.control.stepper import Stepper
 from microswim.errors import SpecError
-from microswim.numerics.compiled import FAST, njit, prange
-from microswim.numerics.cores import loop
+from microswim.numerics.compiling.compiled import FAST, njit, prange
+from microswim.numerics.compiling.cores import loop
 
 MOMENT = 1e-4  # A m^2, along the body: the robot follows the field at 11 per second
 OBSERVED, ACTIONS = 9, 2

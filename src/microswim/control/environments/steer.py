@@ -28,8 +28,8 @@ from microswim.control.environments.random_streams import direction, normals, un
 from microswim.control.environments.world import World, robot
 from microswim.control.motion import FIELD_BENDS, INPUT, field_at, substep
 from microswim.control.stepper import Stepper
-from microswim.numerics.compiled import FAST, njit, prange
-from microswim.numerics.cores import loop
+from microswim.numerics.compiling.compiled import FAST, njit, prange
+from microswim.numerics.compiling.cores import loop
 from microswim.numerics.rigid_motion import to_lab
 
 MOMENT = 2e-5  # A m^2, across the helix: a head of NdFeB of half a millimetre holds five times that

@@ -10,7 +10,7 @@ from __future__ import annotations
 from typing import Any
 
 from microswim.control.environments.random_streams import direction
-from microswim.numerics.compiled import njit
+from microswim.numerics.compiling.compiled import njit
 
 FIRST = 25  #: of the inputs of a step that are the field's gradient
 

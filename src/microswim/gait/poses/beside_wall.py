@@ -30,7 +30,7 @@ from typing import Any
 import numpy as np
 
 from microswim.gait.stepping import row
-from microswim.numerics.compiled import FAST, compiled
+from microswim.numerics.compiling.compiled import FAST, compiled
 from microswim.numerics.rigid_motion import to_lab
 
 #: Entries of `PoseTable.numbers`.

@@ -26,7 +26,7 @@ import numpy as np
 
 from microswim.gait.poses.beside_wall import LENGTH, SIGN, SIZE, TAIL_RADIUS
 from microswim.gait.poses.tube_contact import body_in_tube, tail_in_tube
-from microswim.numerics.compiled import FAST, compiled
+from microswim.numerics.compiling.compiled import FAST, compiled
 from microswim.numerics.matern import matern
 from microswim.numerics.solve6 import solve
 

@@ -30,7 +30,7 @@ from microswim.gait.poses.in_tube import (
 )
 from microswim.gait.poses.tube_contact import nearer_first, touch_tube
 from microswim.gait.stepping import pack, row
-from microswim.numerics.compiled import compiled
+from microswim.numerics.compiling.compiled import compiled
 
 FREE, WALL, TUBE = 0, 1, 2  #: kinds of boundary
 

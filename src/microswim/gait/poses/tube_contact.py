@@ -11,7 +11,7 @@ from typing import Any
 import numpy as np
 
 from microswim.gait.poses.beside_wall import SIGN, TAIL_RADIUS
-from microswim.numerics.compiled import FAST, compiled
+from microswim.numerics.compiling.compiled import FAST, compiled
 from microswim.numerics.rigid_motion import to_lab
 
 #: Directions in which the body's farthest point is looked for, steps of the search.

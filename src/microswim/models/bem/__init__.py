@@ -10,8 +10,8 @@ from __future__ import annotations
 from typing import Any
 
 from microswim.models.bem.levels import LEVELS, Level, get_level
+from microswim.models.bem.patches.surface import Surface, ellipsoid, sampled, still, torus
 from microswim.models.bem.solution import Solution, solve
-from microswim.models.bem.surface import Surface, ellipsoid, sampled, still, torus
 from microswim.models.bem.system import Layer, Quadrature, resistance
 from microswim.swimmer.geometry.body import Body
 

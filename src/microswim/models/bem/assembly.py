@@ -15,7 +15,7 @@ from microswim.models.bem.kernels import (
     add_stress,
     frame_cell,
 )
-from microswim.numerics.compiled import njit
+from microswim.numerics.compiling.compiled import njit
 
 
 @njit(cache=True, nogil=True)

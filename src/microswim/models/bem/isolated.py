@@ -16,10 +16,10 @@ import numpy as np
 from microswim import __version__
 from microswim.errors import MachineError
 from microswim.models.bem.levels import get_level
-from microswim.models.bem.surface import sampled, still
+from microswim.models.bem.patches.surface import sampled, still
+from microswim.models.bem.patches.triangles import RULE
+from microswim.models.bem.patches.triangles import surface_of as of_triangles
 from microswim.models.bem.system import resistance as of_surface
-from microswim.models.bem.triangles import RULE
-from microswim.models.bem.triangles import surface_of as of_triangles
 from microswim.numerics import archive
 from microswim.numerics.files import cache_folder, write
 from microswim.swimmer.geometry.body import Body

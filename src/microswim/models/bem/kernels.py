@@ -11,7 +11,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from microswim.numerics.compiled import njit
+from microswim.numerics.compiling.compiled import njit
 
 LEVELS = 8
 CELLS = 2**LEVELS - 1

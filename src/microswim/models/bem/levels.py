@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass, replace
 
 from microswim.errors import SpecError
-from microswim.models.bem.resolution import Resolution
+from microswim.models.bem.patches.resolution import Resolution
 from microswim.models.bem.system import Quadrature
 
 LEVELS = ("coarse", "standard", "fine")

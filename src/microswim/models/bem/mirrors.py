@@ -20,9 +20,9 @@ from numpy.typing import NDArray
 from scipy.linalg import hadamard
 from scipy.spatial import KDTree
 
-from microswim.models.bem.surface import Surface
+from microswim.models.bem.patches.surface import Surface
 from microswim.numerics.array import Array
-from microswim.numerics.compiled import njit
+from microswim.numerics.compiling.compiled import njit
 
 #: Distance of a node's image from a node, in sizes of the surface, that is rounding.
 SAME = 1e-10

@@ -20,12 +20,12 @@ import numpy as np
 from microswim import checks
 from microswim.errors import SpecError
 from microswim.gait import doors
-from microswim.models.bem import triangles as patches
 from microswim.models.bem.levels import coarser as level_below
 from microswim.models.bem.levels import get_level
-from microswim.models.bem.mesh import swimmer_surface
 from microswim.models.bem.output import write_mesh
-from microswim.models.bem.surface import Surface, sampled, still
+from microswim.models.bem.patches import triangles as patches
+from microswim.models.bem.patches.mesh import swimmer_surface
+from microswim.models.bem.patches.surface import Surface, sampled, still
 from microswim.models.bem.system import Quadrature
 from microswim.models.bem.system import resistance as resistance_of
 from microswim.numerics.array import Array

@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from microswim.gait import doors
-from microswim.models.bem.surface import Surface, positions, values_at
+from microswim.models.bem.patches.surface import Surface, positions, values_at
 from microswim.numerics.array import Array
 from microswim.numerics.files import write
 

@@ -24,9 +24,10 @@ import numpy as np
 from microswim.models import rooting
 from microswim.models.bem import output as flow
 from microswim.models.bem.levels import Level, get_level
-from microswim.models.bem.mesh import swimmer_surface
-from microswim.models.bem.near_wall import over, refined
-from microswim.models.bem.surface import Surface, positions
+from microswim.models.bem.patches.mesh import swimmer_surface
+from microswim.models.bem.patches.near_wall import over, refined
+from microswim.models.bem.patches.surface import Surface, positions
+from microswim.models.bem.patches.vessel import in_tube
 from microswim.models.bem.system import (
     Factors,
     Layer,
@@ -35,7 +36,6 @@ from microswim.models.bem.system import (
     solve_density,
     wrench_rows,
 )
-from microswim.models.bem.vessel import in_tube
 from microswim.numerics.array import Array
 from microswim.swimmer.swimmer import Swimmer
 

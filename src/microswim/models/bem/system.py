@@ -22,12 +22,12 @@ from scipy.linalg import lu_factor, lu_solve
 
 from microswim.models import memory
 from microswim.models.bem.assembly import layer_blocks, own_blocks, stress_sums
-from microswim.models.bem.element import cell_tables, own_rule
 from microswim.models.bem.mirrors import Mirrors, Parity, mirrors
-from microswim.models.bem.near_wall import over, refined
-from microswim.models.bem.surface import Surface
+from microswim.models.bem.patches.element import cell_tables, own_rule
+from microswim.models.bem.patches.near_wall import over, refined
+from microswim.models.bem.patches.surface import Surface
 from microswim.numerics.array import Array
-from microswim.numerics.compiled import numba
+from microswim.numerics.compiling.compiled import numba
 
 
 @dataclass(frozen=True)

@@ -17,7 +17,7 @@ from microswim.errors import MicroswimError
 from microswim.models.elastic.plane import Balance, Base, Loads, balance
 from microswim.models.elastic.problem import Problem
 from microswim.models.elastic.rod import Rod, rod
-from microswim.numerics.fourier import evaluate, series_of
+from microswim.numerics.series.fourier import evaluate, series_of
 
 #: Phases over half a period and curvatures of the rod, to begin with; their product, at most.
 FIRST, MOST = (8, 12), 2500

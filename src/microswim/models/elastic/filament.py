@@ -14,7 +14,7 @@ import numpy as np
 
 from microswim.models.elastic.rod import Rod, integrals, rod
 from microswim.numerics.quadrature import gauss
-from microswim.swimmer.geometry.tails.rest_shape import RestShape
+from microswim.swimmer.geometry.tails.elastic.rest_shape import RestShape
 
 HOOK_NODES = 6
 

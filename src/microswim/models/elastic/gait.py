@@ -21,7 +21,7 @@ from microswim.models.rft.gait import (
     series_over_period,
     with_mirror_image,
 )
-from microswim.numerics.fourier import add, rotate
+from microswim.numerics.series.fourier import add, rotate
 from microswim.swimmer import physical_sense
 from microswim.swimmer.swimmer import SURROUNDINGS, Swimmer
 

@@ -10,7 +10,7 @@ from __future__ import annotations
 import numpy as np
 
 from microswim.models.elastic.beat import Beat
-from microswim.numerics.fourier import evaluate, series_of
+from microswim.numerics.series.fourier import evaluate, series_of
 
 ROOT = np.sqrt(6.0)
 #: Radau IIA of three stages, whose last is the end of the step.

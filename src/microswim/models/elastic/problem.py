@@ -11,7 +11,7 @@ from microswim.errors import SpecError
 from microswim.gait.quantities import magnitude
 from microswim.models.elastic.plane import Drag
 from microswim.models.rft.gait import body_resistance
-from microswim.swimmer.geometry.tails.elastic_tail import ElasticTail
+from microswim.swimmer.geometry.tails.elastic.elastic_tail import ElasticTail
 from microswim.swimmer.swimmer import Swimmer
 
 #: Degrees of freedom in the plane s-q, and those that would leave it.

@@ -9,10 +9,10 @@ import numpy as np
 
 from microswim.models.elastic.beat import Beat, drive
 from microswim.models.elastic.rod import integrals
-from microswim.numerics.fourier import MIRROR_Q, derivative, evaluate, series_of, trimmed
 from microswim.numerics.quadrature import gauss
+from microswim.numerics.series.fourier import MIRROR_Q, derivative, evaluate, series_of, trimmed
 from microswim.swimmer.geometry.tails.custom_tail import CustomTail
-from microswim.swimmer.geometry.tails.elastic_tail import ElasticTail
+from microswim.swimmer.geometry.tails.elastic.elastic_tail import ElasticTail
 
 
 @dataclass(frozen=True, eq=False)

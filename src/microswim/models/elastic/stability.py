@@ -20,7 +20,7 @@ from microswim.models.elastic.plane import Base, Loads, balance
 from microswim.models.elastic.problem import Problem, elastic_tail, problem
 from microswim.models.elastic.rod import rod
 from microswim.models.elastic.speeding import critical
-from microswim.swimmer.geometry.tails.elastic_tail import ElasticTail
+from microswim.swimmer.geometry.tails.elastic.elastic_tail import ElasticTail
 from microswim.swimmer.swimmer import Swimmer
 
 Pull = Literal["tip", "along", "end", "weight", "motor"]

@@ -22,7 +22,7 @@ from microswim.models.elastic.space import (
     pose,
 )
 from microswim.models.rft.gait import body_resistance
-from microswim.numerics.fourier import TURN_S
+from microswim.numerics.series.fourier import TURN_S
 from microswim.swimmer.swimmer import Swimmer
 
 FIRST, MOST, TOLERANCE = 10, 40, 1e-5

@@ -11,7 +11,7 @@ from microswim.models.elastic.rod import integrals
 from microswim.models.elastic.space import AXIS
 from microswim.models.elastic.whirl import Whirl
 from microswim.swimmer.geometry.tails.custom_tail import CustomTail
-from microswim.swimmer.geometry.tails.elastic_tail import ElasticTail
+from microswim.swimmer.geometry.tails.elastic.elastic_tail import ElasticTail
 
 
 @dataclass(frozen=True, eq=False)

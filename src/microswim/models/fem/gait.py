@@ -35,7 +35,7 @@ from microswim.models.fem.mesh import (
 )
 from microswim.models.fem.remesh import Laid, filled
 from microswim.models.fem.stokes import FOLDED, Stokes
-from microswim.numerics.fourier import MIRROR_Q
+from microswim.numerics.series.fourier import MIRROR_Q
 from microswim.swimmer.geometry.body import Body
 from microswim.swimmer.geometry.surroundings import Channel
 from microswim.swimmer.swimmer import Swimmer

@@ -13,9 +13,9 @@ import numpy as np
 
 from microswim.errors import SpecError
 from microswim.models import memory
-from microswim.models.bem import near_wall
 from microswim.models.bem.levels import Level, get_level
-from microswim.models.bem.surface import Surface, positions
+from microswim.models.bem.patches import near_wall
+from microswim.models.bem.patches.surface import Surface, positions
 from microswim.models.bem.system import factorised
 from microswim.models.group.alone import Alone, phase_of_block, rotation_of_block, solve_alone
 from microswim.models.group.coupled import Block, Placed

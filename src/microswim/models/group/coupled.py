@@ -21,7 +21,7 @@ from functools import cached_property
 import numpy as np
 
 from microswim.errors import MicroswimError
-from microswim.models.bem.surface import Surface
+from microswim.models.bem.patches.surface import Surface
 from microswim.models.bem.system import Factors, Layer
 from microswim.numerics.array import Array
 from microswim.numerics.gmres import gmres

@@ -24,7 +24,7 @@ from microswim.models.group.alone import Alone, rotation_of_block
 from microswim.models.group.blocks import Blocks, prepare
 from microswim.models.group.motion import Motion
 from microswim.numerics.array import Array
-from microswim.numerics.compiled import njit
+from microswim.numerics.compiling.compiled import njit
 from microswim.swimmer.group import Group
 from microswim.swimmer.member import Member
 

@@ -13,8 +13,8 @@ import numpy as np
 from scipy.spatial import KDTree
 
 from microswim.errors import SpecError
-from microswim.models.bem.near_wall import halved
-from microswim.models.bem.surface import Surface, positions
+from microswim.models.bem.patches.near_wall import halved
+from microswim.models.bem.patches.surface import Surface, positions
 from microswim.numerics.array import Array
 
 #: Longest patch in units of its distance from the other surface, and rounds of halving: two spheres

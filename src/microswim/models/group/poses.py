@@ -13,7 +13,7 @@ from microswim.errors import SpecError
 from microswim.models.group.blocks import Blocks
 from microswim.models.group.solution import GroupSolution, solve
 from microswim.numerics.array import Array, read_only
-from microswim.numerics.compiled import numba
+from microswim.numerics.compiling.compiled import numba
 from microswim.swimmer.group import Group
 
 

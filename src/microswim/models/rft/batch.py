@@ -44,7 +44,7 @@ from microswim.models.rft.segment import (
     node_numbers,
     wave_tail,
 )
-from microswim.numerics.compiled import pays, settled
+from microswim.numerics.compiling.compiled import pays, settled
 from microswim.numerics.quadrature import panels
 from microswim.numerics.solve6 import solve
 from microswim.swimmer.fields import in_terms_of, lifted

@@ -9,8 +9,8 @@ from typing import Any
 
 import numpy as np
 
-from microswim.numerics.extremes import half_range
-from microswim.numerics.fourier import MIRROR_Q, evaluate, series_of
+from microswim.numerics.series.extremes import half_range
+from microswim.numerics.series.fourier import MIRROR_Q, evaluate, series_of
 from microswim.swimmer.swimmer import Swimmer
 
 RESOLVED = 1e-9  #: last harmonics of the velocity, relative to the largest

@@ -17,7 +17,7 @@ from microswim.models.rft.segment import (
     WAVENUMBER,
     node_numbers,
 )
-from microswim.numerics.compiled import pays, settled
+from microswim.numerics.compiling.compiled import pays, settled
 from microswim.numerics.quadrature import panels
 from microswim.swimmer.swimmer import Swimmer
 

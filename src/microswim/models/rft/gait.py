@@ -40,9 +40,9 @@ from microswim.models.rft.segment import (
     wave_tail,
 )
 from microswim.numerics.array import owned
-from microswim.numerics.compiled import pays
-from microswim.numerics.fourier import MIRROR_Q, add, rotate, series_of, trimmed
+from microswim.numerics.compiling.compiled import pays
 from microswim.numerics.quadrature import gauss, panels
+from microswim.numerics.series.fourier import MIRROR_Q, add, rotate, series_of, trimmed
 from microswim.swimmer import physical_sense
 from microswim.swimmer.drag.ribbon import local as drag_of_ribbon
 from microswim.swimmer.geometry.tails.kinds import as_wave

@@ -38,7 +38,7 @@ from microswim.models.rft.segment import (
     resistances,
     segment,
 )
-from microswim.numerics.compiled import FAST, compiled
+from microswim.numerics.compiling.compiled import FAST, compiled
 
 #: Below this number of waves the closed integrals lose digits to cancellation.
 FEWEST_WAVES = 0.05

@@ -15,8 +15,8 @@ import numpy as np
 from microswim.models.rft.helix import MOST_ON_RAMP, add_constant_part, add_ramp
 from microswim.models.rft.plane_wave import add_wave, fill_nodes
 from microswim.models.rft.segment import HELIX, PLANE_WAVE, TIP, add_tip
-from microswim.numerics.compiled import prange
-from microswim.numerics.cores import loop
+from microswim.numerics.compiling.compiled import prange
+from microswim.numerics.compiling.cores import loop
 from microswim.numerics.quadrature import gauss
 from microswim.numerics.solve6 import solve, solve_lanes
 

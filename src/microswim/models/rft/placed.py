@@ -15,7 +15,7 @@ from typing import Any
 
 import numpy as np
 
-from microswim.numerics.fourier import add, of_multiple, shifted
+from microswim.numerics.series.fourier import add, of_multiple, shifted
 from microswim.swimmer.geometry.tails.kinds import Tail
 from microswim.swimmer.parts import replaced
 from microswim.swimmer.swimmer import Swimmer

@@ -38,7 +38,7 @@ from microswim.models.rft.segment import (
     in_plane,
     resistances,
 )
-from microswim.numerics.compiled import FAST, compiled, pays
+from microswim.numerics.compiling.compiled import FAST, compiled, pays
 
 #: Segments of all phases and designs that are added at once as Python.
 SIDE_BY_SIDE = 4096

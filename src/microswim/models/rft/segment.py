@@ -10,7 +10,7 @@ from typing import Any
 
 import numpy as np
 
-from microswim.numerics.compiled import FAST, compiled
+from microswim.numerics.compiling.compiled import FAST, compiled
 
 HELIX, PLANE_WAVE = 0, 1
 #: What the kernels know of a wave tail: where its numbers stand in an array p (11, ...), read as

@@ -10,14 +10,14 @@ from microswim import checks
 from microswim.gait import doors
 from microswim.gait.screw import screw
 from microswim.models.rft.batch import evaluate
-from microswim.numerics.compiled import choose_compiled, settled
+from microswim.numerics.compiling.compiled import choose_compiled, settled
+from microswim.numerics.compiling.cores import MANY
 from microswim.numerics.complex_step import STEP
-from microswim.numerics.cores import MANY
 from microswim.swimmer.fields import lifted
-from microswim.swimmer.fluid import Fluid
 from microswim.swimmer.geometry.bodies import Sphere
 from microswim.swimmer.geometry.tails.custom_tail import CustomTail
 from microswim.swimmer.geometry.tails.kinds import HelicalTail, PlaneWaveTail, Tail
+from microswim.swimmer.surroundings.fluid import Fluid
 from microswim.swimmer.swimmer import Swimmer
 
 

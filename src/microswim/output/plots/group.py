@@ -9,7 +9,7 @@ import numpy as np
 from microswim import checks
 from microswim.errors import SpecError
 from microswim.models.bem.output import quads_of
-from microswim.models.bem.surface import positions
+from microswim.models.bem.patches.surface import positions
 from microswim.output.plots.flow import cut
 from microswim.output.plots.style import WIDE, blank
 

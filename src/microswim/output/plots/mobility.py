@@ -9,7 +9,7 @@ import numpy as np
 
 from microswim import checks
 from microswim.models.bem.output import quads_of
-from microswim.models.bem.surface import positions
+from microswim.models.bem.patches.surface import positions
 from microswim.output.io.surface import Surface
 from microswim.output.plots.drawing import Camera, draw_surface, scale_bar, triad
 from microswim.output.plots.style import BLACK, blank, look

@@ -16,8 +16,8 @@ from microswim.errors import SpecError
 from microswim.spec.readers import film, measured
 from microswim.spec.readers.delimited import cells
 from microswim.spec.readers.measured import Table
-from microswim.swimmer.geometry.tails.waveform import Beat, Waveform
-from microswim.swimmer.geometry.tails.waveform_fit import fit
+from microswim.swimmer.geometry.tails.waveforms.waveform import Beat, Waveform
+from microswim.swimmer.geometry.tails.waveforms.waveform_fit import fit
 
 KNOWN = {
     "time": film.TIME, "frame": film.FRAMES,

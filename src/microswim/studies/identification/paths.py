@@ -14,8 +14,8 @@ from __future__ import annotations
 import numpy as np
 
 from microswim.gait.gait import Gait
-from microswim.numerics.fourier import evaluate, series_of
 from microswim.numerics.rigid_motion import multiply
+from microswim.numerics.series.fourier import evaluate, series_of
 from microswim.path.trajectory import trajectory
 from microswim.swimmer.swimmer import Swimmer
 

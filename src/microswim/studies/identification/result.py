@@ -10,7 +10,7 @@ import numpy as np
 from microswim import checks
 from microswim.calibration.identifiability import Direction
 from microswim.numerics.array import read_only
-from microswim.studies.identification.branches import Branch
+from microswim.studies.identification.fitting.branches import Branch
 from microswim.swimmer.swimmer import Swimmer
 
 

@@ -23,8 +23,8 @@ from microswim import checks
 from microswim.errors import SpecError
 from microswim.studies.identification.average_path import AveragePath, Estimate
 from microswim.studies.identification.displacement import persistence_time
+from microswim.studies.identification.films.track import Track
 from microswim.studies.identification.spectrum import Line, line
-from microswim.studies.identification.track import Track
 from microswim.studies.identification.without_model import wobble_and_path
 
 #: What is computed, and what it measures.

@@ -22,8 +22,8 @@ from microswim.studies.identification.displacement import (
     persistence_time,
     turning_rate,
 )
+from microswim.studies.identification.films.track import Track
 from microswim.studies.identification.spectrum import Line, line
-from microswim.studies.identification.track import Track
 
 #: What is computed, and what it measures.
 NUMBERS = {

@@ -10,7 +10,7 @@ from typing import Any, Literal, Unpack
 from microswim import checks
 from microswim.errors import SpecError
 from microswim.gait import doors
-from microswim.numerics.compiled import settled
+from microswim.numerics.compiling.compiled import settled
 from microswim.studies.optimisation.problem import Problem
 from microswim.studies.optimisation.search import Optimum, search
 from microswim.swimmer.swimmer import Swimmer

@@ -9,7 +9,7 @@ import numpy as np
 from microswim import checks
 from microswim.errors import MicroswimError, SpecError
 from microswim.numerics.array import sealed
-from microswim.numerics.compiled import settled
+from microswim.numerics.compiling.compiled import settled
 from microswim.spec.describe import spec_json
 from microswim.studies.optimisation.limits import with_units
 from microswim.studies.optimisation.merits import MERITS, of_many

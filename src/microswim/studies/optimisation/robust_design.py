@@ -15,7 +15,7 @@ from scipy.optimize import differential_evolution
 
 from microswim import checks
 from microswim.errors import SpecError
-from microswim.numerics.compiled import settled
+from microswim.numerics.compiling.compiled import settled
 from microswim.studies.optimisation.merits import of_many
 from microswim.studies.optimisation.problem import Problem
 from microswim.studies.optimisation.robustness import sobol_points, spec_numbers, uncertainties

@@ -19,7 +19,7 @@ from microswim.gait.basis import Basis
 from microswim.gait.quantities import QUANTITIES
 from microswim.gait.turning.driven import driven
 from microswim.jobs.worker import in_words
-from microswim.numerics.compiled import much, settled
+from microswim.numerics.compiling.compiled import much, settled
 from microswim.studies.sweeps.layout import DONE, FAILED, NUMBERS, VECTORS, blank, numbers_of
 from microswim.swimmer.magnetism.drive import drive_of
 from microswim.swimmer.swimmer import Swimmer

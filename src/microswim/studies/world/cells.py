@@ -19,10 +19,10 @@ from microswim.jobs import references
 from microswim.models.rft.batch import evaluate
 from microswim.output.plots.style import look, panels
 from microswim.swimmer.drag.coefficients import GrayHancock
-from microswim.swimmer.fluid import Fluid
 from microswim.swimmer.geometry.bodies import Spheroid
 from microswim.swimmer.geometry.tails.kinds import HelicalTail, PlaneWaveTail
 from microswim.swimmer.motion import Motion
+from microswim.swimmer.surroundings.fluid import Fluid
 from microswim.swimmer.swimmer import Swimmer
 
 MISSING = 0.1  #: relative spread of what the bank gives without one

@@ -21,8 +21,8 @@ from microswim.studies.paper.table2 import MICRO, SPECIMENS
 from microswim.studies.paper.table3 import PRINTED_CFD, printed
 from microswim.studies.world import cells
 from microswim.swimmer.drag.coefficients import Cox, GrayHancock, Lighthill
-from microswim.swimmer.fluid import Fluid
 from microswim.swimmer.geometry.tails.kinds import HelicalTail
+from microswim.swimmer.surroundings.fluid import Fluid
 from microswim.swimmer.swimmer import Swimmer
 
 Row = dict[str, Any]

@@ -17,7 +17,7 @@ from typing import Any
 import numpy as np
 
 from microswim.errors import SpecError
-from microswim.numerics.compiled import compiled
+from microswim.numerics.compiling.compiled import compiled
 
 ALPHA_RANGE = (0.02, 1.0)
 EPSILON_RANGE = (0.0, 4.0)

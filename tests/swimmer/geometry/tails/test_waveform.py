@@ -6,8 +6,8 @@ from click.testing import CliRunner
 
 import microswim as ms
 from microswim.cli import main
-from microswim.swimmer.geometry.tails.waveform import Beat
-from microswim.swimmer.geometry.tails.waveform_fit import fit
+from microswim.swimmer.geometry.tails.waveforms.waveform import Beat
+from microswim.swimmer.geometry.tails.waveforms.waveform_fit import fit
 
 # Bull sperm of Friedrich et al. (2010): psi = K0 s + 2 A0 s cos(w t - 2 pi s / lambda); um, s
 K0, A0, LAMBDA, LENGTH, RATE = 0.0191, 0.0152, 71.6, 58.3, 31.0

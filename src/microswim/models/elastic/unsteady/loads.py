@@ -17,7 +17,7 @@ import numpy as np
 
 from microswim.models.elastic.filament import Filament
 from microswim.models.elastic.space import Pose
-from microswim.swimmer.flow import Flow
+from microswim.swimmer.surroundings.flow import Flow
 
 
 @dataclass(frozen=True, eq=False)

@@ -13,7 +13,7 @@ from microswim.models.elastic.unsteady.loads import Loads, Wall, half_curl
 from microswim.models.elastic.unsteady.swimmer_in_time import InTime
 from microswim.models.elastic.whirl import filament_of, resistances
 from microswim.swimmer.geometry.solids.volume import volume_and_middle
-from microswim.swimmer.geometry.tails.elastic_tail import SIZE
+from microswim.swimmer.geometry.tails.elastic.elastic_tail import SIZE
 from microswim.swimmer.swimmer import Swimmer
 
 REACH, PUSH = 0.01, 20.0  #: of a wall: range over L, and push per length over ``B / L^3``

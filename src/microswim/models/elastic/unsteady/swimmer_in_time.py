@@ -29,7 +29,7 @@ from microswim.models.elastic.space import cross_columns as _cross
 from microswim.models.elastic.space import flat as _flat
 from microswim.models.elastic.unsteady.loads import Loads, Pull, pull
 from microswim.numerics.rigid_motion import multiply, rotation_matrix
-from microswim.swimmer.geometry.tails.elastic_tail import Drive
+from microswim.swimmer.geometry.tails.elastic.elastic_tail import Drive
 
 POSE = 7  #: numbers of the state before the strains
 

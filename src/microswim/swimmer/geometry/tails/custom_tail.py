@@ -10,8 +10,8 @@ import numpy as np
 
 from microswim import checks
 from microswim.errors import SpecError
-from microswim.swimmer.geometry.tails.sampled_tail import SampledTail
 from microswim.swimmer.geometry.tails.tail import Sections, SurfaceMotion
+from microswim.swimmer.geometry.tails.waveforms.sampled_tail import SampledTail
 
 #: Share of its motion that a rigid tail may lack of turning as a whole.
 RIGID = 1e-3

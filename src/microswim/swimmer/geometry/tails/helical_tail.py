@@ -8,7 +8,7 @@ from typing import Any, ClassVar, Literal
 import numpy as np
 
 from microswim import checks
-from microswim.numerics.fourier import TURN_S
+from microswim.numerics.series.fourier import TURN_S
 from microswim.swimmer.geometry.self_contact import nearest_turn
 from microswim.swimmer.geometry.tails.tail import Sections, SurfaceMotion
 from microswim.swimmer.geometry.tails.wave_tail import WaveTail

@@ -9,7 +9,7 @@ import numpy as np
 
 from microswim import checks
 from microswim.errors import SpecError
-from microswim.numerics.fourier import MIRROR_Q
+from microswim.numerics.series.fourier import MIRROR_Q
 from microswim.swimmer.geometry.tails.tail import Sections, SurfaceMotion
 from microswim.swimmer.geometry.tails.wave_tail import WaveTail
 

@@ -15,9 +15,9 @@ from scipy.stats import t as student
 
 from microswim.calibration.identifiability import Direction, determined
 from microswim.numerics.array import read_only
-from microswim.studies.identification.honesty import covariance_of_model
-from microswim.studies.identification.problem import PathProblem
-from microswim.studies.identification.profile import stretches
+from microswim.studies.identification.fitting.honesty import covariance_of_model
+from microswim.studies.identification.fitting.problem import PathProblem
+from microswim.studies.identification.fitting.profile import stretches
 
 AS_WELL = 9.0  #: chi-squared that a design may lie behind the best
 VAGUE = 100.0  #: times its own size, beyond which a value is not known at all

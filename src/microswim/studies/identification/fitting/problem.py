@@ -16,9 +16,9 @@ from microswim.calibration.unknowns import Unknown
 from microswim.gait.gait import Gait
 from microswim.models.rft.gait import gait as surrogate
 from microswim.numerics.rigid_motion import multiply, rotation_matrix
+from microswim.studies.identification.films.track import Track
 from microswim.studies.identification.paths import path_of, quaternion_of
 from microswim.studies.identification.spectrum import line
-from microswim.studies.identification.track import Track
 from microswim.swimmer.swimmer import Swimmer
 
 FREQUENCY = "tail.frequency"

@@ -11,11 +11,11 @@ from collections.abc import Callable
 
 import numpy as np
 
-from microswim.models.bem.cells import shell
-from microswim.models.bem.resolution import Resolution
-from microswim.models.bem.surface import Surface, grid_boxes, sample_adapted, sampled, still
-from microswim.models.bem.triangles import surface_of
-from microswim.models.bem.tube import grown
+from microswim.models.bem.patches.cells import shell
+from microswim.models.bem.patches.resolution import Resolution
+from microswim.models.bem.patches.surface import Surface, grid_boxes, sample_adapted, sampled, still
+from microswim.models.bem.patches.triangles import surface_of
+from microswim.models.bem.patches.tube import grown
 from microswim.models.joint import Joint
 from microswim.numerics.array import Array
 from microswim.swimmer.geometry.body import Body

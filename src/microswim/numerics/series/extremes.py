@@ -1,7 +1,7 @@
 """Least and greatest values of Fourier series over the period, and what is called an amplitude.
 
 The best of dense samples, polished by Newton's method on the series itself; for many series,
-compiled. A *series* is one of `microswim.numerics.fourier`.
+compiled. A *series* is one of `microswim.numerics.series.fourier`.
 """
 
 from __future__ import annotations
@@ -11,8 +11,8 @@ from typing import Any
 
 import numpy as np
 
-from microswim.numerics.compiled import FAST, compiled, pays
-from microswim.numerics.fourier import basis, evaluate
+from microswim.numerics.compiling.compiled import FAST, compiled, pays
+from microswim.numerics.series.fourier import basis, evaluate
 
 SAMPLES = 8  #: of the period, for each term of a series
 STEPS = 4  #: of Newton's method
@@ -25,7 +25,7 @@ def half_range(series: np.ndarray) -> Any:
     if series.ndim == 1 or np.iscomplexobj(series) or not pays(TERM * series.size):
         low, high = extremes(series)
         return (high - low) / 2.0
-    from microswim.numerics.extremes_of_many import half_ranges
+    from microswim.numerics.series.extremes_of_many import half_ranges
 
     columns = np.ascontiguousarray(series.reshape(len(series), -1).T)
     return half_ranges.over(len(columns))(columns, _rows(len(series))).reshape(series.shape[1:])

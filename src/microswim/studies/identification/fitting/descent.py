@@ -9,8 +9,8 @@ import numpy as np
 from scipy.optimize import least_squares
 
 from microswim.errors import MicroswimError
-from microswim.studies.identification.first_guesses import WAVES
-from microswim.studies.identification.problem import FREQUENCY, PathProblem
+from microswim.studies.identification.fitting.first_guesses import WAVES
+from microswim.studies.identification.fitting.problem import FREQUENCY, PathProblem
 
 LEAST = 1e-3  #: of the spec's own value, where what is unknown is a positive number
 

@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 from numpy.polynomial import legendre
 
-from microswim.swimmer.geometry.tails.waveform_tail import WaveformTail
+from microswim.swimmer.geometry.tails.waveforms.waveform_tail import WaveformTail
 
 
 @dataclass(frozen=True, eq=False)
@@ -65,7 +65,7 @@ class Waveform:
     Examples
     --------
     >>> import numpy as np
-    >>> from microswim.swimmer.geometry.tails.waveform_fit import fit
+    >>> from microswim.swimmer.geometry.tails.waveforms.waveform_fit import fit
     >>> t, s = (x.ravel() for x in np.meshgrid(np.arange(0, 2, 0.05), np.linspace(0, 1, 20)))
     >>> angle = 0.2 + 0.5 * s * np.cos(2 * np.pi * t)
     >>> found = fit(Beat(t, s, angle=angle))

@@ -1,4 +1,4 @@
-"""Amplitudes of many series, compiled: what `microswim.numerics.extremes` does with one."""
+"""Amplitudes of many series, compiled: what `microswim.numerics.series.extremes` does with one."""
 
 from __future__ import annotations
 
@@ -6,9 +6,9 @@ from typing import Any
 
 import numpy as np
 
-from microswim.numerics.compiled import FAST, compiled, prange
-from microswim.numerics.cores import loop
-from microswim.numerics.extremes import FLAT, STEPS, around
+from microswim.numerics.compiling.compiled import FAST, compiled, prange
+from microswim.numerics.compiling.cores import loop
+from microswim.numerics.series.extremes import FLAT, STEPS, around
 
 BLOCK = 64  #: series that share scratch
 ROUNDING = 1e-15  #: a term so small against the largest is rounding

@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 from scipy.spatial import SphericalVoronoi
 
 from microswim.errors import SpecError
-from microswim.models.bem.surface import grid_boxes, sample_adapted
+from microswim.models.bem.patches.surface import grid_boxes, sample_adapted
 from microswim.models.joint import Joint
 from microswim.numerics.array import Array
 from microswim.swimmer.geometry.body import Body

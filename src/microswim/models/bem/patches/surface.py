@@ -13,7 +13,7 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import NDArray
 
-from microswim.models.bem.element import (
+from microswim.models.bem.patches.element import (
     CellTables,
     cell_tables,
     chebyshev_nodes,

@@ -14,8 +14,8 @@ from typing import Any
 import numpy as np
 from scipy.stats import t as student
 
-from microswim.studies.identification.descent import least
-from microswim.studies.identification.problem import PathProblem
+from microswim.studies.identification.fitting.descent import least
+from microswim.studies.identification.fitting.problem import PathProblem
 
 LEVEL = 0.95
 TOLERANCE = 0.3  #: of the rise of chi-squared, within which a parabola is one

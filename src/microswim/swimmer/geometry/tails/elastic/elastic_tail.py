@@ -13,7 +13,11 @@ import numpy as np
 
 from microswim import checks
 from microswim.errors import SpecError
-from microswim.swimmer.geometry.tails.rest_shape import RestShape, drawn_at_rest, helix_at_rest
+from microswim.swimmer.geometry.tails.elastic.rest_shape import (
+    RestShape,
+    drawn_at_rest,
+    helix_at_rest,
+)
 from microswim.swimmer.geometry.tails.tail import Sections, SurfaceMotion, Tail
 
 Drive = Literal["heave", "pivot", "rotate", "moment", "none"]

@@ -15,7 +15,7 @@ from collections.abc import Callable
 from functools import cached_property, update_wrapper
 from typing import Any
 
-from microswim.numerics.compiled import njit
+from microswim.numerics.compiling.compiled import njit
 
 #: Cases from which on a second core is worth waking.
 MANY = 256

@@ -16,8 +16,8 @@ from numpy.polynomial import legendre
 
 from microswim import checks
 from microswim.errors import SpecError
-from microswim.swimmer.geometry.tails.sampled_tail import SampledTail
 from microswim.swimmer.geometry.tails.tail import Sections, SurfaceMotion
+from microswim.swimmer.geometry.tails.waveforms.sampled_tail import SampledTail
 
 NODES = 32  #: along the filament up to a point, far more than its modes
 

@@ -13,7 +13,7 @@ import numpy as np
 
 from microswim.errors import MicroswimError
 from microswim.gait.gait import DEGREES_OF_FREEDOM, Gait
-from microswim.studies.identification.problem import PathProblem
+from microswim.studies.identification.fitting.problem import PathProblem
 from microswim.studies.identification.spectrum import line
 
 PHASES = 32

@@ -11,8 +11,8 @@ import numpy as np
 from numpy.polynomial import legendre
 
 from microswim.errors import SpecError
-from microswim.swimmer.geometry.tails.waveform import Beat, Waveform
-from microswim.swimmer.geometry.tails.waveform_tail import harmonics, tangent_angle
+from microswim.swimmer.geometry.tails.waveforms.waveform import Beat, Waveform
+from microswim.swimmer.geometry.tails.waveforms.waveform_tail import harmonics, tangent_angle
 
 MOST_MODES, MOST_HARMONICS = 8, 4
 FOLDS = 8

@@ -11,7 +11,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from microswim.errors import SpecError
-from microswim.models.bem.surface import Surface, sampled, still
+from microswim.models.bem.patches.surface import Surface, sampled, still
 from microswim.models.bem.system import Quadrature
 from microswim.swimmer.geometry.solids.facets import Facet
 from microswim.swimmer.geometry.solids.triangles import Triangles, coarsened, facets_of

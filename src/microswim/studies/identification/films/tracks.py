@@ -19,8 +19,8 @@ from microswim.errors import SpecError, nearest
 from microswim.spec.readers import film, measured
 from microswim.spec.readers.measured import Table
 from microswim.spec.readers.text import LARGEST_TABLE, read_text
-from microswim.studies.identification.track import FEWEST, Track
-from microswim.studies.identification.track_xml import table_of_xml
+from microswim.studies.identification.films.track import FEWEST, Track
+from microswim.studies.identification.films.track_xml import table_of_xml
 
 #: What a column may be called, in lower case.
 KNOWN = {

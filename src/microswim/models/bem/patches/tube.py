@@ -10,8 +10,8 @@ from dataclasses import dataclass
 import numpy as np
 
 from microswim.models import swimmer_surface as geometry
-from microswim.models.bem.resolution import Resolution
-from microswim.models.bem.surface import grid_boxes, sample_adapted, sampled
+from microswim.models.bem.patches.resolution import Resolution
+from microswim.models.bem.patches.surface import grid_boxes, sample_adapted, sampled
 from microswim.models.joint import Joint
 from microswim.models.rooting import root
 from microswim.models.seen_body import seen_from

@@ -21,7 +21,7 @@ from typing import Any
 import numpy as np
 
 from microswim.errors import MicroswimError
-from microswim.numerics.code_cache import digest, keep
+from microswim.numerics.compiling.code_cache import digest, keep
 
 #: Sums may be reordered and fused; NaN and infinity keep their meaning.
 FAST = {"reassoc", "contract", "arcp", "nsz"}

@@ -15,8 +15,8 @@ import numpy as np
 from scipy.spatial import KDTree
 
 from microswim.errors import SpecError
-from microswim.models.bem.near_wall import refined
-from microswim.models.bem.surface import Surface, grid_boxes, positions, sample, still
+from microswim.models.bem.patches.near_wall import refined
+from microswim.models.bem.patches.surface import Surface, grid_boxes, positions, sample, still
 from microswim.numerics.array import Array
 from microswim.swimmer.geometry.surroundings import Channel
 

@@ -14,8 +14,8 @@ from dataclasses import replace
 import numpy as np
 from numpy.typing import NDArray
 
-from microswim.models.bem.element import chebyshev_nodes, lagrange
-from microswim.models.bem.surface import Surface
+from microswim.models.bem.patches.element import chebyshev_nodes, lagrange
+from microswim.models.bem.patches.surface import Surface
 from microswim.numerics.array import Array
 
 #: Change of the height over a patch, in units of the smallest; halvings at most.

@@ -13,7 +13,7 @@ import numpy as np
 from scipy.interpolate import CubicSpline
 
 from microswim.models.rft.batch import evaluate
-from microswim.studies.identification.problem import FREQUENCY, PathProblem
+from microswim.studies.identification.fitting.problem import FREQUENCY, PathProblem
 
 AMPLITUDE, WAVES = "tail.amplitude", "tail.waves"
 PHASES = 16

@@ -19,26 +19,26 @@ from microswim import checks
 from microswim.calibration.calibrate import lift
 from microswim.calibration.unknowns import resolve
 from microswim.errors import MicroswimError
-from microswim.numerics.compiled import settled
-from microswim.studies.identification.branches import (
+from microswim.numerics.compiling.compiled import settled
+from microswim.studies.identification.films.track import Track
+from microswim.studies.identification.fitting.branches import (
     AS_WELL,
     Branch,
     branch_of,
     holds,
     ranked,
 )
-from microswim.studies.identification.descent import least, lowest
-from microswim.studies.identification.first_guesses import (
+from microswim.studies.identification.fitting.descent import least, lowest
+from microswim.studies.identification.fitting.first_guesses import (
     AMPLITUDE,
     WAVES,
     Designs,
     first_guesses,
     initial_poses,
 )
-from microswim.studies.identification.honesty import check_shown, left_over, model_errors
-from microswim.studies.identification.problem import FREQUENCY, PathProblem
+from microswim.studies.identification.fitting.honesty import check_shown, left_over, model_errors
+from microswim.studies.identification.fitting.problem import FREQUENCY, PathProblem
 from microswim.studies.identification.result import Identification, remarks
-from microswim.studies.identification.track import Track
 from microswim.swimmer.swimmer import Swimmer
 
 SHAPE = (AMPLITUDE, WAVES, FREQUENCY)

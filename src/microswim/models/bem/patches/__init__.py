@@ -1,0 +1,1 @@
+"""Surfaces as patches: closed shapes, swimmers, tubes, files."""

@@ -1,0 +1,1 @@
+"""Fourier series in the phase, and their extreme values."""

@@ -1,0 +1,1 @@
+"""What is filmed: tracks, and how files of other programs are read."""

@@ -1,0 +1,1 @@
+"""The fit: first guesses, descent, branches that fit alike, honest intervals."""

@@ -1,0 +1,1 @@
+"""Tails that bend: the filament, its shape at rest, the hook."""

@@ -1,0 +1,1 @@
+"""Tails drawn from samples of a beat: read, fitted, evaluated."""

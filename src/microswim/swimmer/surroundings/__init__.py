@@ -1,0 +1,1 @@
+"""What surrounds a swimmer: the fluid and its flow, weight, thermal noise."""

@@ -116,7 +116,8 @@ export class Bounds {
       if (!bounds.open) for (const s of [-1, 1]) this.sheet(new THREE.PlaneGeometry(d, d).rotateY(Math.PI / 2).translate((s * l) / 2, 0, 0), 0.01, 0.01, 0, 0.05);
     }
     this.group.position.set(...bounds.middle!);
-    this.group.quaternion.setFromAxisAngle(new THREE.Vector3(0, 0, 1), -bounds.tilt!);
+    const about = new THREE.Quaternion().setFromAxisAngle(new THREE.Vector3(1, 0, 0), bounds.azimuth!);
+    this.group.quaternion.setFromAxisAngle(new THREE.Vector3(0, 0, 1), -bounds.tilt!).premultiply(about);
   }
 
   private rims(loops: THREE.Vector3[][]): void {

@@ -55,6 +55,7 @@ export interface Around {
   length?: number;
   middle?: [number, number, number];
   tilt?: number;
+  azimuth?: number;
   open?: boolean;
 }
 

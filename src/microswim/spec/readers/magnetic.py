@@ -68,7 +68,8 @@ def _coil(file: str, name: str, places: Array, values: Array) -> GridCoil:
         )
     whole = np.empty((there.size, 3))
     whole[flat] = values
-    coil = GridCoil(name, *axes, whole.reshape(*shape, 3))
+    x, y, z = axes
+    coil = GridCoil(name, x, y, z, whole.reshape(*shape, 3))
     if coil.mended > DOUBTFUL:
         warnings.warn(
             f"{file}: B has sources, and {100 * coil.mended:.2g} % of it was changed to take them "

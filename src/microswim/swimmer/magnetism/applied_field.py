@@ -219,8 +219,8 @@ class OscillatingField(AppliedField):
 
 def unit(vector: Any) -> np.ndarray:
     """Return a vector of length one."""
-    v = np.array(vector, dtype=float)
-    return v / np.linalg.norm(v)
+    v = np.asarray(vector) + 0.0
+    return v / np.sqrt(v @ v)
 
 
 def across(axis: Any) -> tuple[np.ndarray, np.ndarray]:

@@ -162,9 +162,9 @@ CHECKS = {  # what the sentences around the code say
     ),
     "loop": lambda n: np.isclose(n["state"].position[0], -1.03, atol=0.1),
     "magnetic-helix": lambda n: (
-        np.isclose(n["speed"].max(), 42e-6, rtol=0.01)
-        and np.isclose(n["judged"]["speed_at_step_out"], 34e-6, rtol=0.01)
-        and np.isclose(n["judged"]["step_out"], 23.0, rtol=0.01)
+        np.isclose(n["speed"].max(), 44.2e-6, rtol=0.01)
+        and np.isclose(n["judged"]["speed_at_step_out"], 38.7e-6, rtol=0.01)
+        and np.isclose(n["judged"]["step_out"], 17.0, rtol=0.01)
         and np.isclose(n["best"].values["tail.amplitude"], 1.5e-6, rtol=0.05)
         and (np.abs(n["turned"] / (n["per_turn"] * n["rates"] / (2 * np.pi)))[:2] > 0.95).all()
         and n["turned"][2] < n["turned"][1]

@@ -391,6 +391,7 @@ FITS = {
     ("Member", "phase"): {"minus one"},
     ("Wall", "tilt"): {"minus one"},
     ("Wall", "azimuth"): {"minus one"},
+    ("Channel", "azimuth"): {"minus one"},
     ("Channel", "tilt"): {"minus one"},
     ("UniformFlow", "speed"): {"minus one"},
     ("ShearFlow", "rate"): {"minus one"},

@@ -54,6 +54,7 @@ def test_without_noise_the_moment_is_found_again():
     assert found.swimmer.magnet.direction == pytest.approx(1.2, rel=1e-7)
 
 
+@pytest.mark.slow
 def test_the_stated_intervals_hold_at_their_rate():
     """Forty noisy curves: errors by their stated covariance are chi-squared with 80 freedoms."""
     true = np.array([2e-6, 1.2])

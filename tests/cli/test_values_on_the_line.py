@@ -140,7 +140,7 @@ SUGGESTED = {
     "tail.pitch=1": "tail.wavelength",
     "tail.diameter=1": "tail.radius",
     "field.strength=1": 'field.kind: missing; add one of "rotating"',
-    "tail.file=beat.csv": 'it belongs to tail.kind = "waveform"',
+    "tail.file=beat.csv": 'it belongs to tail.kind = "elastic" or "waveform"',
     "body.edge=1": 'it belongs to body.shape = "cylinder" or "box"',
     "magnet.moment=1": "magnet.direction: missing; add a vector",
     "tial.length=1": '"tail"',

@@ -63,7 +63,9 @@ def added(path, after, line):
 def test_a_made_up_field_is_seen_by_every_door(tmp_path):
     package = tmp_path / "microswim"
     shutil.copytree(Path(microswim.__file__).parent, package)
-    added(package / "swimmer" / "fluid.py", "    density: float = 0.0\n", IN_THE_PART)
+    added(
+        package / "swimmer" / "surroundings" / "fluid.py", "    density: float = 0.0\n", IN_THE_PART
+    )
     added(package / "spec" / "tables.py", '    """[fluid]"""\n\n', IN_THE_TABLE)
     env = os.environ | {"PYTHONPATH": str(tmp_path)}
     command = [sys.executable, "-c", SEEN]

@@ -188,7 +188,7 @@ def test_the_flow_is_asked_and_drawn(page, tmp_path):
     field, fastest = page.evaluate(FLOW)
     assert 0.3 < fastest / page.evaluate("() => studio.flow.answer.scale") < 10.0
     tail = page.evaluate("() => studio.store.design.answer.shape")
-    assert fastest < 2 * np.pi * (tail["amplitude"] + tail["radius"])  # no faster than the tail
+    assert fastest < 2 * np.pi * (tail["reach"] + tail["radius"])  # no faster than the tail
     assert field > 100  # points of the slice that move
     assert page.screenshot(path=tmp_path / "flow.png")[:4] == b"\x89PNG"
     page.fill('input[aria-label="Ramp, value"]', "0.2")

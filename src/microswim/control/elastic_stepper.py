@@ -44,8 +44,8 @@ class ElasticState:
     >>> swimmer = ms.Swimmer(
     ...     body=ms.Sphere(radius=0.2), tail=tail, fluid=ms.Fluid(viscosity=1.0)
     ... )
-    >>> ms.ElasticStepper(swimmer).start().filament[-1]
-    array([1.2, 0. , 0. ])
+    >>> ms.ElasticStepper(swimmer).start().filament[-1].round(2)  # its base leans by 0.3 rad
+    array([1.16, 0.3 , 0.  ])
     """
 
     shape: Shape

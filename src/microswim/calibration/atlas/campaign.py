@@ -113,7 +113,8 @@ def main() -> None:
     parser.add_argument("--solves", type=Path, nargs="*", help="files of solves to take up too")
     parser.add_argument("--kernels", action="store_true", help="find the kernels anew (minutes)")
     asked = parser.parse_args()
-    kind, planar = asked.kind, asked.kind == "plane_wave"
+    kind = asked.kind
+    planar = kind == "plane_wave"
     own: Any = {"kind": kind, "workers": asked.workers}
     solved = solve(asked.designs, asked.folder, **own) if asked.designs else []
     for path in asked.solves or ():

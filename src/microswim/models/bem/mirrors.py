@@ -69,8 +69,12 @@ class Mirrors:
 
     @cached_property
     def parities(self) -> list[Parity]:
-        """All characters of the group: the even one first."""
-        return [Parity(self, row) for row in hadamard(len(self.signs)).astype(float)]
+        """All characters of the group that a field on these nodes can have, the even one first.
+
+        Where all nodes lie in mirrors some have none.
+        """
+        every = [Parity(self, row) for row in hadamard(len(self.signs)).astype(float)]
+        return [parity for parity in every if parity.own.any()]
 
 
 @dataclass(frozen=True, eq=False)

@@ -8,7 +8,8 @@ import pytest
 
 import microswim as ms
 from microswim.calibration.poses import fit, layout
-from microswim.calibration.poses.wall import WallPoses, start_of
+from microswim.calibration.poses.solved import SolvedPoses
+from microswim.calibration.poses.wall import start_of
 from microswim.gait.poses import beside_wall
 from microswim.gait.poses.table import WALL, PoseTable
 from microswim.gait.stepping import pack
@@ -34,7 +35,7 @@ def beside(swimmer, distance=1.0):
         WALL, pack(gait), np.array([0.0, 0, 0, 0, 0, 1]), shape.numbers, shape.body, shape.tail,
         shape.kinks, fit.coefficients(values),
     )  # fmt: skip
-    return WallPoses(gait, table, start_of(ms.Wall(distance)), {})
+    return SolvedPoses(gait, table, start_of(ms.Wall(distance)), {})
 
 
 POSES, HELD = beside(ROBOT), beside(STILL)

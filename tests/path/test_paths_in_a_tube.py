@@ -11,7 +11,7 @@ import pytest
 import microswim as ms
 from microswim.calibration.poses import scattered, tube
 from microswim.calibration.poses.layout import shape_of
-from microswim.calibration.poses.tube import TubePoses
+from microswim.calibration.poses.solved import SolvedPoses
 from microswim.gait.poses.table import TUBE, PoseTable
 from microswim.gait.stepping import pack
 
@@ -36,7 +36,7 @@ def inside(swimmer, adds=0.4):
         np.zeros(0), np.zeros((0, 0, 0, 0, 0)), known, weights[:28].copy(), weights[28:].copy(),
         tube.root_of(gait),
     )  # fmt: skip
-    return TubePoses(gait, table, tube.start_of(swimmer), {})
+    return SolvedPoses(gait, table, tube.start_of(swimmer), {})
 
 
 POSES = inside(ROBOT)

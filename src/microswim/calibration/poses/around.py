@@ -5,8 +5,9 @@ from __future__ import annotations
 from collections.abc import Callable
 from typing import Any
 
-from microswim.calibration.poses.tube import TubePoses, in_tube
-from microswim.calibration.poses.wall import WallPoses, beside_wall
+from microswim.calibration.poses.solved import SolvedPoses
+from microswim.calibration.poses.tube import in_tube
+from microswim.calibration.poses.wall import beside_wall
 from microswim.swimmer.swimmer import Swimmer
 
 
@@ -16,7 +17,7 @@ def around(
     level: str | None = None,
     progress: Callable[[int, int], None] | None = None,
     **options: Any,
-) -> WallPoses | TubePoses:
+) -> SolvedPoses:
     """Solve a swimmer at poses beside its wall or in its tube, and interpolate between them.
 
     Parameters
@@ -38,5 +39,5 @@ def around(
         If a pose cannot be solved.
     """
     solve: Any = beside_wall if swimmer.channel is None else in_tube
-    found: WallPoses | TubePoses = solve(swimmer, level=level, progress=progress, **options)
+    found: SolvedPoses = solve(swimmer, level=level, progress=progress, **options)
     return found

@@ -31,6 +31,29 @@ FEW = replace(
 )
 
 
+@dataclass(frozen=True, eq=False)
+class SolvedPoses(Tabulated):
+    """A gait as a function of the pose beside the wall or in the tube of `gait.poses.face`.
+
+    Parameters
+    ----------
+    gait
+        In free fluid, by boundary elements.
+    table
+        For the compiled `table.resist`.
+    start
+        Position and quaternion of the pose that the spec states.
+    expected_error
+        95 % of the poses left out are interpolated as well as this, in units of the speed and the
+        rate of turning in free fluid.
+    """
+
+    gait: Gait
+    table: PoseTable
+    start: tuple[Array, Array]
+    expected_error: dict[str, Any]
+
+
 def solved(
     free_swimmer: Swimmer,
     asked: list[Swimmer],

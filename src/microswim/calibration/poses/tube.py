@@ -1,22 +1,20 @@
-"""Poses in an endless round tube, solved by boundary elements: `in_tube` returns `TubePoses`."""
+"""Poses in an endless round tube, solved by boundary elements: `in_tube` returns `SolvedPoses`."""
 
 from __future__ import annotations
 
 import os
 from collections.abc import Callable
 from dataclasses import dataclass, replace
-from typing import Any
 
 import numpy as np
 from scipy.spatial.transform import Rotation
 
 from microswim.calibration.poses import scattered
 from microswim.calibration.poses.layout import Shape, shape_of
-from microswim.calibration.poses.solved import error_of, solved
+from microswim.calibration.poses.solved import SolvedPoses, error_of, solved
 from microswim.errors import SpecError
 from microswim.gait.gait import Gait
 from microswim.gait.poses import in_tube as inside
-from microswim.gait.poses.face import Tabulated
 from microswim.gait.poses.table import TUBE, PoseTable
 from microswim.gait.stepping import pack
 from microswim.models.bem.solution import middle_of
@@ -54,29 +52,6 @@ class Scatter:
     left_out: int = 16
 
 
-@dataclass(frozen=True, eq=False)
-class TubePoses(Tabulated):
-    """A gait as a function of the pose in the tube about the x axis of the lab.
-
-    Parameters
-    ----------
-    gait
-        In free fluid, by boundary elements.
-    table
-        For the compiled `table.resist`.
-    start
-        Position and quaternion of the pose that the spec states.
-    expected_error
-        95 % of the poses left out are interpolated as well as this, in units of the speed and the
-        rate of turning in free fluid.
-    """
-
-    gait: Gait
-    table: PoseTable
-    start: tuple[Array, Array]
-    expected_error: dict[str, Any]
-
-
 def in_tube(
     swimmer: Swimmer,
     *,
@@ -85,7 +60,7 @@ def in_tube(
     folder: str | os.PathLike[str] | None = None,
     workers: int | None = None,
     progress: Callable[[int, int], None] | None = None,
-) -> TubePoses:
+) -> SolvedPoses:
     """Solve a swimmer at poses in its tube, and interpolate between them.
 
     Parameters
@@ -138,7 +113,7 @@ def in_tube(
         known, weights[: Y.shape[1]].copy(), weights[Y.shape[1] :].copy(), root,
     )  # fmt: skip
     error = error_of(table, free, [start_of(s) for s in asked[len(lines) :]], judged)
-    return TubePoses(free, table, start, error)
+    return SolvedPoses(free, table, start, error)
 
 
 def _tube_of(swimmer: Swimmer) -> Channel:

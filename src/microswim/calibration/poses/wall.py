@@ -1,20 +1,18 @@
-"""Poses beside a plane wall, solved by boundary elements: `beside_wall` returns `WallPoses`."""
+"""Poses beside a plane wall, solved by boundary elements: `beside_wall` returns `SolvedPoses`."""
 
 from __future__ import annotations
 
 import os
 from collections.abc import Callable
 from dataclasses import dataclass, replace
-from typing import Any
 
 import numpy as np
 
 from microswim.calibration.poses.fit import coefficients, factors
 from microswim.calibration.poses.layout import Shape, shape_of
-from microswim.calibration.poses.solved import error_of, solved
+from microswim.calibration.poses.solved import SolvedPoses, error_of, solved
 from microswim.errors import SpecError
 from microswim.gait.gait import Gait
-from microswim.gait.poses.face import Tabulated
 from microswim.gait.poses.table import WALL, PoseTable
 from microswim.gait.stepping import pack
 from microswim.numerics.array import Array
@@ -48,29 +46,6 @@ class Grid:
     left_out: int = 16
 
 
-@dataclass(frozen=True, eq=False)
-class WallPoses(Tabulated):
-    """A gait as a function of the pose beside the wall z = 0 of the lab.
-
-    Parameters
-    ----------
-    gait
-        In free fluid, by boundary elements.
-    table
-        For the compiled `pose_table.resist`.
-    start
-        Position and quaternion of the pose that the spec states.
-    expected_error
-        95 % of the poses left out are interpolated as well as this, in units of the speed and the
-        rate of turning in free fluid.
-    """
-
-    gait: Gait
-    table: PoseTable
-    start: tuple[Array, Array]
-    expected_error: dict[str, Any]
-
-
 def beside_wall(
     swimmer: Swimmer,
     *,
@@ -79,7 +54,7 @@ def beside_wall(
     folder: str | os.PathLike[str] | None = None,
     workers: int | None = None,
     progress: Callable[[int, int], None] | None = None,
-) -> WallPoses:
+) -> SolvedPoses:
     """Solve a swimmer at poses beside its wall, and interpolate between them.
 
     Parameters
@@ -119,7 +94,7 @@ def beside_wall(
         shape.body, shape.tail, shape.kinks, coefficients(values),
     )  # fmt: skip
     error = error_of(table, free, [start_of(s.wall) for s in asked[on:]], judged)
-    return WallPoses(free, table, start, error)
+    return SolvedPoses(free, table, start, error)
 
 
 def _places(shape: Shape, grid: Grid) -> list[tuple[float, float, float]]:

@@ -36,8 +36,9 @@ def run(*arguments):
 
 def spent(command, cache=None):
     """Processor seconds of a process."""
-    before = os.times()
     environment = os.environ | ({"NUMBA_CACHE_DIR": cache} if cache else {})
+    environment.pop("PYTHONDONTWRITEBYTECODE", None)  # an installed package has its bytecode
+    before = os.times()
     subprocess.run(command, check=True, stdout=subprocess.DEVNULL, env=environment)
     after = os.times()
     now, then = (t.children_user + t.children_system for t in (after, before))

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import json
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import click
 
@@ -68,7 +68,7 @@ def spec_text(kind: str, units: str) -> str:
 
     Which fields it holds, their values and comments are those of `microswim.spec.tables`.
     """
-    from microswim.spec.tables import FIELDS, TABLES, TAGS
+    from microswim.spec.tables import FIELDS, TABLES, TAGS, word
 
     bare = "give units to all quantities or to none; none: a dimensionless swimmer"
     lines = [
@@ -79,7 +79,7 @@ def spec_text(kind: str, units: str) -> str:
     for name, kinds in TABLES.items():
         tag = TAGS.get(name)
         given = chosen.get(name)
-        table = next(t for t in kinds if given is None or given in _kinds_of(t, str(tag)))
+        table = next(t for t in kinds if given is None or word(t, name) == given)
         paths = (f"{name}.{f}" for f in table.model_fields)
         fields = [FIELDS[path] for path in paths if path in FIELDS]
         shown = [(f, _start(f, units)) for f in fields if f.about.start is not None]
@@ -93,11 +93,6 @@ def spec_text(kind: str, units: str) -> str:
                 for f, value in shown
             ]
     return "\n".join(lines) + "\n"
-
-
-def _kinds_of(table: Any, tag: str) -> tuple[str, ...]:
-    """Words by which the field `tag` chooses a table."""
-    return table.model_fields[tag].annotation.__args__
 
 
 def _start(field: Field, units: str) -> str:

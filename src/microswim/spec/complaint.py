@@ -4,12 +4,12 @@ from __future__ import annotations
 
 import re
 from collections.abc import Iterator
-from typing import Any, get_args
+from typing import Any
 
 from pydantic import BaseModel, ValidationError
 
 from microswim.errors import SpecError, nearest
-from microswim.spec.tables import FIELDS, TABLES, TAGS
+from microswim.spec.tables import FIELDS, TABLES, TAGS, word
 from microswim.swimmer.geometry.bodies import SHAPES
 from microswim.swimmer.geometry.tails.kinds import TAILS
 from microswim.swimmer.magnetism.fields import FIELDS as APPLIED_FIELDS
@@ -91,7 +91,7 @@ def _suggest(path: str, tables: dict[str, Any]) -> str:
     """What to write in place of an unknown field."""
     part = path.partition(".")[0]
     tag = TAGS.get(part)
-    owners = [_kind_of(table, tag) for table in TABLES.get(part, ()) if tag and _has(table, path)]
+    owners = [f'"{word(kind, part)}"' for kind in TABLES.get(part, ()) if tag and _has(kind, path)]
     if owners:
         return f"it belongs to {part}.{tag} = {' or '.join(owners)}"
     if path in SYNONYMS:
@@ -105,14 +105,9 @@ def _fields(tables: dict[str, Any]) -> Iterator[str]:
         tag, given = TAGS.get(name), tables.get(name)
         chosen = given.get(tag) if tag and isinstance(given, dict) else None
         for table in kinds:
-            if tag and _kind_of(table, tag) != f'"{chosen}"':
+            if word(table, name) != chosen:
                 continue
             yield from (f"{name}.{f}" for f in table.model_fields)
-
-
-def _kind_of(table: type[BaseModel], tag: str) -> str:
-    """Return the word in quotes that asks for a table, of those that share a name."""
-    return f'"{get_args(table.model_fields[tag].annotation)[0]}"'
 
 
 def _has(table: type[BaseModel], path: str) -> bool:

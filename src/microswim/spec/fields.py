@@ -9,7 +9,9 @@ from __future__ import annotations
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field
 from types import NoneType, UnionType
-from typing import Annotated, Any, Literal, Union, get_args, get_origin, get_type_hints
+from typing import Annotated, Any, Literal, Union, get_args, get_origin
+
+from pydantic import BaseModel
 
 from microswim.spec.units import DIMENSIONS, Dimension
 
@@ -86,7 +88,7 @@ class Field:
         return self.about.words.get(word, word.replace("_", " ").capitalize())
 
 
-def read_off(tables: Mapping[str, tuple[type, ...]]) -> dict[str, Field]:
+def read_off(tables: Mapping[str, tuple[type[BaseModel], ...]]) -> dict[str, Field]:
     """Return the fields of all tables by dotted name; kinds of one table share their fields."""
     found: dict[str, Field] = {}
     for name, kinds in tables.items():
@@ -102,12 +104,11 @@ def _both(one: Field, other: Field) -> Field:
     return Field(one.path, one.kind, one.about, one.measures, words, one.is_list)
 
 
-def _fields(table: str, owner: type) -> Iterator[Field]:
-    for name, hint in get_type_hints(owner, include_extras=True).items():
-        if name.startswith("model_") or get_origin(hint) is not Annotated:
-            continue
-        about = next((m for m in hint.__metadata__ if isinstance(m, About)), None)
+def _fields(table: str, owner: type[BaseModel]) -> Iterator[Field]:
+    for name, info in owner.model_fields.items():
+        about = next((m for m in info.metadata if isinstance(m, About)), None)
         if about is not None:
+            hint = Annotated[info.annotation, *info.metadata]
             yield _field(f"{table}.{name}", hint, about)
 
 

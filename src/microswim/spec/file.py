@@ -8,12 +8,12 @@ the parts themselves. A file holds either quantities with units (converted to SI
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator, Mapping
 from os import PathLike
 from pathlib import Path
 from typing import Any, Literal
 
-from pydantic import BaseModel, ValidationError
+from pydantic import ValidationError
 
 from microswim.errors import SpecError
 from microswim.gait import doors
@@ -21,7 +21,7 @@ from microswim.spec import complaint, presets
 from microswim.spec.named_files import beside
 from microswim.spec.readers import beat, rest, text
 from microswim.spec.several import apart, several, to_set
-from microswim.spec.tables import ALTERNATIVES, FIELDS, SpecTable
+from microswim.spec.tables import ALTERNATIVES, FIELDS, of_file
 from microswim.spec.trusted import Trusted
 from microswim.spec.units import DIMENSIONS, has_unit, to_si
 from microswim.swimmer.drag.coefficients import LAWS, Unchosen
@@ -135,12 +135,23 @@ def from_dict(
     return _build(specs, units_of(tables), Trusted.file(trust))
 
 
-def _checked(tables: dict[str, Any]) -> SpecTable:
-    """Return what the tables of a spec with one tail say."""
+def _checked(tables: dict[str, Any]) -> dict[str, dict[str, Any]]:
+    """Return what the tables of a spec with one tail say, in numbers; lists as tuples."""
     try:
-        return SpecTable.model_validate(_with_dynamic_viscosity(tables))
+        checked = of_file(tables).model_validate(_with_dynamic_viscosity(tables))
     except ValidationError as error:
         raise complaint.sentence(error, tables) from None
+    said = checked.model_dump(exclude_unset=True)
+    return {name: _given(table) for name, table in said.items()}
+
+
+def _given(table: dict[str, Any]) -> dict[str, Any]:
+    """What a table says, lists as tuples; what it leaves out is left to the defaults."""
+
+    def frozen(value: Any) -> Any:
+        return tuple(frozen(v) for v in value) if isinstance(value, list) else value
+
+    return {k: frozen(v) for k, v in table.items() if v is not None}
 
 
 def units_of(tables: dict[str, Any]) -> Literal["SI", "dimensionless"]:
@@ -229,68 +240,77 @@ def _number(path: str, value: Any, dimension: str) -> float:
     return number
 
 
-def _tail(spec: SpecTable, units: Literal["SI", "dimensionless"], trusted: Trusted) -> Tail:
-    tail = _given(spec.tail)
-    if spec.tail.kind == "custom":
-        tail["shape"] = trusted.function("tail.shape", tail["shape"])
-    elif spec.tail.kind == "waveform":
+def _tail(
+    spec: dict[str, dict[str, Any]], units: Literal["SI", "dimensionless"], trusted: Trusted
+) -> Tail:
+    tail = spec["tail"]
+    if tail["kind"] == "custom":
+        tail |= {"shape": trusted.function("tail.shape", tail["shape"])}
+    elif tail["kind"] == "waveform":
         tail = beat.tail_fields(tail, units)
-    elif spec.tail.kind == "elastic":
+    elif tail["kind"] == "elastic":
         tail = rest.with_points(tail)
-    return TAILS[tail.pop("kind")](**tail)
+    return _of_kind(TAILS, tail, "kind")
 
 
 def _build(
-    specs: dict[str, SpecTable], units: Literal["SI", "dimensionless"], trusted: Trusted
+    specs: dict[str, dict[str, dict[str, Any]]],
+    units: Literal["SI", "dimensionless"],
+    trusted: Trusted,
 ) -> Swimmer:
     tails = [numbered(name, _tail, one, units, trusted) for name, one in specs.items()]
     spec = next(iter(specs.values()))
-    body, law = _given(spec.body), _given(spec.coefficients)
-    applied = _given(spec.field) if spec.field is not None else {}
-    chosen = "law" in law
-    name = law.pop("law", "lighthill")
-    if name == "constant" and not {"normal", "tangential"} <= law.keys():
-        raise SpecError(
-            'coefficients: law = "constant" needs both normal and tangential; add the missing one'
-        )
-    if name != "constant" and law.keys() & {"normal", "tangential"}:
-        raise SpecError("coefficients.law", name, '"constant" when normal and tangential are given')
+
+    def part(name: str, of: Callable[..., Any]) -> Any:
+        return of(**spec[name]) if name in spec else None
+
     return Swimmer(
-        body=SHAPES[body.pop("shape")](**body),
+        body=_of_kind(SHAPES, spec["body"], "shape"),
         tail=of_tails(tails),
-        fluid=Fluid(**_given(spec.fluid)),
-        coefficients=LAWS[name](**law) if chosen else Unchosen(**law),
-        interaction=Interaction(**_given(spec.interaction)),
-        motion=Motion(**_given(spec.motion)),
+        fluid=Fluid(**spec["fluid"]),
+        coefficients=_law(spec.get("coefficients", {})),
+        interaction=Interaction(**spec.get("interaction", {})),
+        motion=Motion(**spec.get("motion", {})),
         units=units,
-        region=None if spec.region is None else doors.go(doors.UNPACK_REGION, spec.region.data),
-        hook=None if spec.hook is None else Hook(**_given(spec.hook)),
-        wall=None if spec.wall is None else Wall(**_given(spec.wall)),
-        channel=None if spec.channel is None else Channel(**_given(spec.channel)),
-        magnet=None if spec.magnet is None else Magnet(**_given(spec.magnet)),
-        field=APPLIED_FIELDS[applied.pop("kind")](**applied) if applied else None,
-        gravity=None if spec.gravity is None else Gravity(**_given(spec.gravity)),
-        flow=None if spec.flow is None else _flow(spec),
-        noise=None if spec.noise is None else Noise(**_given(spec.noise)),
-        calibration=None if spec.calibration is None else Provenance(**_given(spec.calibration)),
+        region=part("region", _region),
+        hook=part("hook", Hook),
+        wall=part("wall", Wall),
+        channel=part("channel", Channel),
+        magnet=part("magnet", Magnet),
+        field=_of_kind(APPLIED_FIELDS, spec["field"], "kind") if "field" in spec else None,
+        gravity=part("gravity", Gravity),
+        flow=_flow(spec) if "flow" in spec else None,
+        noise=part("noise", Noise),
+        calibration=part("calibration", Provenance),
     )
 
 
-def _flow(spec: SpecTable) -> Flow:
+def _region(data: str) -> Any:
+    return doors.go(doors.UNPACK_REGION, data)
+
+
+def _of_kind(kinds: Mapping[str, Callable[..., Any]], table: dict[str, Any], tag: str) -> Any:
+    """Return the part that a table says, of the kind that it says."""
+    return kinds[table[tag]](**{k: v for k, v in table.items() if k != tag})
+
+
+def _law(table: dict[str, Any]) -> Any:
+    """Return the drag law of [coefficients], or that none was chosen."""
+    name = table.get("law", "lighthill")
+    if name == "constant" and not {"normal", "tangential"} <= table.keys():
+        raise SpecError(
+            'coefficients: law = "constant" needs both normal and tangential; add the missing one'
+        )
+    if name != "constant" and table.keys() & {"normal", "tangential"}:
+        raise SpecError("coefficients.law", name, '"constant" when normal and tangential are given')
+    return _of_kind(LAWS, table, "law") if "law" in table else Unchosen(**table)
+
+
+def _flow(spec: dict[str, dict[str, Any]]) -> Flow:
     """Return the flow of a spec; one in a tube is as wide as the channel if it does not say."""
-    flow = _given(spec.flow)
-    if spec.flow.kind == "poiseuille" and "diameter" not in flow:
-        if spec.channel is None:
+    flow = spec["flow"]
+    if flow["kind"] == "poiseuille" and "diameter" not in flow:
+        if "channel" not in spec:
             raise SpecError("flow.diameter: missing; add it, or a [channel]")
-        flow["diameter"] = spec.channel.diameter
-    return FLOWS[flow.pop("kind")](**flow)
-
-
-def _given(table: BaseModel) -> dict[str, Any]:
-    """What the file says, lists as tuples; what it leaves out is left to the defaults."""
-
-    def frozen(value: Any) -> Any:
-        return tuple(frozen(v) for v in value) if isinstance(value, list) else value
-
-    given = table.model_dump(exclude_unset=True)
-    return {k: frozen(v) for k, v in given.items() if v is not None}
+        flow = flow | {"diameter": spec["channel"]["diameter"]}
+    return _of_kind(FLOWS, flow, "kind")

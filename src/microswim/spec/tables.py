@@ -7,16 +7,19 @@ these tables; the parts themselves check what makes physical sense.
 
 from __future__ import annotations
 
-from typing import Annotated, Literal, get_args
+from collections.abc import Mapping
+from functools import cache, reduce
+from operator import or_
+from typing import Annotated, Any, Literal, get_args
 
-from pydantic import Field, StrictBool
+from pydantic import Field, StrictBool, create_model
 
 from microswim.spec import fields
 from microswim.spec.fields import About
-from microswim.spec.parts.body import BodyTable
+from microswim.spec.parts.body import BODIES
 from microswim.spec.parts.elastic import ElasticFields, HookTable
-from microswim.spec.parts.magnetic import FieldTable, MagnetTable
-from microswim.spec.parts.outside import FlowTable, GravityTable, NoiseTable
+from microswim.spec.parts.magnetic import APPLIED, MagnetTable
+from microswim.spec.parts.outside import FLOWS, GravityTable, NoiseTable
 from microswim.spec.types import (
     Angle,
     Density,
@@ -293,34 +296,27 @@ class CalibrationTable(_Table):
     unmatched: dict[str, Number] = {}
 
 
-class SpecTable(_Table):
-    """A whole spec file."""
-
-    fluid: FluidTable
-    body: BodyTable = Field(discriminator="shape")
-    tail: HelixTable | PlaneWaveTable | ElasticTable | WaveformTable | CustomTable | NoTailTable = (
-        Field(discriminator="kind")
-    )
-    coefficients: CoefficientsTable = CoefficientsTable()
-    interaction: InteractionTable = InteractionTable()
-    motion: MotionTable = MotionTable()
-    region: RegionTable = None  # type: ignore[assignment]
-    hook: HookTable = None  # type: ignore[assignment]
-    wall: WallTable = None  # type: ignore[assignment]
-    channel: ChannelTable = None  # type: ignore[assignment]
-    magnet: MagnetTable = None  # type: ignore[assignment]
-    field: FieldTable = Field(default=None, discriminator="kind")  # type: ignore[assignment]
-    gravity: GravityTable = None  # type: ignore[assignment]
-    flow: FlowTable = Field(default=None, discriminator="kind")  # type: ignore[assignment]
-    noise: NoiseTable = None  # type: ignore[assignment]
-    calibration: CalibrationTable = None  # type: ignore[assignment]
-
-
 #: The kinds of each table, by its name.
 TABLES: dict[str, tuple[type[_Table], ...]] = {
-    name: get_args(info.annotation) or (info.annotation,)  # type: ignore[misc]
-    for name, info in SpecTable.model_fields.items()
+    "fluid": (FluidTable,),
+    "body": BODIES,
+    "tail": (HelixTable, PlaneWaveTable, ElasticTable, WaveformTable, CustomTable, NoTailTable),
+    "coefficients": (CoefficientsTable,),
+    "interaction": (InteractionTable,),
+    "motion": (MotionTable,),
+    "region": (RegionTable,),
+    "hook": (HookTable,),
+    "wall": (WallTable,),
+    "channel": (ChannelTable,),
+    "magnet": (MagnetTable,),
+    "field": APPLIED,
+    "gravity": (GravityTable,),
+    "flow": FLOWS,
+    "noise": (NoiseTable,),
+    "calibration": (CalibrationTable,),
 }
+#: Tables that every spec holds.
+REQUIRED = ("fluid", "body", "tail")
 #: Every field by its dotted name.
 FIELDS = fields.read_off(TABLES)
 #: Fields that say the same in two ways: one of the two is given.
@@ -332,3 +328,32 @@ ALTERNATIVES = {
 }
 #: The field that chooses the kind of a table.
 TAGS = {"body": "shape", "tail": "kind", "field": "kind", "flow": "kind"}
+
+
+def of_file(tables: Mapping[str, Any]) -> type[_Table]:
+    """Return the table of a whole spec file: the tables that it holds, each of the kind it is."""
+    present = [name for name in TABLES if name in tables or name in REQUIRED]
+    return _whole(tuple((name, _kind(name, tables.get(name))) for name in present))
+
+
+def _kind(name: str, given: Any) -> tuple[type[_Table], ...]:
+    """Return the kind of a table that is given; all of them where it does not say a known one."""
+    kinds = TABLES[name]
+    said = given.get(TAGS[name]) if name in TAGS and isinstance(given, dict) else None
+    return tuple(k for k in kinds if word(k, name) == said) or kinds
+
+
+def word(kind: type[_Table], name: str) -> str | None:
+    """Return the word that asks for one of the kinds of a table; None where there is one kind."""
+    if name not in TAGS:
+        return None
+    return get_args(kind.model_fields[TAGS[name]].annotation)[0]
+
+
+@cache
+def _whole(present: tuple[tuple[str, tuple[type[_Table], ...]], ...]) -> type[_Table]:
+    fields: dict[str, Any] = {}
+    for name, kinds in present:
+        tag = TAGS[name] if len(kinds) > 1 else None
+        fields[name] = (reduce(or_, kinds), Field(discriminator=tag))
+    return create_model("SpecTable", __base__=_Table, **fields)

@@ -59,4 +59,5 @@ Torque = Annotated[float, _reads("torque"), Measures("torque")]
 class Table(BaseModel):
     """A table of a spec file: no fields but its own, and finite numbers."""
 
-    model_config = ConfigDict(extra="forbid", allow_inf_nan=False)
+    # What checks a table is built when a file holds one: building all takes longer than a gait.
+    model_config = ConfigDict(extra="forbid", allow_inf_nan=False, defer_build=True)

@@ -113,14 +113,15 @@ class NoBodyTable(Table):
     shape: Annotated[Literal["none"], _SHAPE]
 
 
-BodyTable = (
-    SphereTable
-    | SpheroidTable
-    | EllipsoidTable
-    | CapsuleTable
-    | CylinderTable
-    | BoxTable
-    | RevolutionTable
-    | MeshTable
-    | NoBodyTable
+#: Tables of [body], one of each shape.
+BODIES: tuple[type[Table], ...] = (
+    SphereTable,
+    SpheroidTable,
+    EllipsoidTable,
+    CapsuleTable,
+    CylinderTable,
+    BoxTable,
+    RevolutionTable,
+    MeshTable,
+    NoBodyTable,
 )

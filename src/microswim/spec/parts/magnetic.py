@@ -135,11 +135,12 @@ class CoilFieldTable(Table):
     ] = None
 
 
-FieldTable = (
-    RotatingFieldTable
-    | UniformFieldTable
-    | OscillatingFieldTable
-    | SequenceFieldTable
-    | DipoleFieldTable
-    | CoilFieldTable
+#: Tables of [field], one of each kind.
+APPLIED: tuple[type[Table], ...] = (
+    RotatingFieldTable,
+    UniformFieldTable,
+    OscillatingFieldTable,
+    SequenceFieldTable,
+    DipoleFieldTable,
+    CoilFieldTable,
 )

@@ -101,8 +101,13 @@ class PoiseuilleFlowTable(Table):
     ] = [0.0, 0.0, 0.0]  # fmt: skip
 
 
-FlowTable = (
-    UniformFlowTable | ShearFlowTable | StrainFlowTable | RotationFlowTable | PoiseuilleFlowTable
+#: Tables of [flow], one of each kind.
+FLOWS: tuple[type[Table], ...] = (
+    UniformFlowTable,
+    ShearFlowTable,
+    StrainFlowTable,
+    RotationFlowTable,
+    PoiseuilleFlowTable,
 )
 
 

@@ -11,6 +11,7 @@ import xarray as xr
 
 import microswim as ms
 from microswim.studies.sweeps import engines as sweepengines
+from microswim.swimmer.drag.coefficients import Unchosen
 
 HELIX = ms.Swimmer.preset("tabak/helix")
 GRID = {"tail.amplitude": [0.05, 0.1, 0.2], "tail.waves": [1.0, 2.5]}
@@ -260,3 +261,23 @@ def test_a_block_is_a_run_of_rows():
         assert list(zip(*(columns[k].tolist() for k in "abc"))) == list(
             product(range(3), range(4), range(5))
         )
+
+
+@pytest.mark.parametrize("preset", ["tabak/helix", "tabak/plane_wave"])
+def test_designs_outside_the_atlas_are_answered_side_by_side_with_the_error_of_one(
+    preset, monkeypatch
+):
+    """A map that leaves the range of the atlas costs what one of the surrogate does."""
+    rows = importlib.import_module("microswim.studies.sweeps.rows")
+    monkeypatch.setattr(rows, "_solve_one", None)
+    swimmer = replace(ms.Swimmer.preset(preset), coefficients=Unchosen())
+    radii = [0.02, 0.004, 0.001]  # the first lies in the atlas
+    result = ms.sweep(swimmer, {"tail.radius": radii})
+    for radius in radii:
+        gait = swimmer.with_({"tail.radius": radius}).gait("auto")
+        row = result.sel({"tail.radius": radius})
+        assert (gait.model == "atlas") == (radius == 0.02)
+        np.testing.assert_allclose(
+            row.mean_velocity, gait.mean_velocity, atol=3e-8 * np.abs(gait.mean_velocity).max()
+        )
+        assert float(row.expected_error) == pytest.approx(gait.info["expected_error"]["us"])

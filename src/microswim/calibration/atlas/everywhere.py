@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import warnings
 from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
 from typing import Any
@@ -10,6 +11,7 @@ import numpy as np
 
 from microswim.calibration.atlas import coordinates
 from microswim.calibration.atlas.atlas import Atlas, of
+from microswim.calibration.atlas.expected import as_it_comes
 from microswim.calibration.atlas.gait import gait as atlas_gait
 from microswim.calibration.atlas.side_by_side import twists
 from microswim.calibration.region import body_flow as shaded
@@ -59,13 +61,8 @@ class Everywhere:
 
     def expected_of_many(self, many: Swimmer, count: int) -> np.ndarray:
         """Return the expected relative error of u_s (count,), NaN outside the range."""
-        x, z, _ = self.atlas.place(many)
-        x = np.broadcast_to(x.reshape(6, -1), (6, count))
-        z = np.broadcast_to(np.atleast_2d(z), (count, z.shape[-1]))
-        out, rows = (
-            np.full(count, np.nan),
-            np.flatnonzero(coordinates.inside(x, many.tail.is_planar)),
-        )
+        x, z = _spread(self.atlas, many, count)
+        out, rows = np.full(count, np.nan), coordinates.inside(x, many.tail.is_planar)
         out[rows] = self.atlas.misses.of_many(z[rows])
         return out
 
@@ -80,6 +77,30 @@ def everywhere(swimmer: Swimmer) -> Swimmer | None:
     if atlas is None or not serves or swimmer.motion.frequency_frame != "body":
         return None
     return replace(swimmer, region=Everywhere(atlas))
+
+
+def errors_outside(swimmer: Swimmer, numbers: Mapping[str, Any]) -> np.ndarray:
+    """Return the expected relative error of u_s (n,) by the surrogate as it comes, of designs that
+    the atlas does not cover; NaN of others, and where it was not measured.
+    """
+    count = max(np.size(value) for value in numbers.values())
+    out, atlas, misses = np.full(count, np.nan), of(swimmer), as_it_comes(swimmer)
+    if atlas is None or misses is None:
+        return out
+    with np.errstate(all="ignore"), warnings.catch_warnings():
+        warnings.simplefilter("ignore")
+        many = lifted(in_terms_of(swimmer, numbers), numbers)
+        x, z = _spread(atlas, many, count)
+        rows = np.isfinite(z).all(axis=1) & ~coordinates.inside(x, many.tail.is_planar)
+    out[rows] = misses.of_many(z[rows])
+    return out
+
+
+def _spread(atlas: Atlas, many: Swimmer, count: int) -> tuple[np.ndarray, np.ndarray]:
+    """Return the numbers (6, count) and scaled coordinates (count, f) of designs."""
+    x, z, _ = atlas.place(many)
+    x = np.broadcast_to(x.reshape(6, -1), (6, count))
+    return x, np.broadcast_to(np.atleast_2d(z), (count, z.shape[-1]))
 
 
 def warm_up(swimmer: Swimmer) -> None:

@@ -107,15 +107,24 @@ def _of_surrogate(swimmer: Swimmer, gait: Gait) -> tuple[list[Any], str]:
     law = swimmer.coefficients.law
     if swimmer.interaction != Interaction() or law == "constant":
         return [None] * 6, "not known: law or interaction coefficients are the user's own"
-    as_measured = swimmer.coefficients.spin and not swimmer.coefficients.tip
-    if atlas is None or not as_measured or law not in atlas.plain or coordinates.unlike(swimmer):
+    misses = as_it_comes(swimmer)
+    if atlas is None or misses is None:
         return [None] * 6, "not measured for such swimmers; compare with model bem"
     with np.errstate(divide="ignore"):
         _, z, _ = atlas.place(swimmer)
     if not np.all(np.isfinite(z)):
         return [None] * 6, "not measured without a wave"
     how = f"within it {law} lies from boundary elements for 19 of 20 of the nearest designs solved"
-    return _relative(atlas.plain[law], swimmer, gait), how
+    return _relative(misses, swimmer, gait), how
+
+
+def as_it_comes(swimmer: Swimmer) -> Misses | None:
+    """Return what a swimmer's law of local resistance missed, uncorrected; None if not measured."""
+    atlas, used = of(swimmer), swimmer.coefficients
+    known = used.spin and not used.tip and swimmer.interaction == Interaction()
+    if atlas is None or not known or coordinates.unlike(swimmer):
+        return None
+    return atlas.plain.get(used.law)
 
 
 def _of_elastic(swimmer: Swimmer, gait: Gait) -> tuple[list[Any], str]:

@@ -13,7 +13,7 @@ from typing import Any
 
 import numpy as np
 
-from microswim.calibration.atlas.everywhere import everywhere
+from microswim.calibration.atlas.everywhere import Everywhere, errors_outside, everywhere
 from microswim.errors import MachineError, MicroswimError, SpecError
 from microswim.gait.basis import Basis
 from microswim.gait.quantities import QUANTITIES
@@ -73,7 +73,7 @@ def _solved(job: Job, columns: Mapping[str, np.ndarray]) -> dict[str, np.ndarray
     if job.model in BATCHED and not job.options and not alone:
         for choices, rows in groups(columns):
             numbers = {k: v[rows] for k, v in columns.items() if k not in choices}
-            _solve_batched(job, choices, numbers, out, rows)
+            _solve_batched(job, job.model, choices, numbers, out, rows)
         left = np.flatnonzero(out["status"] != DONE).tolist()
     for i in left:
         _solve_one(job, {name: column[i] for name, column in columns.items()}, out, i)
@@ -81,25 +81,40 @@ def _solved(job: Job, columns: Mapping[str, np.ndarray]) -> dict[str, np.ndarray
 
 
 def _solve_batched(
-    job: Job, choices: dict[str, Any], numbers: Any, out: dict[str, np.ndarray], rows: Any
+    job: Job,
+    model: str,
+    choices: dict[str, Any],
+    numbers: Any,
+    out: dict[str, np.ndarray],
+    rows: Any,
 ) -> None:
-    """Rows of equal choices by the batched kernel; what it cannot solve is left to one by one."""
+    """Rows of equal choices by the batched kernel; what it cannot solve is left to one by one.
+
+    Of what the atlas does not cover, ``auto`` takes a second batch, by the surrogate as it comes.
+    """
     from microswim.models.rft.batch import evaluate, expected_errors
 
     if not numbers:
         return
     try:
-        swimmer = _by_model(vary(job.swimmer, choices), job.model, numbers)
+        swimmer = _by_model(vary(job.swimmer, choices), model, numbers)
         results = evaluate(swimmer, numbers)
     except SpecError:
         return
     if swimmer.region is not None:
         results["expected_error"] = expected_errors(swimmer, numbers)
+    elif job.model == "auto":
+        results["expected_error"] = errors_outside(swimmer, numbers)
     good = np.isfinite(results["mean_velocity"]).all(axis=1) & np.isfinite(results["mean_power"])
     for name, values in results.items():
         if name in out:
             out[name][rows[good]] = values[good]
     out["status"][rows[good]] = DONE
+    if model == "auto" and isinstance(swimmer.region, Everywhere):
+        left = np.isnan(results["expected_error"])
+        if left.any():
+            there = {name: values[left] for name, values in numbers.items()}
+            _solve_batched(job, "rft", choices, there, out, rows[left])
 
 
 def _by_model(swimmer: Swimmer, model: str, numbers: Any) -> Swimmer:

@@ -37,6 +37,8 @@ INPUTS = {
     "field_place": slice(34, 37),
 }
 STATE, INPUT = 8, 37
+#: Where each begins; G and J: the gradients of flow and field, row by row.
+MOTOR, FORCE, TORQUE, FIELD, TURNS, FLOW, G, J, PLACE = (s.start for s in INPUTS.values())
 FLOW_BENDS, FIELD_BENDS = 1, 2  #: what has a gradient
 #: Scratch: a row of the response and ``K e``.
 WORK = 36 + 6
@@ -63,8 +65,8 @@ def ratios(square: Any) -> tuple[Any, Any]:
 @compiled
 def field_at(u: Any, t: Any) -> Any:
     """Return the field after a time t: turned about field_rate, ``B + a w x B + b w x (w x B)``."""
-    b0, b1, b2 = u[7], u[8], u[9]
-    w0, w1, w2 = u[10] * t, u[11] * t, u[12] * t
+    b0, b1, b2 = u[FIELD], u[FIELD + 1], u[FIELD + 2]
+    w0, w1, w2 = u[TURNS] * t, u[TURNS + 1] * t, u[TURNS + 2] * t
     a, b = ratios(w0 * w0 + w1 * w1 + w2 * w2)
     c0, c1, c2 = w1 * b2 - w2 * b1, w2 * b0 - w0 * b2, w0 * b1 - w1 * b0
     d0, d1, d2 = w1 * c2 - w2 * c1, w2 * c0 - w0 * c2, w0 * c1 - w1 * c0
@@ -74,23 +76,23 @@ def field_at(u: Any, t: Any) -> Any:
 @compiled
 def wrench(magnetic: Any, q: Any, x: Any, u: Any, B: Any, bends: int) -> Any:
     """Return force and torque about the body's centre, body frame: given, and of the field."""
-    f0, f1, f2, B0, B1, B2 = u[1], u[2], u[3], B[0], B[1], B[2]
+    f0, f1, f2, B0, B1, B2 = u[FORCE], u[FORCE + 1], u[FORCE + 2], B[0], B[1], B[2]
     if bends & FIELD_BENDS:
-        d0, d1, d2 = x[0] - u[34], x[1] - u[35], x[2] - u[36]
-        B0 = B0 + u[25] * d0 + u[26] * d1 + u[27] * d2
-        B1 = B1 + u[28] * d0 + u[29] * d1 + u[30] * d2
-        B2 = B2 + u[31] * d0 + u[32] * d1 + u[33] * d2
+        d0, d1, d2 = x[0] - u[PLACE], x[1] - u[PLACE + 1], x[2] - u[PLACE + 2]
+        B0 = B0 + u[J] * d0 + u[J + 1] * d1 + u[J + 2] * d2
+        B1 = B1 + u[J + 3] * d0 + u[J + 4] * d1 + u[J + 5] * d2
+        B2 = B2 + u[J + 6] * d0 + u[J + 7] * d1 + u[J + 8] * d2
     b0, b1, b2 = to_lab(q, B0, B1, B2, -1.0)
     m0 = magnetic[0] + magnetic[3] * b0 + magnetic[4] * b1 + magnetic[5] * b2
     m1 = magnetic[1] + magnetic[6] * b0 + magnetic[7] * b1 + magnetic[8] * b2
     m2 = magnetic[2] + magnetic[9] * b0 + magnetic[10] * b1 + magnetic[11] * b2
     if bends & FIELD_BENDS:
         p0, p1, p2 = to_lab(q, m0, m1, m2, 1.0)
-        f0 = f0 + u[25] * p0 + u[28] * p1 + u[31] * p2
-        f1 = f1 + u[26] * p0 + u[29] * p1 + u[32] * p2
-        f2 = f2 + u[27] * p0 + u[30] * p1 + u[33] * p2
+        f0 = f0 + u[J] * p0 + u[J + 3] * p1 + u[J + 6] * p2
+        f1 = f1 + u[J + 1] * p0 + u[J + 4] * p1 + u[J + 7] * p2
+        f2 = f2 + u[J + 2] * p0 + u[J + 5] * p1 + u[J + 8] * p2
     f0, f1, f2 = to_lab(q, f0, f1, f2, -1.0)
-    t0, t1, t2 = to_lab(q, u[4], u[5], u[6], -1.0)
+    t0, t1, t2 = to_lab(q, u[TORQUE], u[TORQUE + 1], u[TORQUE + 2], -1.0)
     return f0, f1, f2, t0 + m1 * b2 - m2 * b1, t1 + m2 * b0 - m0 * b2, t2 + m0 * b1 - m1 * b0
 
 
@@ -110,7 +112,8 @@ def relative_twist(
     """Return the twist v relative to the flow."""
     w0, w1, w2, w3, w4, w5 = wrench(magnetic, q, x, u, B, bends)
     row(twist, phase, work)
-    M, r = work, u[0]  # lower triangle row by row, then v; written out, or memory rules the time
+    # lower triangle row by row, then v; written out, or memory rules the time
+    M, r = work, u[MOTOR]
     V0 = M[0] * w0 + M[1] * w1 + M[3] * w2 + M[6] * w3 + M[10] * w4 + M[15] * w5 + M[21] * r
     V1 = M[1] * w0 + M[2] * w1 + M[4] * w2 + M[7] * w3 + M[11] * w4 + M[16] * w5 + M[22] * r
     V2 = M[3] * w0 + M[4] * w1 + M[5] * w2 + M[8] * w3 + M[12] * w4 + M[17] * w5 + M[23] * r
@@ -127,23 +130,27 @@ def relative_twist(
 def graded(u: Any) -> int:
     """Return what has a gradient: the flow, the field, both or none."""
     flow, field = False, False
-    for i in range(16, 25):
-        flow |= u[i] != 0
-        field |= u[9 + i] != 0
+    for k in range(9):
+        flow |= u[G + k] != 0
+        field |= u[J + k] != 0
     return (FLOW_BENDS if flow else 0) + (FIELD_BENDS if field else 0)
 
 
 @compiled
 def body_strain(q: Any, u: Any) -> tuple[Any, Any, Any, Any, Any, Any]:
     """Return entries 00, 11, 22, 01, 02, 12 of ``E = R_L' (A + A')/2 R_L``."""
-    s01, s02, s12 = (u[17] + u[19]) / 2.0, (u[18] + u[22]) / 2.0, (u[21] + u[23]) / 2.0
+    s01, s02, s12 = (
+        (u[G + 1] + u[G + 3]) / 2.0,
+        (u[G + 2] + u[G + 6]) / 2.0,
+        (u[G + 5] + u[G + 7]) / 2.0,
+    )
     a, b, c = to_lab(q, 1.0, 0.0, 0.0, 1.0)
-    x, y, z = u[16] * a + s01 * b + s02 * c, s01 * a + u[20] * b + s12 * c, s02 * a + s12 * b
-    e00, e01, e02 = to_lab(q, x, y, z + u[24] * c, -1.0)
+    x, y, z = u[G] * a + s01 * b + s02 * c, s01 * a + u[G + 4] * b + s12 * c, s02 * a + s12 * b
+    e00, e01, e02 = to_lab(q, x, y, z + u[G + 8] * c, -1.0)
     a, b, c = to_lab(q, 0.0, 1.0, 0.0, 1.0)
-    x, y, z = u[16] * a + s01 * b + s02 * c, s01 * a + u[20] * b + s12 * c, s02 * a + s12 * b
-    _, e11, e12 = to_lab(q, x, y, z + u[24] * c, -1.0)
-    return e00, e11, u[16] + u[20] + u[24] - e00 - e11, e01, e02, e12
+    x, y, z = u[G] * a + s01 * b + s02 * c, s01 * a + u[G + 4] * b + s12 * c, s02 * a + s12 * b
+    _, e11, e12 = to_lab(q, x, y, z + u[G + 8] * c, -1.0)
+    return e00, e11, u[G] + u[G + 4] + u[G + 8] - e00 - e11, e01, e02, e12
 
 
 @compiled
@@ -179,10 +186,10 @@ def turned(q: Any, v: Any) -> tuple[Any, Any, Any, Any]:
 @compiled
 def background(q: Any, u: Any, x0: Any, x1: Any, x2: Any) -> tuple[Any, Any, Any, Any, Any, Any]:
     """Return ``gradient x`` in the lab frame and the flow's rotation in the body frame."""
-    a = u[16] * x0 + u[17] * x1 + u[18] * x2
-    b = u[19] * x0 + u[20] * x1 + u[21] * x2
-    c = u[22] * x0 + u[23] * x1 + u[24] * x2
-    w0, w1, w2 = to_lab(q, u[23] - u[21], u[18] - u[22], u[19] - u[17], -1.0)
+    a = u[G] * x0 + u[G + 1] * x1 + u[G + 2] * x2
+    b = u[G + 3] * x0 + u[G + 4] * x1 + u[G + 5] * x2
+    c = u[G + 6] * x0 + u[G + 7] * x1 + u[G + 8] * x2
+    w0, w1, w2 = to_lab(q, u[G + 7] - u[G + 5], u[G + 2] - u[G + 6], u[G + 3] - u[G + 1], -1.0)
     return a, b, c, w0 / 2.0, w1 / 2.0, w2 / 2.0
 
 
@@ -202,7 +209,7 @@ def velocity(
     """Return the velocity of the centre in the lab frame, angular velocity in the body frame."""
     V0, V1, V2, w0, w1, w2 = relative_twist(twist, strain, magnetic, q, x, phase, u, B, bends, work)
     a, b, c = to_lab(q, V0, V1, V2, 1.0)
-    a, b, c = a + u[13], b + u[14], c + u[15]
+    a, b, c = a + u[FLOW], b + u[FLOW + 1], c + u[FLOW + 2]
     if bends & FLOW_BENDS:
         d0, d1, d2, o0, o1, o2 = background(q, u, x[0], x[1], x[2])
         a, b, c, w0, w1, w2 = a + d0, b + d1, c + d2, w0 + o0, w1 + o1, w2 + o2
@@ -215,7 +222,7 @@ def substep(
 ) -> None:
     """Step at order 4; `t` is the time since the inputs were set, y is overwritten."""
     q = (y[3], y[4], y[5], y[6])
-    zero = 0 * (y[0] + u[0])
+    zero = 0 * (y[0] + u[MOTOR])
     x0, x1, x2, r0, r1, r2 = zero, zero, zero, zero, zero, zero  # moved, turned
     k0, k1, k2, v0, v1, v2 = zero, zero, zero, zero, zero, zero  # last velocity, rotation so far
     B = field_at(u, t)
@@ -225,7 +232,7 @@ def substep(
             ahead = h / 2.0 if i == 1 else h
             B = field_at(u, t + ahead)
         x = (y[0] + ahead * k0, y[1] + ahead * k1, y[2] + ahead * k2)
-        p, phase = turned(q, (v0, v1, v2)), y[7] + u[0] * ahead
+        p, phase = turned(q, (v0, v1, v2)), y[7] + u[MOTOR] * ahead
         k0, k1, k2, w0, w1, w2 = velocity(twist, strain, magnetic, p, x, phase, u, B, bends, work)
         # v' = w + v x w / 2 + v x (v x w) / 12
         c0, c1, c2 = v1 * w2 - v2 * w1, v2 * w0 - v0 * w2, v0 * w1 - v1 * w0
@@ -240,7 +247,7 @@ def substep(
     a, b, c, d = turned(q, (r0, r1, r2))
     # one Newton step towards norm 1 keeps rounding from adding up
     unit = 1.5 - 0.5 * (a * a + b * b + c * c + d * d)
-    y[0], y[1], y[2], y[7] = y[0] + x0, y[1] + x1, y[2] + x2, y[7] + u[0] * h
+    y[0], y[1], y[2], y[7] = y[0] + x0, y[1] + x1, y[2] + x2, y[7] + u[MOTOR] * h
     y[3], y[4], y[5], y[6] = a * unit, b * unit, c * unit, d * unit
 
 
@@ -258,11 +265,11 @@ def fastest(limits: Any, u: Any) -> float:
     The body's rotation is bounded by ``limits[1:] = (per motor rate, per force, per torque, size
     of m_0, of C)``, with the field as it is at ``field_place``.
     """
-    B = size(u, 7, 3)
+    B = size(u, FIELD, 3)
     moment = limits[4] + limits[5] * B
-    body = limits[1] * abs(u[0].real) + limits[3] * (size(u, 4, 3) + moment * B)
-    body += limits[2] * (size(u, 1, 3) + moment * size(u, 25, 9)) + size(u, 16, 9)
-    return max(abs(u[0].real), size(u, 10, 3), body)
+    body = limits[1] * abs(u[MOTOR].real) + limits[3] * (size(u, TORQUE, 3) + moment * B)
+    body += limits[2] * (size(u, FORCE, 3) + moment * size(u, J, 9)) + size(u, G, 9)
+    return max(abs(u[MOTOR].real), size(u, TURNS, 3), body)
 
 
 @compiled

@@ -7,7 +7,9 @@ from typing import Any
 import numpy as np
 
 from microswim.control.motion import (
+    FIELD,
     FLOW_BENDS,
+    MOTOR,
     STATE,
     WORK,
     advance,
@@ -46,11 +48,16 @@ def outputs(
     """Write twist in the body frame (6) and motor torque (1) of all states into (n, 7)."""
     for i in range(Y.shape[0]):
         u, y = U[i if U.shape[0] > 1 else 0], Y[i]
-        q, x, B, bends = (y[3], y[4], y[5], y[6]), (y[0], y[1], y[2]), (u[7], u[8], u[9]), graded(u)
+        q, x, B, bends = (
+            (y[3], y[4], y[5], y[6]),
+            (y[0], y[1], y[2]),
+            (u[FIELD], u[FIELD + 1], u[FIELD + 2]),
+            graded(u),
+        )
         V = relative_twist(twist, strain, magnetic, q, x, y[7], u, B, bends, work)
         v = velocity(twist, strain, magnetic, q, x, y[7], u, B, bends, work)
         row(motor, y[7], work)
-        torque = work[6] * u[0]
+        torque = work[6] * u[MOTOR]
         for k in range(6):
             torque += work[k] * V[k]
         if bends & FLOW_BENDS:

@@ -2,20 +2,18 @@
 
 from __future__ import annotations
 
-import io
 from collections.abc import Callable
 from dataclasses import dataclass, field
+from functools import partial
 from hashlib import sha256
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 
 from microswim.errors import MicroswimError, SpecError
 from microswim.gait.poses.table import PoseTable
 from microswim.numerics.array import Array
-from microswim.numerics.files import write
-from microswim.path import brownian
+from microswim.path import brownian, keeping, noise_in_space
 from microswim.path.in_space import follow_loads
 from microswim.path.march import DONE, TOO_LONG, march
 from microswim.path.tumbling import tumbled
@@ -53,7 +51,7 @@ class Course:
     seed
         Of the noise.
     field
-        One that depends on place; none where the loads hold it.
+        One that depends on place or follows a table; none where the loads hold it.
     tumbles
         Mean time of a run and angle of a tumble.
     """
@@ -134,13 +132,13 @@ def follow(
     known = found or _start(course)
     for i in range(known.chunks, cuts.size - 1):
         times = course.times[cuts[i] : cuts[i + 1] + 1]
-        if course.field is not None:
-            _marched_in_space(course, known, times)
+        if course.energy:
+            _scattered(course, known, times, i)
         else:
-            (_scattered if course.energy else _marched)(course, known, times, i)
+            (_marched if course.field is None else _marched_in_space)(course, known, times)
         known.chunks = i + 1
         if keep is not None:
-            _keep(course, keep, known)
+            keeping.keep(keep, course.digest, **{n: getattr(known, n) for n in _ARRAYS + _PLAIN})
         if progress is not None:
             progress(i + 1, cuts.size - 1)
     return known
@@ -157,7 +155,7 @@ def _phase(course: Course, time: float) -> float:
     return course.phase + course.loads.rate * (time - course.times[0])
 
 
-def _marched(course: Course, known: Followed, times: Array, chunk: int) -> None:
+def _marched(course: Course, known: Followed, times: Array) -> None:
     """One chunk without noise, every path."""
     m, n = len(course.position), times.size
     X, Q, spent = np.empty((m, n, 3)), np.empty((m, n, 4)), np.empty((m, n, 2))
@@ -210,7 +208,9 @@ def _scattered(course: Course, known: Followed, times: Array, chunk: int) -> Non
     rng = np.random.default_rng([course.seed, chunk])
     m, n = len(course.position), times.size
     X, Q = known.position[:, -1].copy(), known.quaternion[:, -1].copy()
-    run = brownian.scatter.over(m)
+    run: Callable[..., None] = brownian.scatter.over(m)
+    if course.field is not None:
+        run = partial(noise_in_space.scatter, field=course.field)
     places, turns = np.empty((m, n - 1, 3)), np.empty((m, n - 1, 4))
     for j in range(n - 1):
         whole = times[j + 1] - times[j]
@@ -243,37 +243,10 @@ def _append(known: Followed, X: Array, Q: Array, spent: Array) -> None:
     known.spent = np.concatenate([known.spent, spent], axis=1)
 
 
-_ARRAYS = ("position", "quaternion", "spent", "least")
-
-
-def _keep(course: Course, place: Path, known: Followed) -> None:
-    out = io.BytesIO()
-    plain = {"step": known.step, "chunks": known.chunks, "steps": known.steps}
-    np.savez(
-        out, digest=course.digest, format=1, **{n: getattr(known, n) for n in _ARRAYS}, **plain
-    )  # fmt: skip
-    write(place, out.getvalue())
+_ARRAYS, _PLAIN = ("position", "quaternion", "spent", "least"), ("step", "chunks", "steps")
 
 
 def _kept(course: Course, place: Path) -> Followed:
-    """Return what a file holds of this course.
-
-    Raises
-    ------
-    SpecError
-        If it is of another, or cannot be read.
-    """
-    try:
-        with np.load(place, allow_pickle=False) as data:
-            if str(data["digest"]) != course.digest:
-                raise SpecError(
-                    f"{place}: holds another path than the one asked for; ask for the same spec, "
-                    "start and time, or begin anew with --force"
-                )
-            arrays: dict[str, Any] = {n: data[n] for n in _ARRAYS}
-            step, chunks, steps = (data[n].item() for n in ("step", "chunks", "steps"))
-    except (OSError, KeyError, ValueError) as error:
-        if isinstance(error, SpecError):
-            raise
-        raise SpecError(f"{place}: no path that can be gone on with; begin anew") from None
-    return Followed(**arrays, step=step, chunks=chunks, steps=steps)
+    """Return what a file holds of this course."""
+    found = keeping.kept(place, course.digest, _ARRAYS + _PLAIN)
+    return Followed(**found | {n: found[n].item() for n in _PLAIN})

@@ -35,6 +35,7 @@ if TYPE_CHECKING:
 MOST_SAMPLES, A_PERIOD = 4000, 16
 MOST_PATHS = 1_000_000
 TURNS = 0.1  #: rad that noise turns the swimmer by in a step, at most (root mean square)
+TURNED = 0.4  #: rad that the field does, with noise
 _LOOSE = 30.0  #: times the tolerance: the second march, for the error of the first
 
 
@@ -125,7 +126,7 @@ def path(
         Of the noise: the same seed, the same path.
     step
         Time step with noise; by default 1/24 of a period, and short enough that noise turns the
-        swimmer by less than 0.1 rad.
+        swimmer by less than 0.1 rad and the field by less than 0.4.
     memory
         Whether an elastic tail is followed from its shape at rest, every piece of it under the
         loads; otherwise the swimmer has the beat that its tail settles to. By default where no
@@ -141,9 +142,7 @@ def path(
     xarray.Dataset
         ``position`` (time, axis), ``quaternion`` (time, wxyz) and ``phase`` as of `trajectory`;
         ``gap`` to the boundary; with memory ``filament`` (time, point, axis), points along the
-        filament in the lab; without noise ``motor_work`` and ``dissipated`` since the start; as
-        attributes ``outcome``, ``circle_radius``, ``circle_sense`` (seen from above),
-        ``gap`` to the boundary; without noise ``motor_work`` and ``dissipated`` since the start;
+        filament in the lab; without noise ``motor_work`` and ``dissipated`` since the start;
         as attributes ``outcome``, ``circle_radius``, ``circle_sense`` (seen from above; in a tube
         about its axis, seen from +x),
         ``gap_mean``, ``drift`` and ``position_error`` (of the last place, by the time steps alone).
@@ -199,7 +198,7 @@ def path(
         phase=float(phase),
         length=length,
         tolerance=float(tolerance),
-        longest=_longest(made, loads, times, energy, step),
+        longest=_longest(made, loads, times, energy, step, _pull(swimmer, times, start[0])),
         energy=energy,
         seed=int(seed),
         field=_in_space(swimmer),
@@ -214,8 +213,6 @@ def _in_space(swimmer: Swimmer) -> AppliedField | None:
     field = swimmer.field
     if field is None or field.is_periodic or swimmer.magnet is None:
         return None
-    if swimmer.noise is not None:
-        raise SpecError("field.kind", field.kind, "uniform, rotating or oscillating with [noise]")
     return field
 
 
@@ -241,7 +238,19 @@ def _times(period: float, time: float, samples: int | None) -> Array:
     return np.append(inside, time)
 
 
-def _longest(gait: Gait, loads: Any, times: Array, energy: float, step: float | None) -> float:
+def _pull(swimmer: Swimmer, times: Array, place: Array) -> float:
+    """Return the largest torque of the field on the magnet at the place where it starts."""
+    if swimmer.field is None or swimmer.magnet is None:
+        return 0.0
+    some = np.linspace(times[0], times[-1], 64)
+    B = np.linalg.norm(swimmer.field.at(some, np.broadcast_to(place, (64, 3))), axis=-1).max()
+    magnet = swimmer.magnet
+    return float(B * (np.linalg.norm(magnet.vector) + B * np.linalg.norm(magnet.softness, 2)))
+
+
+def _longest(
+    gait: Gait, loads: Any, times: Array, energy: float, step: float | None, pull: float
+) -> float:
     """Longest step: a part of the period of motor and field, with noise a small turn."""
     if step is not None:
         return float(step)
@@ -249,8 +258,9 @@ def _longest(gait: Gait, loads: Any, times: Array, energy: float, step: float | 
     share = 24.0 if energy else 8.0
     limits = [2.0 * np.pi / fastest / share, (times[-1] - times[0]) / 16.0]
     if energy:
-        R = np.real(gait.resistance(0.0))[3:, 3:]
-        limits.append(TURNS**2 / (2.0 * energy * float(np.trace(np.linalg.inv(R)))))
+        M = np.linalg.inv(np.real(gait.resistance(0.0))[3:, 3:])
+        limits.append(TURNS**2 / (2.0 * energy * float(np.trace(M))))
+        limits.append(TURNED / max(pull * np.linalg.norm(M, 2), 1e-300))
     return float(min(limits))
 
 

@@ -6,7 +6,6 @@ the filament, so there is no gait to follow: pose and strains are marched togeth
 
 from __future__ import annotations
 
-import io
 from collections.abc import Callable
 from dataclasses import dataclass
 from hashlib import sha256
@@ -15,13 +14,11 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from microswim.errors import SpecError
 from microswim.gait.units import unit
 from microswim.models.elastic.unsteady.march import LOOSEST, Shape, at_rest, marched
 from microswim.models.elastic.unsteady.numbers import units_of
 from microswim.numerics.array import Array
-from microswim.numerics.files import write
-from microswim.path import outcome
+from microswim.path import keeping, outcome
 from microswim.path.trajectory import dataset
 from microswim.swimmer.swimmer import Swimmer
 
@@ -145,37 +142,17 @@ def _gaps(swimmer: Swimmer, x: Array, q: Array, places: Array) -> Array:
     return np.minimum(x[:, 2] - girth, places[..., 2].min(axis=1) - thick)
 
 
+_POSE, _SHAPE = ("position", "quaternion", "phase", "work"), ("strains", "hook", "places")
+
+
 def _keep(place: Path, digest: str, shapes: list[Shape], places: Array) -> None:
-    out, last = io.BytesIO(), shapes[-1]
-    pose = {
-        n: np.array([getattr(s, n) for s in shapes])
-        for n in ("position", "quaternion", "phase", "work")
-    }
-    np.savez(out, digest=digest, format=1, places=places, strains=last.strains, hook=last.hook,
-             **pose)  # type: ignore[arg-type]  # fmt: skip
-    write(place, out.getvalue())
+    last, pose = shapes[-1], {n: np.array([getattr(s, n) for s in shapes]) for n in _POSE}
+    keeping.keep(place, digest, places=places, strains=last.strains, hook=last.hook, **pose)
 
 
 def _kept(place: Path, digest: str) -> tuple[list[Shape], Array]:
-    """Return what a file holds of this path: poses, of which the last has its shape.
-
-    Raises
-    ------
-    SpecError
-        If it is of another, or cannot be read.
-    """
-    try:
-        with np.load(place, allow_pickle=False) as data:
-            if str(data["digest"]) != digest:
-                raise SpecError(
-                    f"{place}: holds another path than the one asked for; ask for the same spec, "
-                    "start and time, or begin anew with --force"
-                )
-            parts = [data[n] for n in ("position", "quaternion", "phase", "work")]
-            strains, hook, places = data["strains"], data["hook"], data["places"]
-    except (OSError, KeyError, ValueError) as error:
-        if isinstance(error, SpecError):
-            raise
-        raise SpecError(f"{place}: no path that can be gone on with; begin anew") from None
-    shapes = [Shape(x, q, float(p), strains, hook, w) for x, q, p, w in zip(*parts)]
-    return shapes, places
+    """Return what a file holds of this path: poses, of which the last has its shape."""
+    found = keeping.kept(place, digest, _POSE + _SHAPE)
+    strains, hook = found["strains"], found["hook"]
+    poses = zip(*(found[n] for n in _POSE))
+    return [Shape(x, q, float(p), strains, hook, w) for x, q, p, w in poses], found["places"]

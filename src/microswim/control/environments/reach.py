@@ -12,6 +12,7 @@ from typing import Any
 
 import numpy as np
 
+from microswim.control import motion
 from microswim.control.environments import uneven
 from microswim.control.environments.camera import (
     MM,
@@ -87,13 +88,16 @@ def drive(mem: Any, action: Any, u: Any, work: Any, model: Any, s: Any, keys: An
     """Step the physics; the field turns by ``swing dt`` at most."""
     mem[MOTOR] = min(max(action[0], -1.0), 1.0)
     turn = s.swing * min(max(action[1], -1.0), 1.0)
-    u[0], u[12] = s.top * mem[MOTOR], turn
-    u[7], u[8] = s.field * np.cos(mem[ANGLE]), s.field * np.sin(mem[ANGLE])
+    u[motion.MOTOR], u[motion.TURNS + 2] = s.top * mem[MOTOR], turn
+    u[motion.FIELD], u[motion.FIELD + 1] = (
+        s.field * np.cos(mem[ANGLE]),
+        s.field * np.sin(mem[ANGLE]),
+    )
     for k in range(3):
-        u[13 + k] = mem[FLOW + k]
+        u[motion.FLOW + k] = mem[FLOW + k]
     for k in range(9):
-        u[uneven.FIRST + k] = mem[SLOPE + k]
-    n = max(1, int(np.ceil(abs(u[0]) * s.dt / TURN)))
+        u[motion.J + k] = mem[SLOPE + k]
+    n = max(1, int(np.ceil(abs(u[motion.MOTOR]) * s.dt / TURN)))
     h, bends = s.dt / n, FIELD_BENDS if s.slope > 0.0 else 0
     for k in range(n):
         substep(model[0], model[1], model[2], mem, u, k * h, h, bends, work)

@@ -13,6 +13,7 @@ from typing import Any
 
 import numpy as np
 
+from microswim.control import motion
 from microswim.control.environments import uneven
 from microswim.control.environments.camera import (
     MM,
@@ -122,11 +123,11 @@ def drive(mem: Any, u: Any, work: Any, model: Any, s: Any, keys: Any, i: int) ->
     mem[FLOW + 2] = fade * mem[FLOW + 2] + push * n2
     w = -2.0 * np.pi * mem[F]  # a left-handed helix advances against the sense of its rotation
     for k in range(3):
-        u[7 + k] = s.field * mem[B + k]
-        u[10 + k] = w * mem[D + k]
-        u[13 + k] = mem[FLOW + k] + mem[MEAN + k]
+        u[motion.FIELD + k] = s.field * mem[B + k]
+        u[motion.TURNS + k] = w * mem[D + k]
+        u[motion.FLOW + k] = mem[FLOW + k] + mem[MEAN + k]
     for k in range(9):
-        u[uneven.FIRST + k] = mem[SLOPE + k]
+        u[motion.J + k] = mem[SLOPE + k]
     n = max(1, int(np.ceil(abs(w) * s.dt / TURN)))
     h, bends = s.dt / n, FIELD_BENDS if s.slope > 0.0 else 0
     for k in range(n):

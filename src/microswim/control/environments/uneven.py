@@ -12,8 +12,6 @@ from typing import Any
 from microswim.control.environments.random_streams import direction
 from microswim.numerics.compiling.compiled import njit
 
-FIRST = 25  #: of the inputs of a step that are the field's gradient
-
 
 @njit(cache=True)
 def draw(J: Any, slope: float, keys: Any, i: int) -> None:

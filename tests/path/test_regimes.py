@@ -122,7 +122,7 @@ def test_on_a_rail_a_robot_slips_as_adler_says():
     critical = 60.0 * M[3, 0]
     for ratio in (1.05, 1.5, 3.0):
         rate = ratio * critical
-        mean, spread = drift(gait, steady, rate)
+        mean, spread = drift(steady, rate)
         slips = critical * (ratio - np.sqrt(ratio**2 - 1.0))
         assert mean == pytest.approx(M[0, 0] / M[3, 0] * slips, rel=2e-4)
         assert spread < 1e-3 * abs(mean)

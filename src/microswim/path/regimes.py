@@ -18,9 +18,10 @@ from microswim.errors import SpecError
 from microswim.gait import doors
 from microswim.gait.gait import Gait
 from microswim.gait.turning.slipping import drift
+from microswim.gait.turning.soft_turning import SoftTurning
 from microswim.gait.turning.steady_turning import SteadyTurning, Turned
 from microswim.gait.turning.step_out import mobility_of
-from microswim.gait.turning.wobbling import Axisymmetric, closest
+from microswim.gait.turning.wobbling import Axisymmetric, closest, closest_soft
 from microswim.numerics.array import Array, read_only
 from microswim.swimmer.magnetism.applied_field import RotatingField
 from microswim.swimmer.physical_sense import INERTIA
@@ -31,7 +32,7 @@ if TYPE_CHECKING:
 
 NAMES = ("tumbling", "wobbling", "synchronous", "stepped out")
 STEEP = np.radians(45.0)  #: precession angle above which a robot below the onset tumbles
-STRAIGHT = np.radians(5.0)  #: precession angle below which a robot is called synchronous
+STRAIGHT = np.radians(5.0)  #: of the axis: synchronous; of the plane of the field: tumbling
 #: Largest relative errors of step-out and of the velocity there, by model: 14 random robots against
 #: boundary elements (benchmarks/step_out.py).
 MEASURED = {"atlas": (0.006, 0.015), "rft": (0.06, 2.0)}
@@ -143,8 +144,8 @@ def regimes(
     Parameters
     ----------
     swimmer
-        With a `Magnet` and a `RotatingField`, whose strength, axis, sense and cone count; all its
-        rotations free. Its motor stands still at phase 0.
+        With a `Magnet`, permanent or soft, and a `RotatingField`, whose strength, axis, sense and
+        cone count; all its rotations free. Its motor stands still at phase 0.
     frequency
         Turns of the field per time, positive, (n,).
     model
@@ -176,7 +177,7 @@ def regimes(
     sense = float(np.sign(swimmer.field.frequency))  # type: ignore[union-attr]
     rates = 2.0 * np.pi * frequencies
     held = [_distinct(steady.states(rate)) for rate in rates]
-    found = [_one(gait, steady, rate, states) for rate, states in zip(rates, held)]
+    found = [_one(steady, rate, states) for rate, states in zip(rates, held)]
     angle, velocity, error = (np.array(column) for column in zip(*(f[1:] for f in found)))
     at_most = steady.at_step_out
     reynolds = _reynolds(swimmer, rates, angle)
@@ -215,11 +216,6 @@ def steady_turning(swimmer: Swimmer, gait: Gait) -> SteadyTurning:
     if magnet is None:
         raise SpecError('magnet: missing; give its moment, as moment = ["0 A m^2", "1e-6 A m^2", '
                         '"0 A m^2"], or its remanence and size')  # fmt: skip
-    if magnet.susceptibility is not None:
-        raise SpecError(
-            "magnet.susceptibility: regimes are those of a permanent magnet; follow a soft one in "
-            "time, microswim path"
-        )
     if not isinstance(applied, RotatingField):
         kind = "missing" if applied is None else applied.kind
         raise SpecError("field.kind", kind, '"rotating"', "its frequency is then asked for here")
@@ -230,6 +226,11 @@ def steady_turning(swimmer: Swimmer, gait: Gait) -> SteadyTurning:
                         '--set motion.free=all lets it tilt')  # fmt: skip
     sense = float(np.sign(applied.frequency))
     cone = sense * applied.cone
+    if magnet.susceptibility is not None:
+        if cone:
+            mend = "regimes are those of a field in a plane; microswim path follows it with a cone"
+            raise SpecError("field.cone", applied.cone, "zero with a soft magnet", mend)
+        return SoftTurning.of(mobility_of(gait), magnet.softness, applied.strength)
     return SteadyTurning(mobility_of(gait), magnet.vector, applied.strength, cone)
 
 
@@ -260,15 +261,16 @@ def _distinct(states: list[Turned]) -> list[Turned]:
 
 
 def _one(
-    gait: Gait, steady: SteadyTurning, rate: float, states: list[Turned]
+    steady: SteadyTurning, rate: float, states: list[Turned]
 ) -> tuple[str, float, float, float]:
     """Regime, precession angle, velocity along the axis and its error, at one rate."""
     if not states:
         name = "stepped out" if rate > steady.step_out else "wobbling"
-        return (name, float("nan"), *drift(gait, steady, rate))
+        return (name, float("nan"), *drift(steady, rate))
     state = states[0]
     angle, velocity = float(state.precession_angle), float(state.velocity)
-    tumbles = rate < steady.wobbling_onset and angle > STEEP
+    flat = np.pi / 2.0 - STRAIGHT
+    tumbles = angle > flat or (rate < steady.wobbling_onset and angle > STEEP)
     name = "tumbling" if tumbles else "synchronous" if angle < STRAIGHT else "wobbling"
     return name, angle, velocity, 1e-12 * abs(velocity)
 
@@ -288,8 +290,11 @@ def _reversals(steady: SteadyTurning, rates: Array, held: list[list[Turned]]) ->
 
 
 def _closed(steady: SteadyTurning) -> Axisymmetric | None:
-    exact = closest(steady.mobility, steady.moment, steady.strength)
-    return exact if exact.holds and not steady.cone else None
+    if isinstance(steady, SoftTurning):
+        exact = closest_soft(steady.mobility, steady.softness, steady.strength)
+    else:
+        exact = closest(steady.mobility, steady.moment, steady.strength)
+    return exact if exact is not None and exact.holds and not steady.cone else None
 
 
 def _expected(swimmer: Swimmer, gait: Gait) -> dict[str, Any]:

@@ -87,4 +87,4 @@ def _mean(gait: Gait, parts: list[Any]) -> float:
     R, moment, strength, cone, rate = parts
     still = Gait(np.array([R]), np.zeros((1, 6)), np.zeros(1), rate=0.0, free=gait.free)
     turning = SteadyTurning(mobility_of(still), moment, float(strength), float(cone))
-    return drift(still, turning, float(rate))[0]
+    return drift(turning, float(rate))[0]

@@ -115,6 +115,16 @@ class SteadyTurning:
         held = growth < NEUTRAL * B * np.linalg.norm(m) * np.linalg.norm(M[3:], 2)
         return Turned(rate, n, b, np.sum(twist[..., :3] * n, axis=-1), growth, held)
 
+    @property
+    def magnetic(self) -> Array:
+        """Moment without a field, then moment per field row by row (12,)."""
+        return np.concatenate([self.moment, np.zeros(9)])
+
+    @property
+    def pull(self) -> float:
+        """Largest torque of the field."""
+        return float(self.strength * np.linalg.norm(self.moment))
+
     @cached_property
     def curves(self) -> tuple[Curve, ...]:
         """Closed curves of b over 0 to 2 pi; the robot is held at -b where it is not at b."""
@@ -122,15 +132,7 @@ class SteadyTurning:
 
     @cached_property
     def _principal(self) -> tuple[Array, Array]:
-        """Eigenvalues of S and vectors as columns; the last has a sign of its own."""
-        N = self.mobility[3:] @ cross(self.moment)
-        values, vectors = np.linalg.eigh((N + N.T) / 2.0)
-        if np.abs(values).max() < 1e-12 * np.linalg.norm(N):
-            # the moment is an axis of symmetry: every plane through it is as good
-            return np.zeros(3), np.linalg.svd(self.moment[None])[2].T
-        if values[1] < 0.0:  # S is free of trace
-            return values, vectors
-        return -values[::-1], vectors[:, ::-1]
+        return principal(self.mobility, self.moment)
 
     def _planar(self, u: Any) -> Array:
         """Return b on the cone ``b . S b = 0``."""
@@ -272,6 +274,18 @@ class SteadyTurning:
         if ends[0] * ends[1] >= 0.0:
             return self.at(arc.curve(arc.start if abs(ends[0]) < abs(ends[1]) else arc.end))
         return self.at(arc.curve(_zero(beyond, arc.start, arc.end)))
+
+
+def principal(mobility: Array, moment: Array) -> tuple[Array, Array]:
+    """Return eigenvalues of S and vectors as columns; the last has a sign of its own."""
+    N = mobility[3:] @ cross(moment)
+    values, vectors = np.linalg.eigh((N + N.T) / 2.0)
+    if np.abs(values).max() < 1e-12 * np.linalg.norm(N):
+        # the moment is an axis of symmetry: every plane through it is as good
+        return np.zeros(3), np.linalg.svd(moment[None])[2].T
+    if values[1] < 0.0:  # S is free of trace
+        return values, vectors
+    return -values[::-1], vectors[:, ::-1]
 
 
 def _zeros(of: Callable[[float], float]) -> list[float]:

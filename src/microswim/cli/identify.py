@@ -19,6 +19,7 @@ from microswim.cli._options import (
     out_option,
     print_json,
     swimmer_options,
+    workers_option,
 )
 from microswim.errors import MicroswimError, SpecError
 from microswim.gait.units import unit
@@ -64,6 +65,7 @@ TABLE, DISPLACEMENT = "cells.csv", "displacement.csv"
     help="Whether intervals hold the error to expect of the model too; they do.",
 )  # fmt: skip
 @click.option("--starts", type=int, default=8, show_default=True, help="First guesses to follow.")
+@workers_option
 @out_option
 @force_option
 @json_option
@@ -185,7 +187,8 @@ def _fit(given: Given, read: Any, what: str, fit: dict[str, Any]) -> tuple[list[
     """The swimmer of each track, or why there is none and what it does hold; and what draws it."""
     from microswim.cli._progress import bar
     from microswim.spec.values import from_text
-    from microswim.studies.identification.fitting.fit import SHAPE, identify_swimmer
+    from microswim.studies.identification.fitting.fit import SHAPE
+    from microswim.studies.identification.fitting.many import identify_swimmers
     from microswim.studies.identification.without_model import describe_track
 
     swimmer, rows, paths = given.swimmer, [], {}
@@ -195,19 +198,14 @@ def _fit(given: Given, read: Any, what: str, fit: dict[str, Any]) -> tuple[list[
             said = f"--{name.replace('_', '-')}"
             options[name] = from_text(like, fit[name], swimmer.units, said)
     with bar(f"identify {what}") as progress:
-        for name, track in read.items():
-            rows.append({"track": name})
-            try:
-                found = identify_swimmer(swimmer, track, **options)
-            except MicroswimError as error:
-                if isinstance(error, SpecError):
-                    raise
-                seen = describe_track(track, name).as_dict()
-                rows[-1] |= seen | {"values": {}, "warnings": [str(error)]}
-            else:
-                rows[-1] |= found.as_dict()
-                paths[name] = found.path
-            progress(len(rows), len(read))
+        every = identify_swimmers(swimmer, dict(read.items()), progress=progress, **options)
+    for name, found in every.items():
+        if isinstance(found, MicroswimError):
+            seen = describe_track(read[name], name).as_dict()
+            rows.append(seen | {"values": {}, "warnings": [str(found)]})
+        else:
+            rows.append({"track": name} | found.as_dict())
+            paths[name] = found.path
 
     def draw(out: Path, names: dict[str, str]) -> None:
         for row in rows:

@@ -63,9 +63,10 @@ def lifted(swimmer: Swimmer, values: Mapping[str, Any]) -> Swimmer:
     >>> lifted(helix, {"tail.amplitude": 0.1 + 1e-30j}).tail.amplitude
     (0.1+1e-30j)
     """
+    numbers = swimmer.numbers if values else {}
     for path, value in values.items():
-        if path not in swimmer.numbers:
-            raise SpecError(path, value, "a number of this swimmer", nearest(path, swimmer.numbers))
+        if path not in numbers:
+            raise SpecError(path, value, "a number of this swimmer", nearest(path, numbers))
         part, name = path.split(".", 1)
         name, *index = name.replace("]", "").split("[")
         owner = part_of(swimmer, part)

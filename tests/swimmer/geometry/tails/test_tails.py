@@ -3,8 +3,10 @@
 import numpy as np
 import pytest
 from scipy.integrate import quad
+from scipy.special import ellipe, ellipk
 
 import microswim as ms
+from microswim.swimmer.fields import lifted
 
 WAVE = {"length": 2.0, "amplitude": 0.1, "waves": 2.3, "radius": 0.03}
 TAILS = [
@@ -153,3 +155,27 @@ def test_turns_touch_when_their_centrelines_are_a_diameter_apart():
     theta = np.linspace(0.5, 1.5, 20001) * 2 * np.pi / tail.wavenumber
     P = tail.centreline(theta, 0.0)[0] - tail.centreline(0.0, 0.0)[0]
     assert float(tail.room()) == pytest.approx(np.linalg.norm(P, axis=1).min() / 2, rel=1e-3)
+
+
+@pytest.mark.parametrize("steepness", [0.0, 1e-6, 0.3, 2.0, 50.0, 1e4])
+def test_a_plane_wave_is_as_long_as_the_elliptic_integral_says(steepness):
+    tail = ms.PlaneWaveTail(length=2.0, amplitude=0.1, waves=3, radius=0.01)
+    wanted = 2.0 / np.pi * ellipe(-(steepness**2))
+    assert tail.stretch(steepness) == pytest.approx(wanted, rel=1e-14)
+    h = 1e-30j
+    if steepness > 1e-6:  # below it the closed form of the slope cancels, this one does not
+        slope = 2.0 / np.pi / steepness
+        slope *= ellipe(-(steepness**2)) - ellipk(-(steepness**2))
+        assert tail.stretch(steepness + h).imag / h.imag == pytest.approx(slope, rel=1e-12)
+
+
+def test_an_arc_length_is_met_and_what_it_cannot_hold_is_no_number():
+    tail = ms.PlaneWaveTail(amplitude=0.1, waves=3, length=2.0, radius=0.01, length_measure="arc")
+    assert tail.apparent_length * tail.stretch(tail.amplitude * tail.wavenumber) == pytest.approx(
+        2.0, rel=1e-14
+    )
+    swimmer = ms.Swimmer.preset("tabak/plane_wave").with_({"tail.length_measure": "arc"})
+    own = swimmer.tail
+    most = own.length / 4.0 / own.number_of_waves
+    many = lifted(swimmer, {"tail.amplitude": np.array([0.5, 0.999, 1.001]) * most}).tail
+    assert list(np.isfinite(many.apparent_length)) == [True, True, False]

@@ -6,6 +6,7 @@ and the speed along the smoothed path. A grid of designs is compared with those.
 
 from __future__ import annotations
 
+from collections.abc import Iterable
 from dataclasses import dataclass
 from typing import Any
 
@@ -14,6 +15,7 @@ from scipy.interpolate import CubicSpline
 
 from microswim.models.rft.batch import evaluate
 from microswim.studies.identification.fitting.problem import FREQUENCY, PathProblem
+from microswim.swimmer.swimmer import Swimmer
 
 AMPLITUDE, WAVES = "tail.amplitude", "tail.waves"
 PHASES = 16
@@ -22,49 +24,71 @@ MISS = 0.02  #: of the speed, by which a near miss may miss
 
 
 @dataclass(frozen=True, eq=False)
-class Designs:
-    """Speed and wobble of a grid of designs, at the spec's own frequency.
+class Grid:
+    """Speed and wobble of a grid of designs, at the spec's own frequency: no track is in it.
 
     Parameters
     ----------
-    problem
-        Whose swimmer it is; what is not unknown keeps its value.
     amplitude, waves
         The grid: 0.3 to 3 times the swimmer's own, and 0.75 to 5.5; one value if it is known.
-    result
-        What `evaluate` says of each, the amplitude running slowest.
+    speed, wobble, spin
+        Swimming speed, amplitude of u_q and mean w_s of each, the amplitude running slowest.
     """
 
-    problem: PathProblem
     amplitude: np.ndarray
     waves: np.ndarray
-    result: dict[str, Any]
+    speed: np.ndarray
+    wobble: np.ndarray
+    spin: np.ndarray
 
     @classmethod
-    def of(cls, problem: PathProblem) -> Designs | None:
-        """Return the grid of a problem, None if neither number is unknown."""
-        own, names = problem.swimmer.numbers, set(problem.names)
+    def of(cls, swimmer: Swimmer, names: Iterable[str]) -> Grid | None:
+        """Return the grid of the unknowns among amplitude and waves, None if neither is one."""
+        own, names = swimmer.numbers, set(names)
         b, n = np.ones(1), np.ones(1)
-        axes = {}
         if AMPLITUDE in names:
             b = own[AMPLITUDE] * np.geomspace(0.3, 3.0, 41)
         if WAVES in names:
             n = np.linspace(0.75, 5.5, 96)
         B, N = np.meshgrid(b, n, indexing="ij")
         axes = {k: v.ravel() for k, v in ((AMPLITUDE, B), (WAVES, N)) if k in names}
-        if not axes:
-            return None
-        return cls(problem, b, n, evaluate(problem.swimmer, axes, tolerance=1e-3))
+        return cls(b, n, *shown(swimmer, axes)) if axes else None
+
+
+def shown(swimmer: Swimmer, axes: dict[str, np.ndarray]) -> tuple[np.ndarray, ...]:
+    """Return swimming speed, amplitude of u_q and mean w_s of designs."""
+    found = evaluate(swimmer, axes, tolerance=1e-3)
+    return found["swimming_speed"], found["velocity_amplitude"][:, 1], found["mean_velocity"][:, 3]
+
+
+@dataclass(frozen=True, eq=False)
+class Designs:
+    """The designs of a grid beside a track.
+
+    Parameters
+    ----------
+    problem
+        Whose swimmer it is; what is not unknown keeps its value.
+    grid
+        Of its unknowns.
+    """
+
+    problem: PathProblem
+    grid: Grid
+
+    def _seen(self, frequency: float) -> tuple[np.ndarray, np.ndarray]:
+        grid = self.grid
+        return seen(self.problem, grid.speed, grid.wobble, grid.spin, frequency)
 
     def design(self, i: int, j: int) -> dict[str, float]:
         """Return the numbers of a cell that are unknown."""
-        found = {AMPLITUDE: float(self.amplitude[i]), WAVES: float(self.waves[j])}
+        found = {AMPLITUDE: float(self.grid.amplitude[i]), WAVES: float(self.grid.waves[j])}
         return {k: v for k, v in found.items() if k in self.problem.names}
 
     def like(self, frequency: float, speed: float, wobble: float, count: int) -> list[Any]:
         """Return designs of a speed and wobble, minima of the misfit over the grid, best first."""
-        misfit = _misfit(*seen(self.problem, self.result, frequency), speed, wobble)
-        cells = _minima(misfit.reshape(self.amplitude.size, self.waves.size))
+        misfit = _misfit(*self._seen(frequency), speed, wobble)
+        cells = _minima(misfit.reshape(self.grid.amplitude.size, self.grid.waves.size))
         return [self.design(i, j) | {FREQUENCY: frequency} for i, j in cells[:count]]
 
     def beside(self, found: dict[str, float]) -> list[Any]:
@@ -75,16 +99,16 @@ class Designs:
         """
         one = {k: np.array([v]) for k, v in found.items() if k in (AMPLITUDE, WAVES)}
         f = found[FREQUENCY]
-        here = seen(self.problem, evaluate(self.problem.swimmer, one, tolerance=1e-3), f)
+        here = seen(self.problem, *shown(self.problem.swimmer, one), f)
         speed, wobble = float(here[0][0]), float(here[1][0])
-        if min(self.amplitude.size, self.waves.size) == 1:
+        if min(self.grid.amplitude.size, self.grid.waves.size) == 1:
             return self.like(f, speed, wobble, MOST)
-        maps = [x.reshape(self.amplitude.size, -1) for x in seen(self.problem, self.result, f)]
+        maps = [x.reshape(self.grid.amplitude.size, -1) for x in self._seen(f)]
         with np.errstate(divide="ignore", invalid="ignore"):
             logs = [np.log(x / y) for x, y in zip(maps, (speed, wobble))]
         lines: dict[int, list[tuple[float, float, float]]] = {}
-        b = np.log(self.amplitude)
-        for j, n in enumerate(self.waves):
+        b = np.log(self.grid.amplitude)
+        for j, n in enumerate(self.grid.waves):
             for k, crossing in enumerate(_crossings(b, logs[1][:, j])):
                 off = float(np.interp(crossing, b, logs[0][:, j]))
                 lines.setdefault(k, []).append((crossing, off, float(n)))
@@ -122,7 +146,7 @@ def first_guesses(problem: PathProblem, designs: Designs | None, count: int) -> 
 
 
 def seen(
-    problem: PathProblem, result: dict[str, Any], frequency: float
+    problem: PathProblem, speed: np.ndarray, wobble: np.ndarray, spin: np.ndarray, frequency: float
 ) -> tuple[np.ndarray, np.ndarray]:
     """Return the speed and the size of the wobble of designs that wobble with a frequency.
 
@@ -132,11 +156,11 @@ def seen(
     rate = frequency if FREQUENCY in problem.names else own
     share = rate / own
     if problem.swimmer.tail.is_rigid and problem.swimmer.motion.frequency_frame == "body":
-        spin = problem.swimmer.tail.sign * result["mean_velocity"][:, 3] / (2.0 * np.pi * own)
-        share = share / (1.0 + spin) if FREQUENCY in problem.names else share
+        turned = problem.swimmer.tail.sign * spin / (2.0 * np.pi * own)
+        share = share / (1.0 + turned) if FREQUENCY in problem.names else share
     whole = problem.swimmer.tail.is_rigid and problem.track.dimensions == 3
-    size = result["velocity_amplitude"][:, 1] * share / (2.0 * np.pi * rate)
-    return result["swimming_speed"] * share, size * (np.sqrt(2.0) if whole else 1.0)
+    size = wobble * share / (2.0 * np.pi * rate)
+    return speed * share, size * (np.sqrt(2.0) if whole else 1.0)
 
 
 def _misfit(speeds: np.ndarray, sizes: np.ndarray, speed: float, wobble: float) -> np.ndarray:

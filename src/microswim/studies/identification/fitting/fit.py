@@ -33,6 +33,7 @@ from microswim.studies.identification.fitting.first_guesses import (
     AMPLITUDE,
     WAVES,
     Designs,
+    Grid,
     first_guesses,
     initial_poses,
 )
@@ -124,13 +125,48 @@ def identify_swimmer(
             checks.positive(name, value)
     checks.truth("model_error", model_error)
     checks.count("starts", starts)
+    swimmer, names = asked(swimmer, unknowns)
+    grid = None if start is not None else Grid.of(swimmer, names)
+    how = {"sigma": sigma, "sigma_attitude": sigma_attitude, "start": start, "starts": starts}
+    return identified(
+        swimmer, track, names, grid, model_error=model_error, progress=progress, **how
+    )
+
+
+def asked(swimmer: Swimmer, unknowns: Iterable[str]) -> tuple[Swimmer, tuple[str, ...]]:
+    """Return the swimmer with its wave said as the unknowns ask for it, and their names.
+
+    Raises
+    ------
+    SpecError
+        If an unknown does not exist.
+    """
     names = tuple(unknowns)
     if WAVES in names and WAVES not in swimmer.numbers and "tail.wavelength" in swimmer.numbers:
         swimmer = swimmer.with_({WAVES: float(swimmer.tail.number_of_waves)})
+    resolve(swimmer, names)
+    return swimmer, names
+
+
+def identified(
+    swimmer: Swimmer,
+    track: Track,
+    names: tuple[str, ...],
+    grid: Grid | None,
+    *,
+    sigma: float | None = None,
+    sigma_attitude: float | None = None,
+    start: dict[str, float] | None = None,
+    starts: int = 8,
+    model_error: bool = True,
+    progress: Callable[[int, int], None] | None = None,
+) -> Identification:
+    """Return what `identify_swimmer` does, the grid of designs given: it is that of all tracks."""
     chosen = resolve(swimmer, names)
     problem = PathProblem(swimmer, track, chosen, sigma_attitude or ATTITUDE, sigma)
     check_shown(problem, SHAPE)
-    fits = _followed(problem, start, starts, progress)
+    designs = None if grid is None else Designs(problem, grid)
+    fits = _followed(problem, designs, start, starts, progress)
     if not fits:
         raise MicroswimError("no first guess led to a path like the track; give start values")
     fits.sort(key=_cost)
@@ -140,13 +176,12 @@ def identify_swimmer(
 
 
 def _followed(
-    problem: PathProblem, start: dict[str, float] | None, starts: int,
+    problem: PathProblem, designs: Designs | None, start: dict[str, float] | None, starts: int,
     progress: Callable[[int, int], None] | None,
 ) -> list[Any]:  # fmt: skip
     """Fits from the start, or from a grid of designs until one holds, then from those beside it."""
     if start is not None:
         return fit(problem, start, motor=True, phases=1)
-    designs = Designs.of(problem)
     guesses, fits = first_guesses(problem, designs, starts), []
     for i, guess in enumerate(guesses):
         fits += fit(problem, guess)

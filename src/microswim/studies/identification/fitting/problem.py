@@ -6,8 +6,9 @@ with the path p of a swimmer that starts at the origin [Tabak Sections 4.1, 5].
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass
-from functools import cached_property
+from functools import cached_property, lru_cache
 
 import numpy as np
 
@@ -17,11 +18,12 @@ from microswim.gait.gait import Gait
 from microswim.models.rft.gait import gait as surrogate
 from microswim.numerics.rigid_motion import multiply, rotation_matrix
 from microswim.studies.identification.films.track import Track
-from microswim.studies.identification.paths import path_of, quaternion_of
+from microswim.studies.identification.paths import Path, path_of, paths_of, quaternion_of
 from microswim.studies.identification.spectrum import line
 from microswim.swimmer.swimmer import Swimmer
 
 FREQUENCY = "tail.frequency"
+KEPT = 32  #: shapes whose gaits are kept, while phase and frequency are varied
 
 
 @dataclass(frozen=True)
@@ -60,18 +62,48 @@ class PathProblem:
 
     def gait(self, z: np.ndarray) -> Gait:
         """Return the gait of a design whose frequency is that of the wobble, see `wobble_ratio`."""
-        made = self._gait(z)
-        return made.at_rate(made.rate / self._ratio(made)) if self.wobbles else made
+        made = self._shapes(self._shape(z))[0]
+        return made.at_rate(self._rate(z))
 
     def wobble_ratio(self, values: np.ndarray) -> float:
         """Return frequency of the wobble in the lab over the motor's: ``1 + sign w_s / rate``."""
-        return self._ratio(self._gait(values))
+        return self._shapes(self._shape(values))[1]
 
-    def _ratio(self, gait: Gait) -> float:
-        return float(1.0 + self.swimmer.tail.sign * gait.mean_velocity[3] / gait.rate)
+    def _rate(self, z: np.ndarray) -> float:
+        """Rate of the motor at which the design of the parameters is driven."""
+        made, ratio, _ = self._shapes(self._shape(z))
+        rate = float(made.rate) / (ratio if self.wobbles else 1.0)
+        if not self._scales:
+            return rate
+        return rate * float(z[self.names.index(FREQUENCY)]) / self.swimmer.tail.frequency
 
-    def _gait(self, values: np.ndarray) -> Gait:
-        made = lift(self.swimmer, self.unknowns, [float(v) for v in values])
+    def _shape(self, z: np.ndarray) -> tuple[float, ...]:
+        """Values on which the gait depends but for its rate; the frequency is the spec's own."""
+        values = [float(v) for v in z[: len(self.unknowns)]]
+        if self._scales:
+            values[self.names.index(FREQUENCY)] = self.swimmer.tail.frequency
+        return tuple(values)
+
+    @cached_property
+    def _scales(self) -> bool:
+        """Whether the frequency changes the rate alone: the shape of the tail is given."""
+        tail = self.swimmer.tail
+        return FREQUENCY in self.names and not tail.settles and tail.frequency != 0
+
+    @cached_property
+    def _shapes(self) -> Callable[[tuple[float, ...]], tuple[Gait, float, Path]]:
+        """Gait, wobble over the motor's rate, and paths of a shape; the latest are kept."""
+        return lru_cache(maxsize=KEPT)(self._of_shape)
+
+    def _of_shape(self, values: tuple[float, ...]) -> tuple[Gait, float, Path]:
+        made = self._gait(values)
+        ratio = 1.0
+        if self.wobbles:
+            ratio = float(1.0 + self.swimmer.tail.sign * made.mean_velocity[3] / made.rate)
+        return made, ratio, paths_of(self.swimmer, made)
+
+    def _gait(self, values: tuple[float, ...]) -> Gait:
+        made = lift(self.swimmer, self.unknowns, values)
         if self.own_model != "rft":
             return made.gait("auto")
         options = {} if self.swimmer.tail.is_rigid else {"phases": 10, "nodes": 48}
@@ -119,7 +151,8 @@ class PathProblem:
 
     def body_path(self, values: np.ndarray, phase: float) -> tuple[np.ndarray, np.ndarray]:
         """Return path and attitude of the design from the origin, axes parallel to the lab's."""
-        return path_of(self.swimmer, self.gait(values), self.track.time, float(phase))
+        path = self._shapes(self._shape(values))[2]
+        return path(self._rate(values), self.track.time - self.track.time[0], float(phase))
 
     def place(self, path: np.ndarray, pose: np.ndarray) -> np.ndarray:
         """Return the path of a swimmer that starts with a pose, in the track's coordinates."""

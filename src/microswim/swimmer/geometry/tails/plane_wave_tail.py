@@ -13,6 +13,8 @@ from microswim.numerics.series.fourier import MIRROR_Q
 from microswim.swimmer.geometry.tails.tail import Sections, SurfaceMotion
 from microswim.swimmer.geometry.tails.wave_tail import WaveTail
 
+STEPS = 7  #: of the arithmetic-geometric mean, to rounding where a wave is not absurdly steep
+
 
 @checks.by_name
 @dataclass(frozen=True, kw_only=True)
@@ -52,16 +54,34 @@ class PlaneWaveTail(WaveTail):
         return 0.0
 
     def stretch(self, bk: Any) -> Any:
-        """Return the arc length over apparent length, the mean of ``sqrt(1 + (bk cos x)^2)``."""
-        x = np.linspace(0.0, np.pi, 512, endpoint=False)
-        return np.mean(np.sqrt(1.0 + np.multiply.outer(bk**2, np.cos(x) ** 2)), axis=-1)
+        """Return the arc length over apparent length, the mean of ``sqrt(1 + (bk cos x)^2)``.
+
+        It is ``2/pi sqrt(1 + B^2) E(k)`` with ``k^2 = B^2 / (1 + B^2)``, and E by the
+        arithmetic-geometric mean [Abramowitz and Stegun 17.6.4]: ``1 - sum 2^(n-1) c_n^2`` over it.
+        """
+        square = bk * bk
+        whole = np.sqrt(1.0 + square)
+        a, g, left = 1.0, 1.0 / whole, 1.0 - 0.5 * square / (1.0 + square)
+        for n in range(STEPS):
+            left = left - 2.0 ** (n - 2) * (a - g) ** 2
+            a, g = (a + g) / 2.0, np.sqrt(a * g)
+        return whole * left / a
 
     def _apparent_from_arc(self, wound: Any) -> Any:
-        """Newton's method; the slope ``d(L stretch)/dL`` is the mean local alpha."""
-        wave = 0.5 * np.pi * wound
-        L = self.length + 0.0 * wound
+        """Newton's method; the slope ``d(L stretch)/dL`` is the mean local alpha.
+
+        Not a number where so much cannot be wound up. From above the arc length, convex in L, comes
+        down to the root; once it stands still one step more settles what a complex number's
+        imaginary part lags behind.
+        """
+        wave, holds = 0.5 * np.pi * wound, np.real(wound) < np.real(self.length)
+        L, still = np.where(holds, self.length + 0.0 * wound, np.nan)[()], False
         for _ in range(60):
-            L = L - (L * self.stretch(wave / L) - self.length) / _mean_alpha(wave / L)
+            step = (L * self.stretch(wave / L) - self.length) / _mean_alpha(wave / L)
+            L = L - step
+            if still:
+                break
+            still = not np.any(abs(step) > 1e-12 * abs(L))
         return L
 
     def alpha_of(self, bk: Any) -> Any:
@@ -92,6 +112,6 @@ class PlaneWaveTail(WaveTail):
 def _mean_alpha(bk: Any) -> Any:
     """Mean of ``(1 + (bk cos x)^2)^-1/2`` over a wave: ``1 / agm(1, sqrt(1 + b^2 k^2))``."""
     a, g = 1.0, np.sqrt(1.0 + bk**2)
-    for _ in range(7):
+    for _ in range(STEPS):
         a, g = (a + g) / 2.0, np.sqrt(a * g)
     return 1.0 / a

@@ -14,10 +14,12 @@ import { Flow, speeds } from "./scene/flow";
 import type { Caption } from "./scene/picture";
 import { Judge, askFlow } from "./panels/judge";
 import { SpeedMap } from "./panels/map";
+import { Paths } from "./panels/path";
 import { Sheets } from "./panels/sheets";
 import { Stage } from "./scene/stage";
+import { Replay, extent } from "./state/replay";
 import { METHODS, Store, attempt, notice } from "./state/store";
-import type { Start } from "./state/types";
+import type { PathAnswer, Start } from "./state/types";
 import { learn, words } from "./state/words";
 
 const store = new Store();
@@ -32,10 +34,41 @@ const controls = new Controls(store);
 const answers = new Answers(store);
 const map = new SpeedMap(store, controls);
 const judge = new Judge(store);
+const paths = new Paths(store, replayed);
 const driver = new Driver(store, restart, () => answers.trust(store.design));
 
 /** stopped at a wall */
 let touched = false;
+/** a path that was followed, and the pace and view from before it was on show */
+let replay: Replay | null = null;
+let before = { pace: view.pace, follow: true };
+/** seconds that a whole path takes to watch, at first */
+const WATCHED = 24;
+
+/** Show a path that was followed; null: swim by the gait again. */
+function replayed(made: PathAnswer | null): void {
+  if (Boolean(made) !== Boolean(replay)) {
+    if (made) before = { pace: view.pace, follow: stage.follow };
+    else transport.setPace(before.pace);
+    following(made ? false : before.follow);
+  }
+  replay = made && new Replay(made);
+  actors.forEach((actor, i) => actor.go(made && made.swimmers[i]));
+  if (!made) return cast(true);
+  stopFlow();
+  const turns = made.numbers.turns as number;
+  transport.setPace(turns / WATCHED);
+  if (view.paused) transport.toggle();
+  const { middle, reach } = extent(made);
+  const { around, shape } = store.designs[0].answer;
+  stage.see(middle, Math.max(reach, 0.7 * (shape.length + 2 * shape.semi_axes[0])), around?.normal ?? null);
+}
+
+/** Whether the camera follows the swimmer. */
+function following(on: boolean): void {
+  stage.follow = on;
+  toggles.follow.setAttribute("aria-pressed", String(on));
+}
 
 function restart(): void {
   touched = false;
@@ -46,7 +79,7 @@ function restart(): void {
 }
 
 /** As many actors as designs, side by side. */
-function cast(): void {
+function cast(anew = false): void {
   for (const actor of actors.slice(store.designs.length)) actor.dispose();
   actors = actors.slice(0, store.designs.length);
   store.designs.forEach((design, i) => {
@@ -56,7 +89,7 @@ function cast(): void {
   const { answer } = store.designs[0];
   const { shape } = answer;
   const length = shape.length + 2 * shape.semi_axes[0];
-  if (fitted !== store.designs[0]) {
+  if (anew || fitted !== store.designs[0]) {
     fitted = store.designs[0];
     const wide = 2 * Math.max(shape.semi_axes[1], shape.semi_axes[2], shape.reach);
     stage.fit(Math.max(length, 1.3 * wide), 2 * shape.semi_axes[1] || shape.length / 4);
@@ -71,6 +104,7 @@ function dress(): void {
   store.designs.forEach((design, i) => actors[i]?.update(store.shown(design)));
   for (const actor of actors) actor.begin();
   stage.ground = !actors.some((actor) => actor.around.kind);
+  if (!replay) store.designs.forEach((design, i) => actors[i]?.ring(store.designs.length > 1 ? null : store.judged(design)?.circle ?? null));
   stopFlow();
 }
 
@@ -159,7 +193,8 @@ toggles.flow.hidden = store.snapshot !== null;
 
 const transport = new Transport(store, view, {
   toggles: Object.values(toggles), restart: () => {
-    if (touched) transport.toggle();
+    if (replay) replay.time = 0;
+    else if (touched) transport.toggle();
     else restart();
   },
   resume: () => {
@@ -182,9 +217,9 @@ function models(): HTMLElement {
 }
 
 const tabs = (() => {
-  const parts: Record<string, HTMLElement> = store.snapshot ? { map: map.node, drive: driver.node } : { map: map.node, judge: judge.node, drive: driver.node };
+  const parts: Record<string, HTMLElement> = store.snapshot ? { map: map.node, drive: driver.node } : { map: map.node, judge: judge.node, path: paths.node, drive: driver.node };
   if (store.snapshot && !store.snapshot.map) delete parts.map;
-  const names: Record<string, string> = { map: "Map", judge: "Judge", drive: "Drive" };
+  const names: Record<string, string> = { map: "Map", judge: "Judge", path: "Path", drive: "Drive" };
   const heads = Object.keys(parts).map((key) => el("button", { id: `tab-${key}`, role: "tab", onclick: () => open(key) }, names[key]));
   const body = el("div", { class: "tabbody" });
   const open = (key: string): void => {
@@ -219,14 +254,16 @@ function tick(now: number): void {
     const { gait } = actors[0].answer;
     const rate = driver.magnetic ? driver.shownRate : Math.abs(gait.rate) || 1;
     const time = view.paused ? 0 : (passed * view.pace * 2 * Math.PI) / rate;
+    if (replay && time) replay.advance((passed * view.pace * replay.end) / (replay.made.numbers.turns as number));
     for (const actor of actors) {
       const drive = driver.driveOf(actor.answer.gait);
-      if (time) actor.advance(time, drive, driver.magnetic ? driver.fastest : Math.abs(actor.answer.gait.rate) || 1);
+      if (replay) actor.along(replay);
+      else if (time) actor.advance(time, drive, driver.magnetic ? driver.fastest : Math.abs(actor.answer.gait.rate) || 1);
       actor.draw(drive, view.arrows, 1 / stage.scale);
       actor.around.look(stage.controls.target, stage.reach);
     }
-    if (time && actors.some((actor) => actor.touches)) halt();
-    if (time) driver.watch(actors[store.active].pose);
+    if (time && !replay && actors.some((actor) => actor.touches)) halt();
+    if (time && !replay) driver.watch(actors[store.active].pose);
     flow.update(actors[store.active].pose.phase, time || 0);
     frame(false);
     transport.measure(stage.pixel);
@@ -251,7 +288,12 @@ document.addEventListener("keydown", (e) => {
 window.addEventListener("error", (e) => notice(`The page stumbled: ${e.message}`, "error"));
 window.addEventListener("unhandledrejection", (e) => notice(`The page stumbled: ${e.reason}`, "error"));
 
-store.on("designs", cast);
+store.onScene((places) => {
+  paths.put(places);
+  tabs.open("path");
+  void paths.ask();
+});
+store.on("designs", () => cast());
 store.on("answer", dress);
 if (!store.snapshot) for (const event of ["answer", "designs"] as const) store.on(event, () => void show(store));
 
@@ -307,4 +349,4 @@ window.addEventListener("hashchange", () => window.location.reload()); // anothe
 void begin().catch((error: Error) => notice(error.message, "error"));
 
 // For tests and the curious.
-Object.assign(window, { studio: { store, stage, map, driver, flow, actors: () => actors, frames: () => frames, view, picture: () => stage.picture(caption()) } });
+Object.assign(window, { studio: { store, stage, map, driver, flow, actors: () => actors, paths, replay: () => replay, frames: () => frames, view, picture: () => stage.picture(caption()) } });

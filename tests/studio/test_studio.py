@@ -25,11 +25,12 @@ from microswim.spec.tables import FIELDS
 from microswim.spec.toml import to_toml
 from microswim.studio import answers, page
 from microswim.studio import bounds as around
-from microswim.studio import judge_jobs as work
 from microswim.studio import spec_tables as tables
 from microswim.studio.app import LARGEST_BODY, create_app
 from microswim.studio.hosts import LOCAL, is_known, name_of
-from microswim.studio.judge_processes import Judge
+from microswim.studio.judge import flow
+from microswim.studio.judge import jobs as work
+from microswim.studio.judge.processes import Judge
 from microswim.studio.server import address, listen
 from microswim.studio.spec_tables import canonical
 from microswim.studio.words import words
@@ -80,8 +81,8 @@ def call(app, method, path, body=None, *, kind="application/json", host="127.0.0
     return received[0]["status"], found, json.loads(data) if is_json else data.decode()
 
 
-def answer(app, path, body):
-    status, _, made = call(app, "POST", path, body)
+def answer(app, path, body, **options):
+    status, _, made = call(app, "POST", path, body, **options)
     assert status == 200, made
     return made
 
@@ -583,22 +584,22 @@ def test_a_job_that_fails_says_why():
 
 def test_the_flow_ends_at_the_wall_and_is_refused_in_a_channel(monkeypatch):
     """At the wall the fluid rests; what the image does behind it is not shown."""
-    monkeypatch.setattr(work, "FLOW_PHASES", 2)
+    monkeypatch.setattr(flow, "FLOW_PHASES", 2)
     low = {**WAVE, "tail": {**WAVE["tail"], "waves": 1}, "wall": {"distance": 0.55}}
-    made = work.flow({"tables": low}, lambda i, n: None)
+    made = flow.flow({"tables": low}, lambda i, n: None)
     mean = np.reshape(made["series"][0], (*made["shape"], 3))
     q = np.linspace(*made["q"], made["shape"][0])
     assert np.abs(mean[q < -0.55]).max() == 0.0
     nearest = int(np.flatnonzero(q > -0.55)[0])
     assert 0.0 < np.abs(mean[nearest]).max() < 0.5 * np.abs(mean).max()
     with pytest.raises(ms.SpecError, match="channel"):
-        work.flow({"tables": {**HELIX, "channel": CHANNEL}}, lambda i, n: None)
+        flow.flow({"tables": {**HELIX, "channel": CHANNEL}}, lambda i, n: None)
 
 
 def test_the_flow_obeys_the_no_slip_condition():
     """On the front of the body the fluid moves with the body."""
     spec = {**HELIX, "tail": {**HELIX["tail"], "waves": 1, "amplitude": 0.15}}
-    made = work.flow({"tables": spec}, lambda i, n: None)
+    made = flow.flow({"tables": spec}, lambda i, n: None)
     rows, columns = made["shape"]
     mean = np.reshape(made["series"][0], (rows, columns, 3))
     s = np.linspace(*made["s"], columns)

@@ -9,8 +9,10 @@ from test_studio import call
 import microswim as ms
 from microswim.errors import SpecError
 from microswim.output.io.stl import write_stl
-from microswim.studio import answers, dropped, films
+from microswim.studio import answers
 from microswim.studio.app import create_app
+from microswim.studio.brought import films
+from microswim.studio.brought import surfaces as dropped
 from microswim.studio.spec_tables import swimmer_of
 
 HELIX = {

@@ -7,7 +7,7 @@ pytestmark = pytest.mark.browser
 SIZES = {"small": (360, 640), "phone": (390, 844), "lying": (844, 390)}
 SHEETS = {
     "design": ".panel.left",
-    **dict.fromkeys(("numbers", "map", "judge", "drive"), ".panel.right"),
+    **dict.fromkeys(("numbers", "map", "judge", "path", "drive"), ".panel.right"),
 }
 #: What can be touched and sticks out of the screen, or is too small for a finger (buttons: 32 px).
 ASTRAY = """() => [...document.querySelectorAll("button, select, summary, input")].filter((e) => {

@@ -26,7 +26,8 @@ from microswim.models.rft.batch import evaluate, expected_errors, is_regular
 from microswim.numerics.plain import plain
 from microswim.spec.toml import to_toml
 from microswim.studio import bounds as around
-from microswim.studio import budget, dropped
+from microswim.studio import budget
+from microswim.studio.brought import surfaces as dropped
 from microswim.studio.drawing import shape
 from microswim.studio.spec_tables import canonical, swimmer_of, units_of
 from microswim.swimmer.geometry.tails.kinds import WaveTail

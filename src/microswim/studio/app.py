@@ -28,13 +28,15 @@ from microswim import checks
 from microswim.errors import MicroswimError, SpecError
 from microswim.models.rft.warm_up import warm_up
 from microswim.spec import presets
-from microswim.studio import answers, dropped, films, page
-from microswim.studio import judge_jobs as work
+from microswim.studio import answers, page
 from microswim.studio import spec_tables as tables
+from microswim.studio.brought import films, scenes
+from microswim.studio.brought import surfaces as dropped
 from microswim.studio.budget import Budget
 from microswim.studio.exchange import exchanged
 from microswim.studio.hosts import LOCAL, Hosts
-from microswim.studio.judge_processes import Judge
+from microswim.studio.judge import jobs as work
+from microswim.studio.judge.processes import Judge
 from microswim.studio.words import words
 from microswim.swimmer.geometry.solids import reading
 
@@ -107,6 +109,7 @@ def create_app(
         Route("/api/status", get(lambda _: dict(state))),
         Route("/api/presets", get(_presets)),
         Route("/api/spec", post(_spec, as_text=True), methods=["POST"]),
+        Route("/api/scene", post(scenes.read, as_text=True), methods=["POST"]),
         Route("/api/solve", post(_solve), methods=["POST"]),
         Route("/api/exchange", post(_exchange), methods=["POST"]),
         Route("/api/map", post(_map), methods=["POST"]),
@@ -261,7 +264,7 @@ async def _answered(request: Request, answer: Callable[[Any], Any], ask: Any) ->
 
 def _presets(_: Any) -> Any:
     shown = presets.names()
-    return {"names": shown, "specs": {n: presets.read(n) for n in shown}}
+    return {"specs": {n: presets.read(n) for n in shown}, "scenes": scenes.shipped()}
 
 
 def _spec(text: str) -> Any:

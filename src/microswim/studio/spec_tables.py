@@ -17,7 +17,7 @@ from microswim.spec.file import from_dict
 from microswim.spec.readers.text import toml
 from microswim.spec.tables import FIELDS
 from microswim.spec.units import DIMENSIONS, SIZES
-from microswim.studio import dropped
+from microswim.studio.brought import surfaces as dropped
 from microswim.swimmer.swimmer import Swimmer
 
 LARGEST_SPEC = 256 * 1024  #: bytes; a region calibration is the most of it

@@ -14,8 +14,8 @@ from microswim.spec.fields import Field
 from microswim.spec.tables import FIELDS
 from microswim.spec.units import SIZES
 from microswim.studio.answers import AXES, MAP_OUTPUTS
-from microswim.studio.films import FORMATS as FILMS
-from microswim.studio.judge_jobs import LEVELS
+from microswim.studio.brought.films import FORMATS as FILMS
+from microswim.studio.judge.jobs import LEVELS
 from microswim.studio.spec_tables import LARGEST_SPEC
 from microswim.swimmer.geometry.solids.reading import FORMATS as SURFACES
 

@@ -10,8 +10,9 @@ import type { Stage } from "../scene/stage";
 import type { Actor } from "../scene/actor";
 
 interface Presets {
-  names: string[];
   specs: Record<string, string>;
+  /** two swimmers each */
+  scenes: Record<string, string>;
 }
 
 export interface View {
@@ -78,9 +79,9 @@ export class TopBar {
       actions.append(this.undo, this.redo, this.compare, this.menu());
       this.node.append(brand, this.presets, load, file, el("span", { class: "grow" }), more, actions);
       void attempt(async () => {
-        const { names, specs } = await call<Presets>("/api/presets");
-        this.specs = specs;
-        this.presets.append(el("option", { value: "", disabled: true, hidden: true }), ...families(names));
+        const { specs, scenes } = await call<Presets>("/api/presets");
+        this.specs = { ...specs, ...scenes };
+        this.presets.append(el("option", { value: "", disabled: true, hidden: true }), ...families(Object.keys(this.specs)));
         this.show();
       });
       store.on("designs", () => {
@@ -100,12 +101,14 @@ export class TopBar {
     this.compare.textContent = designs.length > 1 ? "End comparison" : "Compare";
     const blank = this.presets.options[0];
     if (!blank) return;
-    blank.textContent = design.name;
-    this.presets.value = design.name in this.specs ? design.name : "";
+    const shown = this.store.scene || design.name;
+    blank.textContent = shown;
+    this.presets.value = shown in this.specs ? shown : "";
   }
 
   private toggle(): void {
     const { store } = this;
+    store.scene = "";
     if (store.designs.length > 1) store.designs = [store.design];
     else {
       const other = store.make(store.design.name, structuredClone(store.design.answer));
@@ -189,22 +192,32 @@ export class Transport {
   private says = el("span", { class: "pace" });
 
   constructor(private store: Store, private view: View, private parts: { toggles: HTMLElement[]; restart: () => void; resume: () => void }) {
-    const pace = el("input", { type: "range", min: -1.6, max: 1.6, step: 0.01, value: Math.log10(view.pace), id: "pace", "aria-label": "Pace" });
-    const show = (): void => {
-      pace.style.setProperty("--at", `${(100 * (Number(pace.value) + 1.6)) / 3.2}%`);
-      this.tellPace();
-    };
+    const pace = this.slider = el("input", { type: "range", min: -1.6, max: 1.6, step: 0.01, value: Math.log10(view.pace), id: "pace", "aria-label": "Pace" });
     pace.addEventListener("input", () => {
       view.pace = 10 ** Number(pace.value);
-      show();
+      this.showPace();
     });
     this.play.onclick = () => this.toggle();
     const again = el("button", { class: "icon", id: "restart", title: "Back to the start", onclick: parts.restart });
     again.append(icon("M3 3v4h4M3.4 7A5.3 5.3 0 1 1 3 9.6"));
     this.node.append(this.play, again, el("span", { class: "slow" }, pace, this.says), el("span", { class: "bar" }), ...parts.toggles);
     store.on("answer", () => this.tellPace());
-    show();
+    this.showPace();
     this.draw();
+  }
+
+  private slider: HTMLInputElement;
+
+  /** Another pace than the hand has set, within the slider's ends. */
+  setPace(pace: number): void {
+    this.slider.value = String(Math.log10(pace));
+    this.view.pace = 10 ** Number(this.slider.value);
+    this.showPace();
+  }
+
+  private showPace(): void {
+    this.slider.style.setProperty("--at", `${(100 * (Number(this.slider.value) + 1.6)) / 3.2}%`);
+    this.tellPace();
   }
 
   toggle(): void {

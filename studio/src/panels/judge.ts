@@ -1,12 +1,12 @@
 // Ask the judge: boundary elements in the background, surrogate against reference, calibrate here.
 
 import { Refusal, call } from "../state/api";
-import { digits, el, reading } from "../state/dom";
+import { digits, el, reading, withPrefix } from "../state/dom";
 import { called, words } from "../state/words";
 import { METHODS, attempt, notice, type Store } from "../state/store";
-import type { FlowAnswer, JudgeAnswer, Row } from "../state/types";
+import type { Circle, FlowAnswer, JudgeAnswer, Row } from "../state/types";
 
-interface Status {
+export interface Status {
   state: "running" | "done" | "failed" | "cancelled";
   done: number;
   total: number;
@@ -96,7 +96,7 @@ export class Judge {
     this.stop = null;
     if (made) {
       this.result = { of, made };
-      design.reference = { answer: made.answer, of };
+      design.reference = { answer: made.answer, of, circle: made.circle };
     } else if (stop.signal.aborted) notice("The judge was sent away.");
     this.store.tell("answer");
     this.build();
@@ -135,8 +135,17 @@ export class Judge {
         el("p", { class: "fine" }, `Sets ${names}.`),
         ...fit.warnings.map((w) => el("p", { class: "fine warn" }, w)));
     }
+    if (made.circle && fresh) parts.push(el("p", { class: "fine", id: "circle" }, this.circle(made.circle)));
     parts.push(el("p", { class: "fine" }, fresh ? about : "The design has changed since the judge was asked."));
     return parts;
+  }
+
+  /** Where the pose leads beside a wall. */
+  private circle({ radius, sense, towards }: Circle): string {
+    const { dimensional } = this.store.design.answer;
+    const r = dimensional ? withPrefix(radius, "m").join(" ") : digits(radius);
+    const way = towards > 0 ? "It is drawn to the wall" : "It is driven from the wall";
+    return `While it keeps this pose it goes round a circle of radius ${r}, ${sense} seen from above the wall: the ring in the scene. ${way}; Path says where that ends.`;
   }
 
   private calibrate(made: JudgeAnswer): void {
@@ -145,7 +154,7 @@ export class Judge {
     const marked = store.design;
     const of = JSON.stringify(made.calibration.tables);
     this.result = { of, made: { ...made, rows: made.calibration.rows } };
-    marked.reference = { answer: made.answer, of };
+    marked.reference = { answer: made.answer, of, circle: made.circle };
     notice("Calibrated at this design; the table says what agrees with the judge and what does not.");
   }
 }

@@ -15,7 +15,7 @@ export class Sheets {
 
   /** `tabs` opens the part of the right panel of that name. */
   constructor(store: Store, answers: Answers, private stage: Stage, private tabs: { open: (key: string) => void; keys: string[] }) {
-    const names: Record<string, string> = { design: "Design", numbers: "Numbers", map: "Map", judge: "Judge", drive: "Drive" };
+    const names: Record<string, string> = { design: "Design", numbers: "Numbers", map: "Map", judge: "Judge", path: "Path", drive: "Drive" };
     for (const key of ["design", "numbers", ...tabs.keys]) {
       this.node.append(el("button", { id: `sheet-${key}`, "aria-pressed": "false", onclick: () => this.open(key) }, names[key]));
     }

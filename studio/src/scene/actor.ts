@@ -8,7 +8,8 @@ import { bodyWrench, rotate, start, stay, step, twist, type Drive, type Pose } f
 import { Bounds } from "./bounds";
 import { Hull } from "./hull";
 import { TailMesh } from "./tube";
-import type { Answer } from "../state/types";
+import type { Replay } from "../state/replay";
+import type { Answer, Circle, Rows } from "../state/types";
 import { words } from "../state/words";
 
 const SHOWN = 900;
@@ -45,6 +46,9 @@ export class Actor {
   private tails: TailMesh[] = [];
   private skin: THREE.Material;
   private path: Line2;
+  /** a whole path that is followed, or the circle of a pose */
+  private whole: Line2;
+  private rows: Rows | null = null;
   private trail: number[] = [];
   private arrows: Record<string, THREE.Group> = {};
   private since = 0;
@@ -54,12 +58,13 @@ export class Actor {
     this.hull = new Hull(look.body);
     this.skin = new THREE.MeshStandardMaterial({ color: look.tail, roughness: 0.34 });
     this.colour = new THREE.Color(look.path);
-    this.path = new Line2(new LineGeometry(), new LineMaterial({
-      linewidth: 2, vertexColors: true, transparent: true, depthWrite: false, toneMapped: false,
-    }));
-    this.path.frustumCulled = false;
+    const drawn = { linewidth: 2, transparent: true, depthWrite: false, toneMapped: false };
+    this.path = new Line2(new LineGeometry(), new LineMaterial({ ...drawn, vertexColors: true }));
+    this.whole = new Line2(new LineGeometry(), new LineMaterial({ ...drawn, color: look.path, opacity: 0.42 }));
+    for (const line of [this.path, this.whole]) line.frustumCulled = false;
+    this.whole.visible = false;
     this.root.add(this.hull.mesh, this.sqr);
-    this.home.add(this.around.group);
+    this.home.add(this.around.group, this.whole);
     scene.add(this.root, this.path, this.home);
     for (const [name, tint] of Object.entries(ARROWS)) {
       this.arrows[name] = arrow(tint);
@@ -89,6 +94,41 @@ export class Actor {
     });
     this.around.update(answer.around, answer.shape);
     this.pose_();
+  }
+
+  /** Go along a path that was followed elsewhere; null: swim by the gait again. */
+  go(rows: Rows | null): void {
+    this.rows = rows;
+    this.offset.set(0, 0, 0);
+    this.ring(null);
+    if (rows) this.line(rows.x);
+    this.restart();
+  }
+
+  /** Put it where the path has it now, with what lies behind. */
+  along(replay: Replay): void {
+    const { rows } = this;
+    if (!rows) return;
+    replay.put(rows, this.pose);
+    this.trail = rows.x.slice(3 * Math.max(0, replay.behind - SHOWN), 3 * replay.behind);
+    this.trail.push(...this.pose.x);
+    this.pose_();
+  }
+
+  /** The circle that a pose beside a wall leads to. */
+  ring(circle: Circle | null): void {
+    this.whole.visible = false;
+    if (!circle) return;
+    const [c, n] = [new THREE.Vector3(...circle.centre), new THREE.Vector3(...circle.normal)];
+    const start = c.clone().negate();
+    this.line(Array.from({ length: 129 }, (_, i) => start.clone().applyAxisAngle(n, (i * Math.PI) / 64).add(c).toArray()).flat());
+  }
+
+  private line(places: number[]): void {
+    this.whole.geometry.dispose();
+    this.whole.geometry = new LineGeometry();
+    this.whole.geometry.setPositions(places);
+    this.whole.visible = true;
   }
 
   restart(): void {

@@ -99,6 +99,17 @@ export class Stage {
     this.controls.update();
   }
 
+  /** Camera on a place and what lies within a reach of it, in units of the swimmer; from the side a normal points to. */
+  see(middle: readonly number[], reach: number, normal: readonly number[] | null): void {
+    const fits = Math.max(1, 1.15 / this.camera.aspect);
+    const way = new THREE.Vector3(-0.16, 0.9, 0.36).normalize();
+    if (normal) way.addScaledVector(new THREE.Vector3(...normal), 1.6);
+    this.controls.target.set(middle[0], middle[1], middle[2]).multiplyScalar(this.scale);
+    const distance = (2.1 * reach * this.scale) / Math.tan((this.camera.fov * Math.PI) / 360);
+    this.camera.position.copy(this.controls.target).addScaledVector(way.normalize(), Math.min(distance * fits, 0.9 * this.controls.maxDistance));
+    this.controls.update();
+  }
+
   /** Longest length of the swimmer is one on the stage. */
   fit(length: number, diameter: number): void {
     this.scale = 1 / length;

@@ -4,12 +4,13 @@ import { Latest, Refusal, call } from "./api";
 import { clone } from "./dom";
 import { write, type Range } from "./fields";
 import { learn } from "./words";
-import type { Answer, Snapshot, Tables, Value } from "./types";
+import type { Answer, Circle, Place, Scene, Snapshot, Tables, Value } from "./types";
 
 export interface Reference {
   answer: Answer;
   /** the tables that were judged */
   of: string;
+  circle: Circle | null;
 }
 
 export interface Design {
@@ -87,9 +88,14 @@ export class Store {
 
   /** What is shown of a design: the surrogate's answer or the reference's. */
   shown(design: Design): Answer {
+    const reference = this.judged(design);
+    return this.model === "bem" && reference ? { ...design.answer, ...reference.answer, tables: design.answer.tables } : design.answer;
+  }
+
+  /** The reference's answer about a design as it is, if it was asked. */
+  judged(design: Design): Reference | null {
     const { reference } = design;
-    const fresh = reference && reference.of === JSON.stringify(design.answer.tables);
-    return this.model === "bem" && fresh ? { ...design.answer, ...reference.answer, tables: design.answer.tables } : design.answer;
+    return reference && reference.of === JSON.stringify(design.answer.tables) ? reference : null;
   }
 
   make(name: string, answer: Answer): Design {
@@ -202,8 +208,30 @@ export class Store {
     this.tell("designs", "structure", "answer", "tables", "problem", "rest");
   }
 
+  /** A spec or a scene of two, as text. */
   async load(name: string, text: string): Promise<void> {
-    this.open(name, await call<Answer>("/api/spec", text));
+    if (!/^\s*\[\[\s*swimmer\s*\]\]/m.test(text)) {
+      const made = await call<Answer>("/api/spec", text);
+      if (this.scene) this.designs = [this.design];
+      if (this.scene) this.active = 0;
+      this.scene = "";
+      return this.open(name, made);
+    }
+    const { designs, places } = await call<Scene>("/api/scene", text);
+    this.designs = designs.map((d) => this.make(d.name, d.answer));
+    this.active = 0;
+    this.scene = name;
+    this.tell("designs", "structure", "answer", "tables", "problem", "rest");
+    for (const put of this.placed) put(places);
+  }
+
+  /** the scene that the designs were put into, if they are not compared by hand */
+  scene = "";
+  private placed: ((places: Place[]) => void)[] = [];
+
+  /** Who is told where a scene puts its two designs. */
+  onScene(put: (places: Place[]) => void): void {
+    this.placed.push(put);
   }
 }
 

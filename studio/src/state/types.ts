@@ -132,6 +132,8 @@ export interface JudgeAnswer {
   unknowns: number;
   phases: number;
   level: string;
+  /** along the wall, while the pose is kept; from the body's centre in its axes */
+  circle: Circle | null;
   calibration: {
     error?: string;
     tables: Tables;
@@ -139,6 +141,45 @@ export interface JudgeAnswer {
     rows: Row[];
     warnings: string[];
   };
+}
+
+export interface Circle {
+  radius: number;
+  centre: [number, number, number];
+  normal: [number, number, number];
+  sense: string;
+  /** velocity towards the wall */
+  towards: number;
+}
+
+/** Places of a swimmer one after the other: three, four (wxyz) and one number each. */
+export interface Rows {
+  x: number[];
+  q: number[];
+  phase: number[];
+}
+
+/** Where swimmers went, in the axes of the first one at the start. */
+export interface PathAnswer {
+  time: number[];
+  swimmers: Rows[];
+  numbers: Record<string, number | string | number[] | null>;
+  /** of velocities, by name */
+  expected_error: Record<string, number>;
+}
+
+/** Two swimmers in one fluid. */
+export interface Scene {
+  designs: { name: string; answer: Answer }[];
+  places: Place[];
+}
+
+/** Where a swimmer is put, in the axes of the first about its body's centre. */
+export interface Place {
+  position: [number, number, number];
+  direction: [number, number, number];
+  roll: number;
+  phase: number;
 }
 
 export interface FlowAnswer {

@@ -14,7 +14,7 @@ from typing import Any
 
 from microswim.errors import MicroswimError
 from microswim.jobs.worker import Lost, Worker
-from microswim.studio import judge_jobs as work
+from microswim.studio.judge import jobs as work
 
 MOST_RUNNING = 2
 MOST_KEPT = 40

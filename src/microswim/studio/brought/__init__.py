@@ -1,0 +1,1 @@
+"""Files that somebody drops onto the page: surfaces, films, scenes."""

@@ -49,9 +49,31 @@ def flow(page):
     swum(page)
 
 
+def followed(page, seconds):
+    """The path of what is on show, once its poses are solved: minutes, the first time."""
+    page.click("[role=tablist] >> text=Path")
+    page.click("#ask-path")
+    page.wait_for_selector("#went", timeout=3_600_000)
+    swum(page, seconds)
+
+
 def channel(page):
     put(page, "shapes/in-a-tube")
-    swum(page)
+    page.fill('input[aria-label="Tilt, value"]', "25")
+    page.keyboard.press("Enter")
+    page.wait_for_function("() => studio.store.design.latest.idle")
+    followed(page, 16)
+
+
+def wall(page):
+    put(page, "cells/beside-a-wall")
+    followed(page, 16)
+
+
+def together(page):
+    page.select_option("#presets", value="together/two-robots")
+    page.wait_for_selector("#went")
+    swum(page, 14)
 
 
 def elastic(page):
@@ -111,7 +133,7 @@ def compare(page):
     mapped(page)
 
 
-TAKEN = [studio, flow, channel, elastic, field, dropped, tracks, compare]
+TAKEN = [studio, flow, channel, wall, together, elastic, field, dropped, tracks, compare]
 
 
 def take(browser, address, act):

@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 from click.testing import CliRunner
 
+import microswim as ms
 from microswim.cli import main
 
 SCENE = (
@@ -79,3 +80,39 @@ def test_a_file_without_coarser_patches_states_no_error_rather_than_none(tmp_pat
     assert found["mean_velocity"][0][0] == pytest.approx(1 / (6 * np.pi), rel=0.02)
     assert found["expected_error"]["us"] == [None]
     assert found["expected_error"]["how"].startswith("not known")
+
+
+def test_with_a_time_it_follows_the_swimmers(scene, tmp_path):
+    asked = ("--level", "coarse", "--time", "0.2", "--samples", "3")
+    result = run(scene, *asked, "--json", "--out", tmp_path / "out")
+    assert result.exit_code == 0, result.stderr
+    found = json.loads(result.stdout)
+    known = ms.group_path(ms.Group.from_toml(scene), [0.0, 0.1, 0.2], level="coarse")
+    assert np.array(found["position"]) == pytest.approx(known.position[-1].values, abs=1e-12)
+    apart = np.linalg.norm(np.diff(known.position.values, axis=1), axis=-1)
+    assert found["nearest"] == pytest.approx(apart.min())
+    assert found["expected_error"]["velocity"] == pytest.approx(known.expected_error.max())
+    rows = (tmp_path / "out" / "paths.csv").read_text().splitlines()
+    assert rows[0] == "t,track,x,y,z"
+    assert [float(x) for x in rows[-1].split(",")[2:]] == pytest.approx(found["position"][1])
+    assert {"paths.png", "paths.nc", "checkpoint.npz"} <= {
+        p.name for p in (tmp_path / "out").iterdir()
+    }
+    assert run(scene, *asked, "--out", tmp_path / "out").exit_code == 2
+    again = run(scene, *asked, "--out", tmp_path / "out", "--resume")
+    assert again.exit_code == 0, again.stderr
+    assert "within" in again.stdout
+
+
+@pytest.mark.parametrize(
+    ("asked", "said"),
+    [
+        (("--time", "-1"), "--time"),
+        (("--time", "1 s"), "--time"),
+        (("--time", "1", "--resume"), "--resume"),
+    ],
+)
+def test_a_time_that_makes_no_sense_is_refused(scene, asked, said):
+    result = run(scene, *asked)
+    assert result.exit_code == 2
+    assert said in result.stderr

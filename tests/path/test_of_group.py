@@ -75,3 +75,24 @@ def test_swimmers_that_come_too_near_are_refused():
     near = PAIR.moved(positions=[(0, 0, 0), (0, 1.2, 0)])
     with pytest.raises(ms.MicroswimError, match='take model = "bem"'):
         ms.group_path(near, [0.0, 1.0], level="coarse")
+
+
+def test_a_path_that_was_stopped_is_gone_on_with_to_the_same_numbers(tmp_path):
+    class Stopped(Exception):
+        pass
+
+    def stop(done, of):
+        if done == 2:
+            raise Stopped
+
+    times, place = [0.0, 0.1, 0.2, 0.3], tmp_path / "checkpoint.npz"
+    whole = ms.group_path(PAIR, times, level="coarse")
+    with pytest.raises(Stopped):
+        ms.group_path(PAIR, times, level="coarse", keep=place, progress=stop)
+    done = []
+    again = ms.group_path(PAIR, times, level="coarse", keep=place,
+                          progress=lambda n, of: done.append(n))  # fmt: skip
+    assert done == [3, 4]
+    assert again.identical(whole)
+    with pytest.raises(ms.SpecError, match="another path"):
+        ms.group_path(PAIR, [0.0, 0.5], level="coarse", keep=place)

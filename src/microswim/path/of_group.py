@@ -9,6 +9,9 @@ that attitudes stay rotations (Munthe-Kaas 1999).
 from __future__ import annotations
 
 from collections.abc import Callable
+from hashlib import sha256
+from os import PathLike
+from pathlib import Path
 from typing import Any, Literal
 
 import numpy as np
@@ -19,6 +22,7 @@ from microswim import checks
 from microswim.errors import MicroswimError, SpecError
 from microswim.gait.units import unit
 from microswim.numerics.array import Array, sealed
+from microswim.path import keeping
 from microswim.path.march import in_chart
 from microswim.swimmer.group import LEVELS, Group
 from microswim.swimmer.member import direction_and_roll
@@ -35,6 +39,7 @@ WORST = 0.25
     model=checks.one_of("estimate", "bem"),
     level=LEVELS,
     max_step=checks.above_zero("time"),
+    keep=checks.place,
     progress=checks.function,
 )
 def group_path(
@@ -44,6 +49,7 @@ def group_path(
     model: Literal["estimate", "bem"] = "estimate",
     level: Literal["coarse", "standard", "fine"] = "standard",
     max_step: float | None = None,
+    keep: str | PathLike[str] | None = None,
     progress: Callable[[int, int], None] | None = None,
 ) -> xr.Dataset:
     """Follow several swimmers in one fluid from the poses of a group.
@@ -60,6 +66,9 @@ def group_path(
         Of the boundary elements that either is made of.
     max_step
         Longest time step; by default 1/16 of the fastest motor's period and 0.35 rad of turning.
+    keep
+        File in which the path is kept while it grows; one that a killed process left is gone on
+        from, to the same numbers.
     progress
         Called with (times done, times in all).
 
@@ -73,7 +82,7 @@ def group_path(
     Raises
     ------
     SpecError
-        If the times do not increase, or swimmers come to touch.
+        If the times do not increase, swimmers come to touch, or `keep` holds another path.
     MicroswimError
         If they come so near to each other that the estimate may be off by more than a quarter.
 
@@ -91,18 +100,34 @@ def group_path(
     if t.ndim != 1 or (np.diff(t) <= 0).any():
         raise SpecError("times", times, "finite and increasing")
     blocks = group.prepared(level)
-    pose = _start(group)
-    kept, errors = [pose], []
-    for k in range(t.size):
+    asked = (group, t.tolist(), model, level, max_step)
+    digest, place = sha256(repr(asked).encode()).hexdigest(), None if keep is None else Path(keep)
+    kept, errors = ([_start(group)], []) if place is None else _begun(group, place, digest)
+    for k in range(len(errors), t.size):
+        pose = kept[k]
         found = _solved(group, pose, blocks, model)
-        errors.append(getattr(found, "expected_error", np.nan))
+        errors.append(float(getattr(found, "expected_error", np.nan)))
         if k + 1 < t.size:
             for h in _steps(t[k + 1] - t[k], found, max_step):
                 pose = _step(group, pose, h, blocks, model)
             kept.append(pose)
+        if place is not None:
+            poses = dict(zip(_POSE, zip(*kept, strict=True), strict=True))
+            keeping.keep(place, digest, errors=errors, **poses)
         if progress is not None:
             progress(k + 1, t.size)
     return _dataset(group, t, kept, np.array(errors), model)
+
+
+_POSE = ("position", "rotation", "phase")
+
+
+def _begun(group: Group, place: Path, digest: str) -> tuple[list[Pose], list[float]]:
+    """Return the poses that a file holds of a path, and the errors at them; the first without."""
+    if not place.exists():
+        return [_start(group)], []
+    found = keeping.kept(place, digest, (*_POSE, "errors"))
+    return list(zip(*(found[name] for name in _POSE), strict=True)), found["errors"].tolist()
 
 
 Pose = tuple[Array, Array, Array]  # positions (n, 3), rotations (n, 3, 3), phases (n,)

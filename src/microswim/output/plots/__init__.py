@@ -8,7 +8,7 @@ __getattr__, __dir__, __all__ = lazy_loader.attach(
         "design": ["design_map", "front"],
         "group": ["group"],
         "mobility": ["mobility"],
-        "path": ["path"],
+        "path": ["group_path", "path"],
         "run": ["trajectory", "velocity"],
     },
 )

@@ -84,7 +84,7 @@ def _plane(axes: Axes, places: np.ndarray, i: int, j: int) -> None:
         colour = CYCLE[k % len(CYCLE)] if many else BLUE
         axes.plot(x[:, i], x[:, j], color=colour, linewidth=0.6 if many else 1.0)
         axes.plot(x[-1, i], x[-1, j], "o", color=colour, markersize=3, markerfacecolor="white")
-    axes.plot(places[0, 0, i], places[0, 0, j], "o", color=BLACK, markersize=3.5)
+    axes.plot(places[:, 0, i], places[:, 0, j], "o", color=BLACK, markersize=3.5)
     low, high = places[..., [i, j]].min(axis=(0, 1)), places[..., [i, j]].max(axis=(0, 1))
     half = 0.55 * max(float((high - low).max()), 1e-12)
     middle = (low + high) / 2.0
@@ -132,3 +132,60 @@ def _in_time(axes: Axes, found: xr.Dataset, places: np.ndarray) -> None:
         axes.axhline(0.0, color=GREY, linewidth=0.4)
         axes.legend()
     axes.set(xlabel=label_t, ylabel=name)
+
+
+@checks.given(found=checks.dataset)
+def group_path(found: xr.Dataset) -> Figure:
+    """Draw the paths of several swimmers from above (x, y), from the side (x, z), and how far they
+    are from each other in time.
+
+    Parameters
+    ----------
+    found
+        What `microswim.group_path` gives.
+
+    Returns
+    -------
+    matplotlib.figure.Figure
+        Call its ``savefig``.
+
+    Examples
+    --------
+    >>> import microswim as ms
+    >>> one = ms.Group((ms.Member(swimmer=ms.Swimmer.preset("tabak/helix")),))
+    >>> ms.plots.group_path(ms.group_path(one, [0.0, 0.5], level="coarse")).axes[0].get_xlabel()
+    'x'
+    """
+    places = found.position.transpose("swimmer", "time", "axis").values
+    length, units = found.position.attrs["units"], found.attrs["units"]
+    factor, _ = readable(places, "", length)
+    with look():
+        figure = blank(WIDE, 3.0)
+        above, side, time = figure.subplots(1, 3, width_ratios=[1.0, 1.0, 1.1])
+        for axes, (i, j), name in ((above, (0, 1), "a"), (side, (0, 2), "b")):
+            _plane(axes, factor * places, i, j)
+            for k, which in ((i, "x"), (j, "y")):
+                label = readable(places, "xyz"[k], length)[1]
+                axes.set(**{f"{which}label": label.replace(" (length)", "")})
+            letter(axes, name)
+        per, label_t = readable(found.time.values, "time", unit(units, "time"))
+        _apart(time, per * found.time.values, places, length)
+        time.set(xlabel=label_t)
+        letter(time, "c")
+        return figure
+
+
+def _apart(axes: Axes, t: np.ndarray, places: np.ndarray, length: str) -> None:
+    """How far each swimmer is from the nearest other; of one alone, from where it began."""
+    if len(places) == 1:
+        far, what = np.linalg.norm(places - places[:, :1], axis=-1), "displacement"
+    else:
+        gaps = np.linalg.norm(places[:, None] - places[None], axis=-1)
+        gaps[np.arange(len(places)), np.arange(len(places))] = np.inf
+        far, what = gaps.min(axis=1), "to the nearest body"
+    factor, name = readable(far, what, length)
+    for k, values in enumerate(far):
+        axes.plot(t, factor * values, color=CYCLE[k % len(CYCLE)], label=f"swimmer {k}")
+    axes.set(ylabel=name, ylim=(0.0, None))
+    if 1 < len(places) <= len(CYCLE):
+        axes.legend()

@@ -96,6 +96,7 @@ from .swimmer.magnetism.applied_field import UniformField as UniformField
 from .swimmer.magnetism.field_in_space import CoilField as CoilField
 from .swimmer.magnetism.field_in_space import DipoleField as DipoleField
 from .swimmer.magnetism.field_in_time import SequenceField as SequenceField
+from .swimmer.magnetism.finite_magnet import MagnetField as MagnetField
 from .swimmer.magnetism.magnet import Magnet as Magnet
 from .swimmer.member import Member as Member
 from .swimmer.motion import Motion as Motion

@@ -19,6 +19,7 @@ from microswim.errors import SpecError
 from microswim.swimmer.magnetism.field_in_space import CoilField, DipoleField
 from microswim.swimmer.magnetism.grid import GridCoil
 from microswim.swimmer.magnetism.magnet import MU_0
+from microswim.swimmer.magnetism.winding import Winding
 
 MOST_NUMBERS = 2_000_000  #: of a grid, in a source file
 
@@ -62,6 +63,8 @@ class Actuators:
 def actuators_of(stepper: Stepper) -> Actuators:
     """Return what makes the field of a stepper's swimmer; of a field in formulas, nothing.
 
+    Nothing either of what magpylib makes: field and gradient are then inputs.
+
     Raises
     ------
     SpecError
@@ -70,7 +73,7 @@ def actuators_of(stepper: Stepper) -> Actuators:
     field = stepper.swimmer.field if stepper.swimmer is not None else None
     if isinstance(field, DipoleField):
         return _magnet(field)
-    if isinstance(field, CoilField):
+    if isinstance(field, CoilField) and not isinstance(field.coils[0], Winding):
         return _coils(field)
     return Actuators()
 

@@ -56,7 +56,7 @@ class MagnetTable(Table):
     ] = 0.0
 
 
-_FIELD = About("Kind", "rotating | uniform | oscillating | sequence | dipole | coils")
+_FIELD = About("Kind", "rotating | uniform | oscillating | sequence | dipole | magnet | coils")
 _STRENGTH = About("Strength", "of the field", usual=(0.0, 0.02))
 _AXIS = About("Axis", "that the field turns about, lab, [x, y, z]")
 _TURNS = About("Frequency", "turns of the field per time")
@@ -113,6 +113,29 @@ class DipoleFieldTable(Table):
     ] = None
 
 
+class MagnetFieldTable(Table):
+    """[field] of kind "magnet": a permanent magnet of finite size beside the swimmer."""
+
+    kind: Annotated[Literal["magnet"], _FIELD]
+    remanence: Annotated[Tesla, About("Remanence", "of the magnet that makes the field")]
+    shape: Annotated[
+        Literal["block", "cylinder", "sphere"], About("Shape", "block | cylinder | sphere")
+    ] = "block"
+    size: Annotated[
+        list[Length],
+        About("Size", "edges of the block along x, y, z; diameter and height; or [diameter]"),
+    ]
+    position: Annotated[list[Length], About("Place", "of its centre in the lab, [x, y, z]")]
+    direction: Annotated[
+        list[Number], About("Direction", "of its magnetisation, lab, [x, y, z]")
+    ] = [0.0, 0.0, 1.0]  # fmt: skip
+    axis: Annotated[list[Number], _AXIS] = [1.0, 0.0, 0.0]
+    frequency: Annotated[Frequency, _TURNS] = 0.0
+    velocity: Annotated[
+        list[Speed], About("Velocity", "with which that magnet moves, [x, y, z]")
+    ] = [0.0, 0.0, 0.0]  # fmt: skip
+
+
 class SequenceFieldTable(Table):
     """[field] of kind "sequence": a table of B in time."""
 
@@ -125,7 +148,9 @@ class CoilFieldTable(Table):
     """[field] of kind "coils": electromagnets by their calibration."""
 
     kind: Annotated[Literal["coils"], _FIELD]
-    file: Annotated[str, About("File", "calibration of the coils, YAML, or B on a grid, CSV")]
+    file: Annotated[
+        str, About("File", "calibration of the coils, YAML; their measures, TOML; B on a grid, CSV")
+    ]
     currents: Annotated[
         list[Current] | None, About("Currents", "one for each coil, in its order")
     ] = None  # fmt: skip
@@ -142,5 +167,6 @@ APPLIED: tuple[type[Table], ...] = (
     OscillatingFieldTable,
     SequenceFieldTable,
     DipoleFieldTable,
+    MagnetFieldTable,
     CoilFieldTable,
 )

@@ -1,6 +1,7 @@
 """Calibration files of electromagnet systems: YAML, a list of coils of multipole sources each.
 
-Tables of B on a grid are read by `microswim.spec.readers.magnetic`.
+Tables of B on a grid are read by `microswim.spec.readers.magnetic`, coils by their measures by
+`microswim.spec.readers.windings`.
 
 The layout is that of the Multi-Scale Robotics Lab's ``ElectromagnetCalibration``: ``Coil_List``
 names the coils, each coil's ``Source_List`` its sources, each with ``A_Coeff``, ``B_Coeff``,
@@ -17,15 +18,17 @@ import numpy as np
 from microswim.errors import MachineError, SpecError
 from microswim.spec.readers.magnetic import read_grid
 from microswim.spec.readers.text import read_text
+from microswim.spec.readers.windings import read_windings
 from microswim.swimmer.magnetism.grid import GridCoil
 from microswim.swimmer.magnetism.multipole import Coil, Source
+from microswim.swimmer.magnetism.winding import Winding
 
 MOST_ORDER = 30
 TABLES = (".csv", ".tsv", ".txt", ".dat")  #: what is no calibration in YAML
 
 
-def read_coils(file: str) -> tuple[Coil | GridCoil, ...]:
-    """Return the coils of a calibration file, or of a table of B on a grid.
+def read_coils(file: str) -> tuple[Coil | GridCoil | Winding, ...]:
+    """Return the coils of a calibration file, of their measures, or of a table of B on a grid.
 
     Raises
     ------
@@ -36,6 +39,8 @@ def read_coils(file: str) -> tuple[Coil | GridCoil, ...]:
     """
     if Path(file).suffix.lower() in TABLES:
         return read_grid(file)
+    if Path(file).suffix.lower() == ".toml":
+        return read_windings(file)
     text = read_text(file)
     try:
         import yaml

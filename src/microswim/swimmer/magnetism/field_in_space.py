@@ -5,7 +5,8 @@ Field of a dipole p at a distance r, and its gradient ``J_ij = dB_i/dx_j``,
     B = mu_0/(4 pi) (3 r (p . r) / r^5 - p / r^3)
     J = mu_0/(4 pi) 3/r^5 (r p' + p r' + (p . r) (1 - 5 r r'/r^2))
 
-A coil at unit current is a sum of axial multipoles (module `multipole`), or B on a grid (`grid`). A
+A coil at unit current is a sum of axial multipoles (module `multipole`), B on a grid (`grid`), or
+loops of wire (`winding`). A
 magnetic moment m feels the force ``J' m`` and the torque ``m x B``.
 """
 
@@ -25,6 +26,7 @@ from microswim.swimmer.magnetism.field_in_time import Arm
 from microswim.swimmer.magnetism.grid import GridCoil
 from microswim.swimmer.magnetism.magnet import MU_0
 from microswim.swimmer.magnetism.multipole import Coil
+from microswim.swimmer.magnetism.winding import Winding
 
 
 class FieldInSpace(AppliedField):
@@ -179,6 +181,8 @@ class CoilField(FieldInSpace):
         Calibration in the layout of multipole sources for each coil (YAML; SI), or a table of B on
         a grid (CSV), x, y, z, Bx, By, Bz with units in the header and a column coil where there
         are several; between its points B is free of sources to rounding, outside it there is none.
+        Or the measures of round coils without cores (TOML), tables ``[[coil]]`` of position, axis,
+        diameter, turns, length and thickness; needs magpylib.
     currents
         One for each coil of the file (A), in the file's order; of a table times the current at
         which it was measured, 1 by default.
@@ -228,7 +232,7 @@ class CoilField(FieldInSpace):
             object.__setattr__(self, "phases", tuple(float(x) for x in self.phases))
 
     @cached_property
-    def coils(self) -> tuple[Coil | GridCoil, ...]:
+    def coils(self) -> tuple[Coil | GridCoil | Winding, ...]:
         """The coils of the file."""
         return doors.go(doors.READ_COILS, self.file)
 

@@ -10,6 +10,10 @@ from microswim.swimmer.magnetism.applied_field import (
 )
 from microswim.swimmer.magnetism.field_in_space import CoilField, DipoleField
 from microswim.swimmer.magnetism.field_in_time import SequenceField
+from microswim.swimmer.magnetism.finite_magnet import MagnetField
 
-KINDS = RotatingField, UniformField, OscillatingField, SequenceField, DipoleField, CoilField
+KINDS = (
+    RotatingField, UniformField, OscillatingField, SequenceField, DipoleField, MagnetField,
+    CoilField,
+)  # fmt: skip
 FIELDS: dict[str, type[AppliedField]] = {f.kind: f for f in KINDS}

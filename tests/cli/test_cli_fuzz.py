@@ -221,6 +221,7 @@ OPTIONS = {
     "export": ["--format", "--moment", "--resolution", "--steps"],
     "identify": ["--sigma", "--sigma-attitude", "--starts", "--unknown", "--fps", "--pixel"],
     "regimes": ["--frequency", "--strength", "--over", "--level"],
+    "follow": ["--path", "--strength", "--frequency", "--step", "--time"],
     "swim": ["--level"],
 }
 

@@ -72,8 +72,8 @@ class PathFollower:
         Of the field; by default that of the spec's rotating field, and three quarters of step-out.
     most_turn
         Largest angle (rad) between the robot's axis and that of the field.
-    model
-        Of the gait, as of `Swimmer.gait`.
+    model, gait
+        Of the gait, as of `Swimmer.gait`, or a gait that is at hand.
 
     Raises
     ------
@@ -98,6 +98,7 @@ class PathFollower:
     frequency: float | None = None
     most_turn: float = 0.6
     model: doors.Model = "auto"
+    gait: Gait | None = None
 
     def __post_init__(self) -> None:
         checks.instance("swimmer", self.swimmer, "Swimmer")
@@ -114,7 +115,10 @@ class PathFollower:
                 raise SpecError("strength: missing; give that of the field the coils shall make")
             self.strength = field.strength
         checks.positive("strength", self.strength)
-        self._plan(self.swimmer.gait(self.model))
+        if self.gait is None:
+            self.gait = self.swimmer.gait(self.model)
+        checks.instance("gait", self.gait, "Gait")
+        self._plan(self.gait)
         self.restart()
 
     def _plan(self, gait: Gait) -> None:
@@ -130,9 +134,20 @@ class PathFollower:
             self.frequency = SLOWER * fastest
         checks.number("frequency", self.frequency, f"positive and below step-out, {fastest:.4g}",
                       above=0.0, most=fastest)  # fmt: skip
+        self.step_out = fastest
         self._speed = float(steady.at_step_out.velocity) * self.frequency / fastest
         body = 2.0 * float(self.swimmer.body.semi_axes3[0])
         self._length = body + float(self.swimmer.tail.apparent_length)
+
+    @property
+    def speed(self) -> float:
+        """Speed along the field's axis that its frequency gives, about."""
+        return abs(self._speed)
+
+    @property
+    def share(self) -> float:
+        """Part of the path's corners that is behind."""
+        return self._segment / (len(self.path) - 1)
 
     def restart(self) -> None:
         """Begin anew at the start of the path."""

@@ -223,3 +223,13 @@ def test_measurements_in_a_table_may_have_units(tmp_path):
     run = CliRunner().invoke(main, [*asked, "--table", str(table)])
     assert run.exit_code == 2
     assert "swimming_speed" in run.stderr
+
+
+def test_several_tails_ask_for_unknowns_by_name():
+    """The paper's coefficients are those of one tail; of two they came out negative."""
+    two = ms.Swimmer.preset("several/two-tails")
+    truth = two.with_({"interaction.translation[0]": 1.5}).gait()
+    with pytest.raises(ms.SpecError, match="name the unknowns"):
+        ms.calibrate(two, truth)
+    fit = ms.calibrate(two, truth, ["translation.s"], quantities=["mean.us"])
+    assert fit.values == pytest.approx([1.5], rel=1e-6)

@@ -46,3 +46,14 @@ def test_one_call_draws():
     swimmer = ms.Swimmer.preset("tabak/helix")
     assert len(swimmer.gait().plot().axes) == 3
     assert swimmer.plot().axes
+
+
+def test_a_circle_in_a_plane_is_printed_without_rounding():
+    """Two tails side by side turn their mirror plane into itself: nothing leaves it."""
+    robot = ms.Swimmer.preset("several/two-tails")
+    rows = {
+        r[0]: r[1:] for r in ms.report.numbers_table(ms.io.numbers(robot, robot.gait()), "").rows
+    }
+    assert rows["swimming speed"] == ("0", "0 body lengths per time")
+    assert rows["path pitch"][0] == rows["body rate |Omega_s|"][0] == "0"
+    assert float(rows["path radius"][0]) > 1.0

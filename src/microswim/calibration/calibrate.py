@@ -118,6 +118,12 @@ def calibrate(
     if isinstance(data, Gait):
         physical_sense.require_tail(swimmer, "a calibration on a gait")
     usual = isinstance(data, Gait) and not unknowns and not quantities
+    if usual and len(swimmer.tail.each) > 1:
+        raise SpecError(
+            "calibrate: which coefficients several tails ask for is not known: those of one tail "
+            "come out negative, as the tails' flows meet; name the unknowns, such as tail.n, and "
+            "the quantities, or compute with model bem"
+        )
     if usual:
         unknowns, quantities = for_loads(swimmer), observe.with_loads(swimmer)
     observations = _observations(swimmer, data, quantities)

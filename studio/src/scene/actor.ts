@@ -102,6 +102,9 @@ export class Actor {
     this.offset.set(0, 0, 0);
     this.ring(null);
     if (rows) this.line(rows.x);
+    const { around, shape } = this.answer;
+    this.around.update(around, shape);
+    if (rows && around?.length) this.around.update(this.around.endless(around, rows.x, shape), shape);
     this.restart();
   }
 

@@ -70,6 +70,20 @@ export class Bounds {
     else this.channel(bounds, cell);
   }
 
+  /** A channel as long as a path in it, which takes it for endless; as it stands now. */
+  endless(bounds: Around, places: number[], shape: Shape): Around {
+    const along = new THREE.Vector3(1, 0, 0).applyQuaternion(this.group.quaternion);
+    const [a, b, c] = bounds.middle!;
+    const whole = shape.length + 2 * shape.semi_axes[0];
+    let [low, high] = [-bounds.length! / 2, bounds.length! / 2];
+    for (let i = 0; i < places.length; i += 3) {
+      const s = along.x * (places[i] - a) + along.y * (places[i + 1] - b) + along.z * (places[i + 2] - c);
+      [low, high] = [Math.min(low, s - whole), Math.max(high, s + whole)];
+    }
+    const middle = along.multiplyScalar((low + high) / 2).add(new THREE.Vector3(a, b, c));
+    return { ...bounds, length: high - low, middle: [middle.x, middle.y, middle.z], open: true };
+  }
+
   dispose(): void {
     for (const part of this.group.children as THREE.Mesh[]) {
       part.geometry.dispose();

@@ -13,16 +13,19 @@ __all__ = ["serve", "snapshot"]
 
 def serve(tables: dict[str, Any], name: str, **options: Any) -> None:
     """Serve the page until interrupted; see `microswim.studio.server.serve`."""
+    from microswim.studio.brought.surfaces import admitted
     from microswim.studio.server import serve as run
 
-    run(tables, name, **options)
+    run(admitted(tables), name, **options)
 
 
 def snapshot(tables: dict[str, Any], name: str) -> str:
     """Return the page as one HTML file that plays without a server, with a map of amplitude and
     waves.
     """
+    from microswim.studio.brought.surfaces import admitted
     from microswim.studio.page import snapshot as make
     from microswim.studio.page import usual_map
 
+    tables = admitted(tables)
     return make([{"name": name, "tables": tables}], usual_map(tables))

@@ -12,7 +12,7 @@ import numpy as np
 
 from microswim import checks
 from microswim.errors import SpecError, nearest
-from microswim.gait import doors, portrait
+from microswim.gait import doors
 from microswim.swimmer import fitting, physical_sense, provenance
 from microswim.swimmer.drag.coefficients import Coefficients, Unchosen
 from microswim.swimmer.drag.interaction import Interaction
@@ -28,14 +28,13 @@ from microswim.swimmer.motion import Motion
 from microswim.swimmer.parts import changed, part_of, spread
 from microswim.swimmer.provenance import Provenance
 from microswim.swimmer.region import Region
+from microswim.swimmer.shown import Shown
 from microswim.swimmer.surroundings.flow import Flow
 from microswim.swimmer.surroundings.fluid import Fluid
 from microswim.swimmer.surroundings.gravity import Gravity
 from microswim.swimmer.surroundings.noise import Noise
 
 if TYPE_CHECKING:
-    from matplotlib.figure import Figure
-
     from microswim.gait.gait import Gait
 
 PARTS = ("fluid", "body", "tail", "coefficients", "interaction", "motion")
@@ -46,7 +45,7 @@ OUTSIDE = ("gravity", "flow", "noise")
 
 @checks.by_name
 @dataclass(frozen=True, kw_only=True)
-class Swimmer:
+class Swimmer(Shown):
     """A micro-swimmer: a body with its tail or tails in a fluid.
 
     Parameters
@@ -260,24 +259,6 @@ class Swimmer:
             made = doors.go(doors.MODELS[model], self, **options)
         made = physical_sense.said_with(self, made)
         return provenance.told(self, made) if model == "rft" else made
-
-    def __str__(self) -> str:
-        """Return a line for each part, with units."""
-        return portrait.as_text(*doors.go(doors.PORTRAIT, self))
-
-    def _repr_html_(self) -> str:
-        return portrait.as_html(*doors.go(doors.PORTRAIT, self))
-
-    def plot(self) -> Figure:
-        """Draw the swimmer to scale with its path by the surrogate; call its ``savefig``.
-
-        Examples
-        --------
-        >>> import microswim as ms
-        >>> ms.Swimmer.preset("tabak/helix-constant").plot().axes[1].get_xlabel()
-        'sideways'
-        """
-        return doors.go(doors.PLOT_SWIMMER, self)
 
     @checks.given(changes=checks.mapping)
     def with_(self, changes: dict[str, Any]) -> Swimmer:

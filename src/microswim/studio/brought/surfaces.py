@@ -42,6 +42,15 @@ def keep(name: str, content: bytes) -> str:
     return f"dropped/{place.parent.name}/{place.name}"
 
 
+def admitted(tables: dict[str, Any]) -> dict[str, Any]:
+    """Return tables of a spec of this machine: its surface is kept as if it had been dropped."""
+    body = tables.get("body")
+    if not isinstance(body, dict) or "file" not in body or TOKEN.fullmatch(str(body["file"])):
+        return tables
+    place = Path(str(body["file"]))
+    return {**tables, "body": {**body, "file": keep(place.name, place.read_bytes())}}
+
+
 def located(tables: dict[str, Any]) -> dict[str, Any]:
     """Return the tables with the files on this machine in place of what names them.
 

@@ -51,6 +51,20 @@ def run_and_tumble(r):
     assert r["running speed (um/s)"] == pytest.approx(1e6 * r["forwards"][0])
 
 
+def two_tails(r):
+    """What the mirror between the tails forbids does not happen."""
+    assert np.abs(r["means"][:, [1, 3, 5]]).max() < 1e-12
+    assert (np.diff(r["radius"]) < 0).all()
+    assert r["rolling over turning"] < 1e-9
+
+
+def traced_beat(r):
+    """What was planted comes back: rate, and noise as misfit; the speed is the tutorial's."""
+    assert r["beats per second"] == pytest.approx(30.0, abs=0.02)
+    assert r["misfit (nm)"] == pytest.approx(80.0, rel=0.05)
+    assert r["forward velocity (um/s)"] == pytest.approx(144.6, rel=0.005)
+
+
 def scallop(r):
     """Time reversal: half a turn forth and back ends where it began, at any pace."""
     assert r["displacement after three cycles"] < 1e-9
@@ -183,6 +197,8 @@ KNOWN = {
             one_period,
             scallop,
             two_swimmers,
+            two_tails,
+            traced_beat,
             run_and_tumble,
             tail_that_bends,
             sperm_like,

@@ -124,7 +124,7 @@ export class Judge {
     const about = `${made.unknowns} unknowns, ${phases}, ${made.level}`;
     const parts: HTMLElement[] = [
       el("table", { id: "verdict", class: fresh ? "" : "stale" },
-        el("thead", {}, el("tr", {}, ...["", "surrogate", "judge", "error"].map((h) => el("th", {}, h)))),
+        el("thead", {}, el("tr", {}, ...["", "surrogate", "judge", "error"].map((h) => (h ? el("th", {}, h) : el("td"))))),
         el("tbody", {}, ...rows)),
     ];
     if (fit.error) parts.push(el("p", { class: "fine" }, `No calibration here: ${fit.error}`));

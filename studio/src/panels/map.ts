@@ -9,9 +9,12 @@ import { colour, gradient, ticks } from "./scales";
 import { attempt, notice, type Store } from "../state/store";
 import type { Axis, MapAnswer, MapAsk, Tables } from "../state/types";
 
+/** of a key, across and up */
+const STEPS: Record<string, [number, number]> = { ArrowLeft: [-1, 0], ArrowRight: [1, 0], ArrowUp: [0, 1], ArrowDown: [0, -1] };
+
 export class SpeedMap {
   readonly node = el("div", { class: "map" });
-  private canvas = el("canvas", { id: "map", width: 536, height: 290, tabindex: 0, "aria-label": "Map; click to move the design there" });
+  private canvas = el("canvas", { id: "map", width: 536, height: 290, tabindex: 0, role: "application", "aria-label": "Map; click, or arrow keys, to move the design there" });
   private tip = el("div", { class: "tip", hidden: true });
   private field = { x: "tail.amplitude", y: "tail.waves" };
   private output = "swimming_speed";
@@ -77,6 +80,14 @@ export class SpeedMap {
     this.canvas.addEventListener("pointerup", () => {
       this.store.commit();
     });
+    this.canvas.addEventListener("keydown", (e) => {
+      const [right, up] = STEPS[e.key] ?? [0, 0];
+      if ((!right && !up) || this.store.snapshot) return;
+      e.preventDefault();
+      e.stopPropagation();
+      this.nudge(right, up);
+    });
+    this.canvas.addEventListener("keyup", () => this.store.commit());
     this.canvas.addEventListener("pointerleave", () => (this.tip.hidden = true));
     this.bar.append(this.selects.output, best, this.selects.x, el("span", {}, "×"), this.selects.y);
     this.plot.append(this.canvas, this.tip);
@@ -304,6 +315,14 @@ export class SpeedMap {
   private go(e: PointerEvent, commit: boolean): void {
     const p = this.pick(e);
     if (p) this.move(p.x, p.y, commit);
+  }
+
+  /** Move the design by steps of a fiftieth of the map. */
+  private nudge(right: number, up: number): void {
+    const at = this.place();
+    if (!at) return;
+    const along = (values: number[], f: number): number => values[0] + Math.min(1, Math.max(0, f)) * (values[values.length - 1] - values[0]);
+    this.move(along(this.answer!.x, at[0] + right / 50), along(this.answer!.y, at[1] + up / 50), false);
   }
 
   private move(x: number, y: number, commit: boolean): void {

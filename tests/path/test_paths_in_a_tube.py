@@ -134,3 +134,12 @@ def test_a_flow_presses_nothing_through_the_tube():
     assert float(found.gap.min()) > -1e-6 * 3.0  # between steps, as far as they are to be trusted
     assert 0.0 < float(found.gap[-1]) < 0.05
     assert found.attrs["outcome"] == "touched"
+
+
+def test_a_block_is_told_which_boundary_has_no_path_for_it():
+    """The sentence names the table that the spec has."""
+    block = ms.Swimmer.preset(
+        "shapes/magnet", {"channel.diameter": "9 mm", "channel.length": "20 mm"}
+    )
+    with pytest.raises(ms.SpecError, match=r"^channel: a path in it .* leave \[channel\] out"):
+        ms.path(block, 1.0)

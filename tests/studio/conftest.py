@@ -1,4 +1,7 @@
-"""The studio's server and a browser, one of each for the tests of a module."""
+"""The studio's server, one for all tests, as it remembers nothing; a browser for those of a module.
+
+While a browser is open no other event loop can run in the process, so it is closed in between.
+"""
 
 import os
 import re
@@ -9,7 +12,7 @@ import chromium
 import pytest
 
 
-@pytest.fixture(scope="module")
+@pytest.fixture(scope="session")
 def server():
     code = "from microswim.cli import main; main(['studio', '--no-browser', '--port', '0'])"
     env = {**os.environ, "PYTHONUNBUFFERED": "1"}

@@ -85,9 +85,11 @@ def shape_of(swimmer: Swimmer, smallest: float) -> Shape:
     """
     body, tail = swimmer.body, swimmer.tail
     if not (tail.is_rigid and body.is_axisymmetric) or tail.is_placed:
+        there, where = ("channel", "in") if swimmer.channel is not None else ("wall", "beside")
         raise SpecError(
-            "wall: a path beside it is known for a body of revolution with a helical tail; take a "
-            "gait at one pose for this swimmer, or leave [wall] out"
+            f"{there}: a path {where} it is known for a body of revolution with one helical tail "
+            "on its axis; ask at this one pose (microswim run, regimes, with --model bem), or leave "
+            f"[{there}] out"
         )
     centre = np.asarray(body.centre, float)
     many = LINE * max(2, int(np.ceil(float(tail.number_of_waves))))

@@ -88,8 +88,8 @@ def shape_of(swimmer: Swimmer, smallest: float) -> Shape:
         there, where = ("channel", "in") if swimmer.channel is not None else ("wall", "beside")
         raise SpecError(
             f"{there}: a path {where} it is known for a body of revolution with one helical tail "
-            "on its axis; ask at this one pose (microswim run, regimes, with --model bem), or leave "
-            f"[{there}] out"
+            "on its axis; ask at this one pose (microswim run, regimes, with --model bem), or "
+            f"leave [{there}] out"
         )
     centre = np.asarray(body.centre, float)
     many = LINE * max(2, int(np.ceil(float(tail.number_of_waves))))

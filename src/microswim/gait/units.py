@@ -31,6 +31,7 @@ UNITS = {
     "diffusion": ("m^2/s", "length^2/time"),
     "density": ("kg/m^3", "density"),
     "wavenumber": ("1/m", "1/length"),
+    "curvature": ("1/m", "1/length"),
     "drag of a point": ("Pa s m", "viscosity length"),
     "drag of spin": ("Pa s m^2", "viscosity length^2"),
     "volume": ("m^3", "length^3"),

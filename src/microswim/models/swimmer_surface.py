@@ -142,8 +142,10 @@ def smooth_centreline(tail: Tail, s: Array, phase: float = 0.0) -> Curve:
     reference's P).
     """
     s = np.asarray(s, dtype=float)
-    if isinstance(tail, WaveTail):
+    if isinstance(tail, WaveTail) and tail.is_along_s:
         return _wave(tail, s, phase, tail.out_of_plane)
+    if tail.sections == "sheared":
+        raise SpecError("tail.sections", "sheared", "perpendicular for a tail by its angle")
     return _general(tail, s, phase)
 
 

@@ -44,6 +44,7 @@ Kinematic = Annotated[float, _reads("kinematic viscosity"), Measures("kinematic 
 Density = Annotated[float, _reads("density"), Measures("density")]
 Angle = Annotated[float, _reads("angle"), Measures("angle")]
 Bending = Annotated[float, _reads("bending stiffness"), Measures("bending stiffness")]
+Curvature = Annotated[float, _reads("curvature"), Measures("curvature")]
 Volume = Annotated[float, _reads("volume"), Measures("volume")]
 Tesla = Annotated[float, _reads("field"), Measures("field")]
 Current = Annotated[float, _reads("current"), Measures("current")]

@@ -70,6 +70,7 @@ DIMENSIONS = {
         Dimension("density", "1000 kg/m^3", 1e-6, 1e6),
         Dimension("bending stiffness", "1e-22 N m^2", 1e-40, 1e12),
         Dimension("angle", "30 deg"),
+        Dimension("curvature", "19 rad/mm", 1e-12, 1e12),
         Dimension("speed", "20 um/s"),
         Dimension("rate", "60 rpm"),
         Dimension("force", "1 pN"),

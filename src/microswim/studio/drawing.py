@@ -6,7 +6,7 @@ its centreline. An ellipsoid is drawn from its semi-axes; any other body by quad
 
 from __future__ import annotations
 
-from typing import Any
+from typing import Any, TypeGuard
 
 import numpy as np
 
@@ -45,7 +45,7 @@ def shape(swimmer: Swimmer) -> dict[str, Any]:
 def filament(tail: Tail) -> dict[str, Any]:
     """Return one tail in its own axes, and where those stand: root from the joint, and rotation."""
     own = tail.own
-    wave = own if isinstance(own, WaveTail) else None
+    wave = own if _is_plain_wave(own) else None
     return {
         "kind": own.kind,
         "rigid": bool(own.is_rigid),
@@ -65,13 +65,18 @@ def filament(tail: Tail) -> dict[str, Any]:
     }
 
 
+def _is_plain_wave(tail: Tail) -> TypeGuard[WaveTail]:
+    """Whether the page draws it by the formula of a wave: its axis is straight."""
+    return isinstance(tail, WaveTail) and tail.is_along_s
+
+
 def _end(tail: WaveTail) -> float:
     return float(tail.amplitude if tail.amplitude_end is None else tail.amplitude_end)
 
 
 def reach(tail: Tail) -> float:
     """Return the largest distance of the centreline from the axis s."""
-    if isinstance(tail, WaveTail):
+    if _is_plain_wave(tail):
         return max(float(tail.amplitude), _end(tail))
     return max(float(np.linalg.norm(_positions(t)[..., 1:], axis=-1).max()) for t in tail.each)
 

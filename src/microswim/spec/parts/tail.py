@@ -6,7 +6,7 @@ from typing import Annotated, Literal
 
 from microswim.spec.fields import About
 from microswim.spec.parts.elastic import ElasticFields
-from microswim.spec.types import Angle, Frequency, Length, Number, Table
+from microswim.spec.types import Angle, Curvature, Frequency, Length, Number, Table
 
 _KIND = About("Kind", "helix | plane_wave | elastic | waveform | custom | none: a body alone")
 _SECTIONS = Literal["perpendicular", "sheared"]
@@ -91,6 +91,9 @@ class PlaneWaveTable(_WaveTable):
     """[tail] of kind "plane_wave"."""
 
     kind: Annotated[Literal["plane_wave"], _KIND]
+    mean_curvature: Annotated[
+        Curvature | None, About("Mean curvature", "of a beat about a bent axis; towards q")
+    ] = None
 
 
 class CustomTable(_PlacedTable):

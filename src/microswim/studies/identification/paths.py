@@ -5,7 +5,8 @@ A rigid helix on a body of revolution has a constant twist in the frame T of its
     T(t) = Q(phase_0) exp([w] t),  w = W_0 + sign rate e_s,   x' = T U_0
 
 with ``U_0, W_0`` its velocities at phase 0 and Q the rotation by sign phase about s. A plane wave
-moves in its plane: heading ``h = int W_r dt``, position ``int R(h) U dt``, both by Fourier series.
+moves in its plane: heading ``h = int W_r dt``, position ``int R(h) U dt``, both by Fourier series,
+and on circles if its mean W_r is not zero.
 Everything else is left to `trajectory`. What does not depend on rate and phase is worked out once.
 """
 
@@ -19,7 +20,6 @@ from numpy.polynomial.polynomial import polyval
 
 from microswim.gait.gait import Gait
 from microswim.numerics.rigid_motion import multiply
-from microswim.numerics.series.fourier import evaluate, series_of, trimmed
 from microswim.path.trajectory import trajectory
 from microswim.swimmer.swimmer import Swimmer
 
@@ -99,39 +99,49 @@ def _about_s(angle: np.ndarray) -> np.ndarray:
     return np.stack([np.cos(angle / 2), np.sin(angle / 2), zero, zero], axis=-1)
 
 
-def _integrated(series: np.ndarray) -> np.ndarray:
-    """Series of the integral over the phase of a series' periodic part."""
-    out = np.zeros_like(series)
-    h = np.arange(1, len(series) // 2 + 1).reshape(-1, *[1] * (series.ndim - 1))
-    out[1::2], out[2::2] = -series[2::2] / h, series[1::2] / h
-    return out
-
-
 def _plane_wave(gait: Gait) -> Path:
     grid = 2.0 * np.pi * np.arange(SAMPLES) / SAMPLES
     V = gait.velocity(grid, 1.0)
-    speed = series_of(V[:, 5])
-    turn = _integrated(speed)
-    heading = evaluate(turn, grid)
-    c, s = np.cos(heading), np.sin(heading)
-    step = series_of(np.stack([c * V[:, 0] - s * V[:, 1], s * V[:, 0] + c * V[:, 1]], axis=-1))
-    series = trimmed(np.concatenate([turn[:, None], _integrated(step)], axis=1), FLOOR)
-    powers = np.concatenate([series[:1], series[1::2] - 1j * series[2::2]])
-    return partial(_along, step[0], powers)
+    mean, *turn = np.fft.rfft(V[:, 5]) / SAMPLES
+    turn = np.array([0.0, *2.0 * np.array(turn[:-1])]) / (1j * np.maximum(np.arange(len(turn)), 1))
+    heading = polyval(np.exp(1j * grid), turn).real
+    step = np.fft.fft(np.exp(1j * heading) * (V[:, 0] + 1j * V[:, 1])) / SAMPLES
+    return partial(_along, mean.real, _felt(turn), step[0], *_swings(step, mean.real))
+
+
+def _swings(step: np.ndarray, turn: float) -> tuple[np.ndarray, np.ndarray]:
+    """Powers of ``exp(i phase)`` and of its conjugate of ``int exp(i turn phase) step``, the mean
+    left out: ``c_h / i(h + turn)``.
+    """
+    h = np.arange(1, SAMPLES // 2)
+    ahead, back = step[h] / (1j * (h + turn)), step[-h] / (1j * (turn - h))
+    return _felt(np.array([0.0, *ahead])), _felt(np.array([0.0, *back]))
+
+
+def _felt(powers: np.ndarray) -> np.ndarray:
+    """Powers without the last that are below `FLOOR` of the largest."""
+    size = np.abs(powers)
+    return powers[: 1 + int(np.flatnonzero(size > FLOOR * size.max()).max(initial=0))]
 
 
 def _along(
-    mean: np.ndarray, powers: np.ndarray, rate: float, t: np.ndarray, phase: float
-) -> tuple[np.ndarray, np.ndarray]:
-    """Path whose heading and swing, x and y, are ``Re sum powers exp(i h phase)``."""
+    mean: float, turn: np.ndarray, step: complex, ahead: np.ndarray, back: np.ndarray,
+    rate: float, t: np.ndarray, phase: float,
+) -> tuple[np.ndarray, np.ndarray]:  # fmt: skip
+    """Path of a heading ``mean (phase - phase_0) + Re sum turn exp(i h phase)``, in the complex
+    plane: what advances in a period lies on a circle, or on a straight line if the mean is zero.
+    """
     there = rate * t
-    angle, *swing = polyval(np.exp(1j * (phase + there)), powers).real
-    x, y = (m * there + w - w[0] for m, w in zip(mean, swing))
-    c, s = np.cos(angle[0]), np.sin(angle[0])
-    half = (angle - angle[0]) / 2.0
+    z = np.exp(1j * (phase + there))
+    angle = polyval(z, turn).real
+    swing = polyval(z, ahead) + polyval(z.conj(), back)
+    whole = np.exp(1j * mean * there)
+    chord = there * np.exp(0.5j * mean * there) * np.sinc(mean * there / (2.0 * np.pi))
+    moved = np.exp(-1j * angle[0]) * (step * chord + whole * swing - swing[0])
+    half = (mean * there + angle - angle[0]) / 2.0
     zero = np.zeros_like(half)
-    moved = np.stack([x * c + y * s, y * c - x * s, zero], axis=-1)
-    return moved, np.stack([np.cos(half), zero, zero, np.sin(half)], axis=-1)
+    path = np.stack([moved.real, moved.imag, zero], axis=-1)
+    return path, np.stack([np.cos(half), zero, zero, np.sin(half)], axis=-1)
 
 
 def quaternion_of(turn: np.ndarray) -> np.ndarray:

@@ -10,7 +10,7 @@ from scipy.optimize import least_squares
 
 from microswim.errors import MicroswimError
 from microswim.studies.identification.fitting.first_guesses import WAVES
-from microswim.studies.identification.fitting.problem import FREQUENCY, PathProblem
+from microswim.studies.identification.fitting.problem import CURVATURE, FREQUENCY, PathProblem
 
 LEAST = 1e-3  #: of the spec's own value, where what is unknown is a positive number
 
@@ -48,7 +48,7 @@ def least(
 
 def lowest(problem: PathProblem) -> np.ndarray:
     """Return the lower bounds of the unknowns: what is positive stays so, a rate is free."""
-    free, own = (FREQUENCY, "coupling"), problem.swimmer.numbers
+    free, own = (FREQUENCY, CURVATURE, "coupling"), problem.swimmer.numbers
     lowest = [
         0.3 if u.name == WAVES
         else -np.inf if u.name.startswith(free) or u.value(own) <= 0

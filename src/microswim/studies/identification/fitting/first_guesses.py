@@ -6,20 +6,34 @@ and the speed along the smoothed path. A grid of designs is compared with those.
 
 from __future__ import annotations
 
+import warnings
 from collections.abc import Iterable
 from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
-from scipy.interpolate import CubicSpline
+from scipy.interpolate import CubicSpline, RectBivariateSpline
 
+from microswim.errors import MicroswimError
+from microswim.gait.screw import screw
 from microswim.models.rft.batch import evaluate
-from microswim.studies.identification.fitting.problem import FREQUENCY, PathProblem
+from microswim.numerics.compiling.compiled import settled
+from microswim.studies.identification.average_path import average_path
+from microswim.studies.identification.fitting.problem import (
+    CURVATURE,
+    FREQUENCY,
+    PathProblem,
+    quick_gait,
+)
+from microswim.studies.identification.spectrum import line
+from microswim.swimmer.fields import lifted
+from microswim.swimmer.parts import replaced
 from microswim.swimmer.swimmer import Swimmer
 
 AMPLITUDE, WAVES = "tail.amplitude", "tail.waves"
 PHASES = 16
 MOST = 8  #: designs of a line that are followed
+COARSER = 4  #: steps of the grid between designs that are solved one by one
 MISS = 0.02  #: of the speed, by which a near miss may miss
 
 
@@ -43,8 +57,12 @@ class Grid:
 
     @classmethod
     def of(cls, swimmer: Swimmer, names: Iterable[str]) -> Grid | None:
-        """Return the grid of the unknowns among amplitude and waves, None if neither is one."""
+        """Return the grid of the unknowns among amplitude and waves, None if neither is one; of
+        a beat with a mean curvature that of none.
+        """
         own, names = swimmer.numbers, set(names)
+        if CURVATURE in own:
+            swimmer = replaced(swimmer, "tail", replaced(swimmer.tail, "mean_curvature", 0.0))
         b, n = np.ones(1), np.ones(1)
         if AMPLITUDE in names:
             b = own[AMPLITUDE] * np.geomspace(0.3, 3.0, 41)
@@ -52,11 +70,44 @@ class Grid:
             n = np.linspace(0.75, 5.5, 96)
         B, N = np.meshgrid(b, n, indexing="ij")
         axes = {k: v.ravel() for k, v in ((AMPLITUDE, B), (WAVES, N)) if k in names}
+        if not swimmer.tail.in_batches and set(axes) == {AMPLITUDE, WAVES}:
+            return cls(b, n, *_between(swimmer, b, n))
         return cls(b, n, *shown(swimmer, axes)) if axes else None
 
 
-def shown(swimmer: Swimmer, axes: dict[str, np.ndarray]) -> tuple[np.ndarray, ...]:
+def _between(swimmer: Swimmer, b: np.ndarray, n: np.ndarray) -> list[np.ndarray]:
+    """Return `shown` of a grid by splines through every fourth design, solved one by one."""
+    x, y = np.log(b[::COARSER]), n[np.unique([*range(0, n.size, COARSER - 1), n.size - 1])]
+    B, N = np.meshgrid(np.exp(x), y, indexing="ij")
+    found = shown(swimmer, {AMPLITUDE: B.ravel(), WAVES: N.ravel()})
+    maps = [np.nan_to_num(v.reshape(B.shape)) for v in found]  # what cannot be built swims not
+    return [RectBivariateSpline(x, y, v)(np.log(b), n).ravel() for v in maps]
+
+
+@settled(True)
+def _one_by_one(
+    swimmer: Swimmer, axes: dict[str, np.ndarray]
+) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """`shown` of designs that no loop takes many of, by the gaits that a fit takes."""
+    rows = []
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore")  # of laws beyond their range: those guesses lead nowhere
+        for values in zip(*axes.values()):
+            try:
+                made = quick_gait(lifted(swimmer, dict(zip(axes, map(float, values)))))
+                rows.append((screw(made).speed, made.velocity_amplitude[1], made.mean_velocity[3]))
+            except (MicroswimError, np.linalg.LinAlgError, ValueError):
+                rows.append((np.nan,) * 3)
+    speed, wobble, spin = np.array(rows, dtype=float).T
+    return speed, wobble, spin
+
+
+def shown(
+    swimmer: Swimmer, axes: dict[str, np.ndarray]
+) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     """Return swimming speed, amplitude of u_q and mean w_s of designs."""
+    if not swimmer.tail.in_batches:
+        return _one_by_one(swimmer, axes)
     found = evaluate(swimmer, axes, tolerance=1e-3)
     return found["swimming_speed"], found["velocity_amplitude"][:, 1], found["mean_velocity"][:, 3]
 
@@ -139,10 +190,39 @@ def _swings(line: np.ndarray) -> list[tuple[float, float]]:
 
 def first_guesses(problem: PathProblem, designs: Designs | None, count: int) -> list[Any]:
     """Return designs whose speed, wobble and frequency are those of the track, the best first."""
-    frequency, wobble, _ = problem.track.wobble()
+    frequency, speed, wobble = seen_in(problem)
     if designs is None:
         return [{FREQUENCY: frequency}]
-    return designs.like(frequency, problem.track.speed, wobble, count)
+    return designs.like(frequency, speed, wobble, count)
+
+
+def seen_in(problem: PathProblem) -> tuple[float, float, float]:
+    """Return frequency, speed and wobble of the track; off its average path if it may circle."""
+    track = problem.track
+    if CURVATURE not in problem.names:
+        frequency, wobble, _ = track.wobble()
+        return frequency, track.speed, wobble
+    seen = line(track.time, track.position)
+    if not np.isfinite(seen.frequency):
+        frequency, wobble, _ = track.wobble()
+        return frequency, track.speed, wobble
+    path = average_path(track.time, track.position, 1.0 / seen.frequency)
+    off = path.seen_from(track.time, track.position)
+    wobble = float(np.sqrt(max(2.0 * np.mean(np.sum(off**2, axis=1)) - 4.0 * seen.noise**2, 0.0)))
+    return seen.frequency, path.speed().value, max(wobble, seen.amplitude)
+
+
+def curvature_guess(problem: PathProblem, values: np.ndarray) -> float:
+    """Return the mean curvature with which a design turns as the track does: for a slight one the
+    rate of turning goes with it.
+    """
+    seen = line(problem.track.time, problem.track.position)
+    path = average_path(problem.track.time, problem.track.position, 1.0 / seen.frequency)
+    turned = float(path.heading[-1] - path.heading[0]) / float(path.time[-1] - path.time[0])
+    i = problem.names.index(CURVATURE)
+    slight = np.array(values)
+    slight[i] = problem.typical[i]
+    return turned / float(problem.gait(slight).mean_velocity[5]) * float(slight[i])
 
 
 def seen(

@@ -34,11 +34,12 @@ from microswim.studies.identification.fitting.first_guesses import (
     WAVES,
     Designs,
     Grid,
+    curvature_guess,
     first_guesses,
     initial_poses,
 )
 from microswim.studies.identification.fitting.honesty import check_shown, left_over, model_errors
-from microswim.studies.identification.fitting.problem import FREQUENCY, PathProblem
+from microswim.studies.identification.fitting.problem import CURVATURE, FREQUENCY, PathProblem
 from microswim.studies.identification.result import Identification, remarks
 from microswim.swimmer.swimmer import Swimmer
 
@@ -144,6 +145,12 @@ def asked(swimmer: Swimmer, unknowns: Iterable[str]) -> tuple[Swimmer, tuple[str
     names = tuple(unknowns)
     if WAVES in names and WAVES not in swimmer.numbers and "tail.wavelength" in swimmer.numbers:
         swimmer = swimmer.with_({WAVES: float(swimmer.tail.number_of_waves)})
+    if (
+        CURVATURE in names
+        and CURVATURE not in swimmer.numbers
+        and hasattr(swimmer.tail, "mean_curvature")
+    ):
+        swimmer = swimmer.with_({CURVATURE: 0.0})
     resolve(swimmer, names)
     return swimmer, names
 
@@ -245,6 +252,8 @@ def fit(
     if problem.wobbles and motor:
         i = problem.names.index(FREQUENCY)
         first[i] *= problem.wobble_ratio(first)
+    if CURVATURE in problem.names and CURVATURE not in guess:
+        first[problem.names.index(CURVATURE)] = curvature_guess(problem, first)
     low, best = lowest(problem), []
     try:
         poses = initial_poses(problem, np.maximum(first, 1.01 * low), count=phases)

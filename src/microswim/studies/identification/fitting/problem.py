@@ -22,8 +22,16 @@ from microswim.studies.identification.paths import Path, path_of, paths_of, quat
 from microswim.studies.identification.spectrum import line
 from microswim.swimmer.swimmer import Swimmer
 
-FREQUENCY = "tail.frequency"
+FREQUENCY, CURVATURE = "tail.frequency", "tail.mean_curvature"
 KEPT = 32  #: shapes whose gaits are kept, while phase and frequency are varied
+
+
+def quick_gait(swimmer: Swimmer) -> Gait:
+    """Return the surrogate's gait, of a beat with as many phases and nodes as a path shows."""
+    if swimmer.tail.is_rigid:
+        return surrogate(swimmer)
+    mirrored = swimmer.tail.half_period_signs is not None
+    return surrogate(swimmer, phases=10 if mirrored else 16, nodes=48)
 
 
 @dataclass(frozen=True)
@@ -106,8 +114,7 @@ class PathProblem:
         made = lift(self.swimmer, self.unknowns, values)
         if self.own_model != "rft":
             return made.gait("auto")
-        options = {} if self.swimmer.tail.is_rigid else {"phases": 10, "nodes": 48}
-        return surrogate(made, **options)
+        return quick_gait(made)
 
     @cached_property
     def own_model(self) -> str:
@@ -116,9 +123,15 @@ class PathProblem:
 
     @cached_property
     def typical(self) -> np.ndarray:
-        """Size of each unknown: that of the spec's own value, one where it is zero."""
+        """Size of each unknown: that of the spec's own value, one where it is zero; a curvature
+        bends the tail by a tenth of a radian at least.
+        """
         own = self.swimmer.numbers
-        return np.array([abs(u.value(own)) or 1.0 for u in self.unknowns])
+        slight = 0.1 / float(self.swimmer.tail.arc_length)
+        size = [
+            max(abs(u.value(own)), slight if u.name == CURVATURE else 0.0) for u in self.unknowns
+        ]
+        return np.array([s or 1.0 for s in size])
 
     @cached_property
     def wobbles(self) -> bool:

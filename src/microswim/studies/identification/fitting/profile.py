@@ -60,7 +60,9 @@ def _ways(problem: PathProblem, done: Any) -> np.ndarray:
     """Change of all parameters with each value, all else fitted: ``C g / g'C g``, g its slope."""
     n = len(problem.unknowns)
     J = problem.jacobian(done.x)
-    C = np.linalg.pinv(J.T @ J, rcond=1e-14, hermitian=True)
+    size = np.maximum(np.linalg.norm(J, axis=0), 1e-300)  # units apart, before rounding cuts
+    C = np.linalg.pinv((J / size).T @ (J / size), rcond=1e-14, hermitian=True)
+    C = C / np.outer(size, size)
     g = np.zeros((len(done.x), n))
     g[:n] = np.linalg.inv(problem.slope(done.x)).T
     return (C @ g) / np.sum(g * (C @ g), axis=0)
@@ -86,10 +88,14 @@ class _End:
         return np.inf if found is None else 2.0 * (found.cost - self.done.cost) / self.size**2
 
     def reached(self) -> float:
-        """Return the share of the way at which chi-squared has risen by ``t^2``."""
+        """Return the share of the way at which chi-squared has risen by ``t^2``; one where no fit
+        works there, which tells nothing.
+        """
         inside, outside, share = 0.0, 0.0, 1.0
         for _ in range(MOST):
             risen = self.risen(share)
+            if not np.isfinite(risen):
+                return max(inside, 1.0)
             if abs(risen - 1.0) < TOLERANCE / 3.0:
                 return share
             if risen > 1.0:

@@ -10,6 +10,7 @@ import numpy as np
 from microswim import checks
 from microswim.errors import SpecError
 from microswim.numerics.series.fourier import MIRROR_Q
+from microswim.swimmer.geometry.tails.flagellum import Flagellum
 from microswim.swimmer.geometry.tails.tail import Sections, SurfaceMotion
 from microswim.swimmer.geometry.tails.wave_tail import WaveTail
 
@@ -21,7 +22,15 @@ STEPS = 7  #: of the arithmetic-geometric mean, to rounding where a wave is not 
 class PlaneWaveTail(WaveTail):
     """Travelling plane wave in the plane s-q, moving away from the body.
 
-    Parameters are those of `WaveTail`.
+    Parameters
+    ----------
+    mean_curvature
+        Of a beat that is not symmetric (1/length), towards q where positive: its swimmer circles.
+        The tangent angle then is the wave, as flagella beat, and s goes along the filament:
+        ``K s - k b sin(ks - phase)``. Arc length and number of waves are those of the straight
+        wave. Sections are perpendicular by default.
+    length, amplitude, ...
+        All others are those of `WaveTail`.
 
     Examples
     --------
@@ -31,19 +40,109 @@ class PlaneWaveTail(WaveTail):
     'translating'
     """
 
-    sections: Sections = "sheared"
+    mean_curvature: float | None = None
+    sections: Sections = None  # type: ignore[assignment]
     surface_motion: SurfaceMotion = "translating"
     kind: ClassVar[str] = "plane_wave"
     rft_loop: ClassVar[str] = "plane_wave"
     beats_in_plane: ClassVar[bool] = True
-    half_period_signs: ClassVar[np.ndarray | None] = MIRROR_Q
 
     def __post_init__(self) -> None:
         if self.surface_motion == "rigid":
             raise SpecError(
                 "tail.surface_motion", "rigid", "translating or bending", "a plane wave cannot turn"
             )
+        bent = self.mean_curvature is not None
+        if self.sections is None:
+            object.__setattr__(self, "sections", "perpendicular" if bent else "sheared")
         super().__post_init__()
+        if bent:
+            self._check_bent()
+
+    def _check_bent(self) -> None:
+        """Refuse an axis that closes to a circle."""
+        K, most = self.mean_curvature, 2.0 * np.pi / float(np.real(self.arc_length))
+        checks.number("tail.mean_curvature", K, "a finite curvature, 1/length")
+        if abs(K) >= most:  # type: ignore[arg-type]
+            raise SpecError(
+                "tail.mean_curvature", K, f"less than {most:.4g} in magnitude",
+                "the tail would close to a circle",
+            )  # fmt: skip
+
+    @property
+    def half_period_signs(self) -> np.ndarray | None:  # type: ignore[override]
+        """Signs of the mirror image half a period on, which a bent axis has none of."""
+        return MIRROR_Q if self.mean_curvature is None else None
+
+    @property
+    def is_plain(self) -> bool:
+        return self.is_along_s and super().is_plain
+
+    @property
+    def is_along_s(self) -> bool:
+        return self.mean_curvature is None
+
+    @property
+    def flagellum(self) -> Flagellum | None:
+        """Shape of a beat with a mean curvature, by its tangent angle; None of a straight one."""
+        if self.mean_curvature is None:
+            return None
+        L, waves = self.arc_length, self.number_of_waves
+        return Flagellum(
+            curvature=self.mean_curvature,
+            wavenumber=2.0 * np.pi * waves / L,
+            length=L,
+            envelope=lambda s: self.envelope(s)[0],
+            ramp=self.ramp * L,
+        )
+
+    def curve(self, s: Any, phase: Any) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+        shape = self.flagellum
+        return super().curve(s, phase) if shape is None else shape.curve(s, phase)
+
+    def radial(self, s: Any, phase: Any) -> np.ndarray:
+        if self.mean_curvature is None or self.is_placed:
+            return super().radial(s, phase)
+        slope = self.curve(s, phase)[1]
+        return np.stack([-slope[..., 1], slope[..., 0], slope[..., 2]], axis=-1)
+
+    @property
+    def apparent_length(self) -> Any:
+        """Length L along s; along the filament if the tail has a mean curvature."""
+        return super().apparent_length if self.mean_curvature is None else self.arc_length
+
+    @property
+    def arc_length(self) -> Any:
+        if self.mean_curvature is None:
+            return super().arc_length
+        if self.length_measure == "arc":
+            return self.length
+        return self.length * self.stretch(
+            2.0 * np.pi * self.amplitude * self.number_of_waves / self.length
+        )
+
+    @property
+    def number_of_waves(self) -> Any:
+        if self.mean_curvature is None or self.wavelength is None:
+            return super().number_of_waves
+        return self.length / self.wavelength
+
+    @property
+    def wavelength_along_s(self) -> Any:
+        if self.mean_curvature is None:
+            return super().wavelength_along_s
+        return self.arc_length / self.number_of_waves
+
+    @property
+    def wavenumber(self) -> Any:
+        if self.mean_curvature is None:
+            return super().wavenumber
+        return 2.0 * np.pi / self.wavelength_along_s
+
+    @property
+    def alpha(self) -> Any:
+        shape = self.flagellum
+        return super().alpha if shape is None else shape.alpha
 
     @property
     def sign(self) -> float:
@@ -89,6 +188,8 @@ class PlaneWaveTail(WaveTail):
         return _mean_alpha(bk)
 
     def wound_length(self) -> float:
+        if self.mean_curvature is not None:
+            return 0.0  # a filament that is given its angle holds any
         return 4.0 * self.amplitude * self.number_of_waves
 
     @property

@@ -162,6 +162,11 @@ class WaveTail(PlacedTail, ABC):
         return np.linspace(float(self.amplitude), float(self.amplitude_end), 21)
 
     @property
+    def is_along_s(self) -> bool:
+        """Whether it is a wave about the straight axis s, by its displacement."""
+        return True
+
+    @property
     def is_plain(self) -> bool:
         """Whether the wave is of one amplitude, the filament round and the tail at the joint."""
         return self.amplitude_end is None and self.section is None and not self.is_placed
@@ -325,8 +330,8 @@ def as_wave(tail: Tail) -> WaveTail:
     if not isinstance(tail, WaveTail):
         raise SpecError("tail.kind", tail.kind, "one with a wave here", "take a helix")
     if not tail.is_plain:
-        names = ("amplitude_end", "section", "position", "direction", "phase")
-        name = next(name for name in names if getattr(tail, name) is not None)
+        names = ("amplitude_end", "section", "position", "direction", "phase", "mean_curvature")
+        name = next(name for name in names if getattr(tail, name, None) is not None)
         raise SpecError(
             f"tail.{name}: a round filament of one amplitude, at the joint, is wanted here; "
             "leave it out, or take model rft or bem"

@@ -1,0 +1,86 @@
+"""Beats with a mean curvature, whose swimmers circle: found from their tracks."""
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+import microswim as ms
+from microswim.studies.identification.fitting.problem import quick_gait
+from microswim.studies.identification.paths import path_of
+
+TRUE = {
+    "tail.amplitude": 0.14, "tail.waves": 1.6, "tail.frequency": 1.3, "tail.mean_curvature": 0.35,
+}  # fmt: skip
+FILM = Path(__file__).with_name("circling-sperm.csv")
+BULL = """
+[fluid]
+viscosity = "0.7 mPa s"
+[body]
+shape = "ellipsoid"
+semi_axes = ["5 um", "2.5 um", "0.5 um"]
+[tail]
+kind = "plane_wave"
+length = "58.3 um"
+length_measure = "arc"
+amplitude = "8 um"
+wavelength = "60 um"
+radius = "0.2 um"
+frequency = "31 Hz"
+ramp = 1.0
+[coefficients]
+law = "cox"
+"""
+
+
+def test_the_closed_path_of_a_swimmer_that_circles_is_the_integrated_one():
+    swimmer = ms.Swimmer.preset("tabak/plane_wave").with_(TRUE)
+    gait, t = swimmer.gait(), np.linspace(0.0, 3.0, 20)
+    x, q = path_of(swimmer, gait, t, 0.7)
+    path = ms.trajectory(gait, t, phase=0.7)
+    np.testing.assert_allclose(x, path.position.values, atol=1e-6)
+    np.testing.assert_allclose(np.abs(np.sum(q * path.quaternion.values, axis=1)), 1.0, atol=1e-9)
+
+
+def test_few_phases_tell_a_path_as_well_as_many():
+    swimmer = ms.Swimmer.preset("tabak/plane_wave").with_(TRUE)
+    t = np.linspace(0.0, 3.0, 20)
+    few, many = (
+        path_of(swimmer, gait, t, 0.7)[0] for gait in (quick_gait(swimmer), swimmer.gait())
+    )
+    np.testing.assert_allclose(few, many, atol=1e-6)
+
+
+def test_a_planted_curvature_is_found():
+    known = ms.Swimmer.preset("tabak/plane_wave")
+    swimmer = known.with_(TRUE)
+    t = np.linspace(0.0, 9.0, 150)
+    x, _ = path_of(swimmer, swimmer.gait(), t, 0.7)
+    noisy = x[:, :2] + 0.002 * np.random.default_rng(0).normal(size=(150, 2))
+    start = {name: value * 1.03 for name, value in TRUE.items() if "curvature" not in name}
+    start["tail.frequency"] = TRUE["tail.frequency"] * 1.001
+    found = ms.identify_swimmer(
+        known, ms.Track(time=t, position=noisy), tuple(TRUE), start=start, model_error=False
+    )
+    off = (found.values - np.array(list(TRUE.values()))) / found.uncertainty
+    assert np.abs(off).max() < 4.0
+    assert found.uncertainty[3] < 0.02
+    low, high = found.interval().T  # four deviations wide, or wider where the misfit is no parabola
+    assert np.all(high - low > 3.5 * found.uncertainty)
+
+
+@pytest.mark.slow
+def test_a_circling_sperm_has_its_curvature_found_and_nothing_is_left_over(tmp_path):
+    """250 frames a second, 50 nm of noise; as a symmetric beat it left 23 times the noise."""
+    spec = tmp_path / "bull.toml"
+    spec.write_text(BULL)
+    swimmer = ms.Swimmer.from_toml(spec)
+    track = next(iter(ms.read_tracks(FILM).values()))
+    straight = ms.identify_swimmer(swimmer, track)
+    assert "mean curvature" in straight.withheld
+    assert np.isinf(straight.interval()).all()
+    bent = ms.identify_swimmer(swimmer, track, tuple(TRUE))
+    assert bent.withheld == ""
+    assert bent.residual == pytest.approx(50e-9, rel=0.05)
+    low, high = bent.interval().T
+    assert np.all((high - low)[1:] < 0.02 * np.abs(bent.values)[1:])

@@ -160,3 +160,8 @@ FAR = [("1e300 m", "body.radius"), ("1e-300 m", "body.radius"), ("1e5 km", "tail
 def test_what_is_beyond_what_swims_is_refused(text, name):
     with pytest.raises(ms.SpecError, match="beyond what is computed"):
         ms.Swimmer.preset("tabak/helix", {name: text})
+
+
+@pytest.mark.parametrize("text", ["19.1 rad/mm", "0.0191 1/um", "19.1 1/mm", "1094.349388 deg/mm"])
+def test_a_curvature_is_an_angle_per_length_or_one_over_a_length(text):
+    assert to_si(text, "1/m") == pytest.approx(19.1e3, rel=1e-8)

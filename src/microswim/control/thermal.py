@@ -72,10 +72,15 @@ def moved(values: Array, z: Array) -> Array:
 
 def tumble(values: Array, swimmer: Any, dt: float, random: np.random.Generator) -> None:
     """Turn states (n, 8) by the tumbles of a time dt, if the swimmer's noise has any."""
-    tumbles = None if swimmer is None or swimmer.noise is None else swimmer.noise.tumbles
-    if tumbles is not None:
-        run_time, angle = tumbles
+    run_time, angle = tumbles_of(swimmer)
+    if run_time > 0.0:
         values[:, 3:7] = tumbled(values[:, 3:7], dt / run_time, angle, random)
+
+
+def tumbles_of(swimmer: Any) -> tuple[float, float]:
+    """Return mean time of a run and angle of a tumble of a swimmer; zeros if it does not tumble."""
+    tumbles = None if swimmer is None or swimmer.noise is None else swimmer.noise.tumbles
+    return (0.0, 0.0) if tumbles is None else (float(tumbles[0]), float(tumbles[1]))
 
 
 def energy_of(swimmer: Any) -> float | None:

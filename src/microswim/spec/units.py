@@ -212,6 +212,8 @@ def to_si(value: Any, unit: str) -> float:
     angles = _angles(quantity)
     if unit == "Hz" and angles == 1 and "hertz" not in dict(quantity.unit_items()):
         quantity = quantity / _registry().Quantity(1.0, "turn")
+    elif unit == "1/m" and angles == 1:  # a curvature, an angle per length
+        quantity = quantity / _registry().Quantity(1.0, "radian")
     elif unit == "rad/s" and angles == 0:
         quantity = quantity * _registry().Quantity(1.0, "turn")
     try:

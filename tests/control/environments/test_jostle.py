@@ -45,6 +45,12 @@ def test_noise_is_an_option_of_each_task(task):
     assert np.abs(hot - still).max() > 1e-4
     with pytest.raises(ms.SpecError, match="temperature"):
         run(temperature=-1.0)
+    tumbling = run(run_time=0.5)
+    assert np.array_equal(tumbling, run(run_time=0.5))
+    assert np.abs(tumbling - still).max() > 1e-4
+    for bad in ({"run_time": -1.0}, {"run_time": 1e-6}, {"run_time": 1.0, "tumble_angle": 4.0}):
+        with pytest.raises(ms.SpecError, match=list(bad)[-1]):
+            run(**bad)
 
 
 def test_one_robot_is_one_of_many():

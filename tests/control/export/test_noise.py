@@ -7,6 +7,7 @@ import numpy as np
 import pytest
 
 import microswim as ms
+from microswim.control.environments.jostle import tumble
 from microswim.control.environments.random_streams import normals
 from microswim.control.export import compiler
 from microswim.control.thermal import moved
@@ -105,3 +106,54 @@ def test_a_unit_diffuses_as_its_mobility_says(tmp_path):
     assert np.array_equal(steps, displacements(path, noise_seed=5.0))
     assert not np.array_equal(steps, displacements(path, noise_seed=6.0))
     assert np.all(displacements(path, thermal_energy=0.0) == 0.0)
+
+
+def tumbled(library, expected, angle, key, state=START):
+    y, seed = (ctypes.c_double * 8)(*state), ctypes.c_uint64(key)
+    library.robot_tumble.argtypes = [*[ctypes.c_double] * 2, *[ctypes.c_void_p] * 2]
+    status = library.robot_tumble(expected, angle, ctypes.byref(seed), y)
+    return status, np.array(y)
+
+
+def test_tumbles_in_c_forget_the_heading_as_runs_do(build):
+    """The mean heading after a time falls to exp(-expected (1 - cos angle)) [Lovely 1975]."""
+    library, expected, angle = build(stepper()), 0.7, np.radians(68.0)
+    state = np.array([1.0, 2.0, 3.0, 1.0, 0.0, 0.0, 0.0, 0.4])
+    ends = [tumbled(library, expected, angle, 1000 + k, state)[1] for k in range(4000)]
+    w, x, y, z = np.array(ends)[:, 3:7].T
+    along = w * w + x * x - y * y - z * z
+    wanted = np.exp(-expected * (1.0 - np.cos(angle)))
+    assert along.mean() == pytest.approx(wanted, abs=4.0 * along.std() / np.sqrt(4000))
+    rested = np.mean(along > 1.0 - 1e-12)
+    assert rested == pytest.approx(np.exp(-expected), abs=4.0 * 0.5 / np.sqrt(4000))
+    assert np.all(np.array(ends)[:, [0, 1, 2, 7]] == [1.0, 2.0, 3.0, 0.4])  # on the spot
+    own = state.copy()
+    tumble(own, expected, angle, np.array([1003], dtype=np.uint64), 0)
+    assert ends[3] == pytest.approx(own, abs=1e-14)
+
+
+@pytest.mark.parametrize("bad", [(-1.0, 1.0), (np.nan, 1.0), (2000.0, 1.0), (1.0, 4.0)])
+def test_tumbles_that_make_no_sense_are_an_error(build, bad):
+    status, found = tumbled(build(stepper()), *bad, 3)
+    assert status == 14
+    assert np.array_equal(found, START)
+
+
+def test_a_unit_runs_and_tumbles_as_its_spec_says(tmp_path):
+    one, path = stepper(**{"noise.run_time": 0.05}), tmp_path / "robot.fmu"
+    ms.export_fmu(one, path, name="robot")
+
+    def cosines(**start):
+        found = fmpy.simulate_fmu(
+            str(path), stop_time=40.0, step_size=DT, output_interval=DT,
+            output=["qw", "qx", "qy", "qz"], start_values={"motor_rate": 0.0, **start},
+        )  # fmt: skip
+        w, x, y, z = (found[c] for c in ("qw", "qx", "qy", "qz"))
+        s = np.stack([w * w + x * x - y * y - z * z, 2 * (x * y + w * z), 2 * (x * z - w * y)], -1)
+        return (s[1:] * s[:-1]).sum(axis=1)
+
+    still = cosines(thermal_energy=0.0, run_time=0.0)
+    assert np.all(still > 1.0 - 1e-12)
+    c = cosines(thermal_energy=0.0, noise_seed=4.0)
+    wanted = np.exp(-DT / 0.05 * (1.0 - np.cos(np.radians(68.0))))
+    assert c.mean() == pytest.approx(wanted, abs=4.0 * c.std() / np.sqrt(c.size))

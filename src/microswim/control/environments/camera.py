@@ -15,7 +15,7 @@ from microswim.control.environments.random_streams import normals
 from microswim.errors import SpecError
 from microswim.numerics.compiling.compiled import njit
 from microswim.numerics.rigid_motion import to_lab
-from microswim.swimmer.surroundings.noise import BOLTZMANN
+from microswim.swimmer.surroundings.noise import BOLTZMANN, TUMBLE
 
 FRAME = 6  # position, heading
 MM = 1e-3
@@ -29,14 +29,17 @@ def conditions(
     frame_interval: int = 2,
     latency: int = 2,
     temperature: float = 0.0,
+    run_time: float = 0.0,
+    tumble_angle: float = TUMBLE,
     field_gradient: float = 0.0,
     max_steps: int,
 ) -> dict[str, float]:
     """Return what the tasks have in common, in SI units: flow, camera and length of an episode.
 
     Lengths in mm, disturbance in mm/s, the camera's times in steps; the temperature (K) is that of
-    the thermal noise, none at 0; the field gradient (T/m) is the largest slope of the field about
-    the origin.
+    the thermal noise, none at 0; the run time (s) is the mean time to a tumble, none at 0, which
+    turns by the tumble's angle (rad); the field gradient (T/m) is the largest slope of the field
+    about the origin.
 
     Raises
     ------
@@ -47,6 +50,10 @@ def conditions(
     for name, value in (sizes | {"angle_noise": angle_noise}).items():
         checks.number(name, value, "a number from 0 to 1000", least=0.0, most=1e3)
     checks.number("temperature", temperature, "a number from 0 to 1e30 (K)", least=0.0, most=1e30)
+    checks.number("run_time", run_time, "0, or from 0.001 to 1e9 (s)", least=0.0, most=1e9)
+    if 0.0 < run_time < 1e-3:
+        raise SpecError("run_time", run_time, "0, or from 0.001 to 1e9 (s)")
+    checks.number("tumble_angle", tumble_angle, "an angle from 0 to pi", least=0.0, most=np.pi)
     checks.number("field_gradient", field_gradient, "from 0 to 1000 (T/m)", least=0.0, most=1e3)
     whole = {
         "frame_interval": (frame_interval, 1, 10**9),
@@ -63,6 +70,8 @@ def conditions(
         "noise": position_noise * MM,
         "angle_noise": angle_noise,
         "energy": BOLTZMANN * temperature,
+        "run_time": float(run_time),
+        "tumble": float(tumble_angle),
         "slope": float(field_gradient),
         "interval": int(frame_interval),
         "latency": int(latency),

@@ -1,4 +1,4 @@
-"""Thermal noise inside compiled environments: after each step a random displacement.
+"""Thermal noise and tumbles inside compiled environments: after each step a random displacement.
 
 As `microswim.control.thermal`, with the streams of `random_streams`: covariance ``2 k_B T M dt`` in
 the body frame, carried out by the exponential of rigid motions.
@@ -10,7 +10,7 @@ from typing import Any
 
 import numpy as np
 
-from microswim.control.environments.random_streams import normals
+from microswim.control.environments.random_streams import normals, uniform
 from microswim.control.motion import ratios, turned
 from microswim.gait.stepping import row
 from microswim.numerics.compiling.compiled import njit
@@ -31,6 +31,19 @@ def rooted(M: Any, n: Any, z: Any, L: Any) -> None:
             else:
                 L[i, j] = rest / L[j, j] if L[j, j] > 0.0 else 0.0
             z[i] += L[i, j] * n[j]
+
+
+@njit(cache=True)
+def tumble(y: Any, expected: float, angle: float, keys: Any, i: int) -> None:
+    """Turn a state by an angle about random axes across s, a number of times that is Poisson's with
+    a mean; the stream of key i moves on.
+    """
+    left = expected + np.log(uniform(keys, i))
+    while left > 0.0:
+        about = 2.0 * np.pi * uniform(keys, i)
+        axis = (0.0, angle * np.cos(about), angle * np.sin(about))
+        y[3], y[4], y[5], y[6] = turned((y[3], y[4], y[5], y[6]), axis)
+        left += np.log(uniform(keys, i))
 
 
 @njit(cache=True)

@@ -22,7 +22,7 @@ from microswim.control.environments.camera import (
     fill,
     seen,
 )
-from microswim.control.environments.jostle import jostle
+from microswim.control.environments.jostle import jostle, tumble
 from microswim.control.environments.random_streams import direction, uniform
 from microswim.control.environments.world import World, robot
 from microswim.control.motion import FIELD_BENDS, INPUT, substep
@@ -41,7 +41,9 @@ LIMIT = 20.0
 TURN = 1.01  # rad of the tail per internal step
 
 Settings = namedtuple(
-    "Settings", "dt field top swing gust noise angle_noise energy slope interval latency steps near"
+    "Settings",
+    "dt field top swing gust noise angle_noise energy run_time tumble slope interval latency steps "
+    "near",
 )
 
 
@@ -103,6 +105,8 @@ def drive(mem: Any, action: Any, u: Any, work: Any, model: Any, s: Any, keys: An
         substep(model[0], model[1], model[2], mem, u, k * h, h, bends, work)
     if s.energy > 0.0:
         jostle(model[0], mem, np.sqrt(2.0 * s.energy * s.dt), keys, i)
+    if s.run_time > 0.0:
+        tumble(mem, s.dt / s.run_time, s.tumble, keys, i)
     mem[7] = np.mod(mem[7], 2.0 * np.pi)
     mem[ANGLE] = np.mod(mem[ANGLE] + turn * s.dt, 2.0 * np.pi)
 

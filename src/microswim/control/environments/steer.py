@@ -23,7 +23,7 @@ from microswim.control.environments.camera import (
     fill,
     seen,
 )
-from microswim.control.environments.jostle import jostle
+from microswim.control.environments.jostle import jostle, tumble
 from microswim.control.environments.paths import POINTS, locate, point, resampled, wander
 from microswim.control.environments.random_streams import direction, normals, uniform
 from microswim.control.environments.world import World, robot
@@ -44,8 +44,8 @@ TURN = 0.64  # rad of the field per internal step
 
 Settings = namedtuple(
     "Settings",
-    "dt field top gust calm noise angle_noise energy slope interval latency steps length bend lost "
-    "ahead",
+    "dt field top gust calm noise angle_noise energy run_time tumble slope interval latency steps "
+    "length bend lost ahead",
 )
 
 
@@ -134,6 +134,8 @@ def drive(mem: Any, u: Any, work: Any, model: Any, s: Any, keys: Any, i: int) ->
         substep(model[0], model[1], model[2], mem, u, k * h, h, bends, work)
     if s.energy > 0.0:
         jostle(model[0], mem, np.sqrt(2.0 * s.energy * s.dt), keys, i)
+    if s.run_time > 0.0:
+        tumble(mem, s.dt / s.run_time, s.tumble, keys, i)
     b0, b1, b2 = field_at(u, s.dt)
     mem[B], mem[B + 1], mem[B + 2] = b0 / s.field, b1 / s.field, b2 / s.field
 

@@ -19,7 +19,7 @@ from microswim import __version__, checks
 from microswim.control.export.actuators import actuators_of
 from microswim.control.export.precision import FIGURES, PRECISIONS, check_range, single
 from microswim.control.stepper import Stepper
-from microswim.control.thermal import energy_of
+from microswim.control.thermal import energy_of, tumbles_of
 from microswim.errors import SpecError
 from microswim.gait.readable import origin
 from microswim.gait.units import unit
@@ -178,6 +178,7 @@ def _values(stepper: Stepper, name: str, spec: str) -> dict[str, str]:
         "most_steps": str(stepper.most_steps),
         "bound": _about_steps(stepper),
         "energy": repr(energy_of(stepper.swimmer) or 0.0),
+        **dict(zip(("run_time", "tumble_angle"), map(repr, tumbles_of(stepper.swimmer)))),
         "rate_value": repr(0.0 if stepper.locked else float(gait.rate)),
         "declared": made.declared,
         "actuate": made.code,

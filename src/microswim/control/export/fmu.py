@@ -22,7 +22,7 @@ from microswim import __version__, checks
 from microswim.control.export import cmodel, compiler
 from microswim.control.export.actuators import Actuators, actuators_of
 from microswim.control.stepper import Stepper
-from microswim.control.thermal import energy_of
+from microswim.control.thermal import energy_of, tumbles_of
 from microswim.errors import MicroswimError
 from microswim.numerics.files import scratch
 
@@ -65,6 +65,11 @@ def variables(stepper: Stepper) -> list[dict[str, Any]]:
         stepper.magnetic[list(cmodel.SOFT)])  # fmt: skip
     add("thermal_energy", "tunable", "J", "k_B T of the noise of each step, 0 for none",
         [energy_of(stepper.swimmer) or 0.0])  # fmt: skip
+    run_time, angle = tumbles_of(stepper.swimmer)
+    add("run_time", "tunable", "s", "mean time of a run that a tumble ends, 0 for no tumbles",
+        [run_time])  # fmt: skip
+    add("tumble_angle", "tunable", "rad", "by which a tumble turns the body's axis, 0 to pi",
+        [angle])  # fmt: skip
     add("start_x start_y start_z", "fixed", "m", "position of the body's centre at the start, lab")
     add("start_qw start_qx start_qy start_qz", "fixed", "", "attitude at the start, body to lab",
         [1, 0, 0, 0])  # fmt: skip

@@ -164,6 +164,8 @@ class _Vector(VectorEnv):
 class SteerEnv(_Single):
     """A magnetised helical robot follows a path in 3-D.
 
+    Options: numbers as `camera.conditions` has them, ``coils`` and ``stray`` fields.
+
     Action (4): direction to swim in (normalised), frequency of the rotating field over 10 Hz
     (negative: backwards). Observation (17): from the camera the vectors to the nearest point of the
     path and to the point 1 mm ahead of it (mm), the path's direction, the robot's heading; the

@@ -14,6 +14,7 @@ import numpy as np
 
 from microswim.control import motion
 from microswim.control.environments import uneven
+from microswim.control.environments.bench import made
 from microswim.control.environments.camera import (
     MM,
     attitude,
@@ -101,8 +102,11 @@ def drive(mem: Any, action: Any, u: Any, work: Any, model: Any, s: Any, keys: An
         u[motion.J + k] = mem[SLOPE + k]
     n = max(1, int(np.ceil(abs(u[motion.MOTOR]) * s.dt / TURN)))
     h, bends = s.dt / n, FIELD_BENDS if s.slope > 0.0 else 0
-    for k in range(n):
-        substep(model[0], model[1], model[2], mem, u, k * h, h, bends, work)
+    if model[3].shape[0] > 0:
+        made(model, model[3][i], mem[SLOPE:], mem, u, n, h, work)
+    else:
+        for k in range(n):
+            substep(model[0], model[1], model[2], mem, u, k * h, h, bends, work)
     if s.energy > 0.0:
         jostle(model[0], mem, np.sqrt(2.0 * s.energy * s.dt), keys, i)
     if s.run_time > 0.0:

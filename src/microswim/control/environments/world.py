@@ -13,6 +13,7 @@ from typing import Any
 
 import numpy as np
 
+from microswim.control.environments.bench import NUMBERS, Bench
 from microswim.control.environments.camera import FRAME, conditions
 from microswim.control.motion import INPUT, WORK
 from microswim.control.stepper import Stepper
@@ -36,7 +37,7 @@ class World(ABC):
     n
         Number of robots.
     options
-        As `camera.conditions` takes them.
+        As `camera.conditions` takes them; and `coils` and `stray`, as `bench.Bench` does.
 
     Raises
     ------
@@ -50,9 +51,12 @@ class World(ABC):
     counts: int
 
     def __init__(self, n: int, **options: Any) -> None:
+        coils, stray = (options.pop(name, None) for name in ("coils", "stray"))
+        self.bench = None if coils is None and stray is None else Bench(coils, stray)
         self.settings = s = self.conditions(**_known(options))
         stepper = self.stepper()
-        self.model = (stepper.response.twist, stepper.response.strain, stepper.magnetic)
+        made = np.zeros((0 if self.bench is None else n, NUMBERS))
+        self.model = (stepper.response.twist, stepper.response.strain, stepper.magnetic, made)
         self.memory = np.zeros((n, self.memory_size))
         self.count = np.zeros((n, self.counts), dtype=np.int64)
         self.ring = np.zeros((n, s.latency // s.interval + 2, FRAME))
@@ -111,6 +115,9 @@ class World(ABC):
         n = len(self.memory)
         obs, rewards = np.empty((n, self.observed), dtype=np.float32), np.empty(n)
         ends = np.empty((n, 2), dtype=np.bool_)
+        if self.bench is not None:  # the first count is that of the steps
+            times = self.settings.dt * self.count[:, 0]
+            self.bench.write(self.memory[:, :3], times, self.model[3])
         self.advance(actions, obs, ends, rewards)
         return obs, rewards, ends
 
@@ -119,5 +126,7 @@ def _known(options: dict[str, Any]) -> dict[str, Any]:
     names = tuple(inspect.signature(conditions).parameters)
     for name, value in options.items():
         if name not in names:
-            raise SpecError(name, value, "one of the settings " + ", ".join(names))
+            raise SpecError(
+                name, value, "one of the settings " + ", ".join((*names, "coils", "stray"))
+            )
     return options

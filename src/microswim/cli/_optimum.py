@@ -8,7 +8,7 @@ from typing import Any
 from rich.console import Console
 from rich.table import Table
 
-from microswim.gait.readable import quantity
+from microswim.gait.readable import spec_value
 from microswim.spec.units import NUMBER
 from microswim.studies.optimisation.limits import measured_in
 
@@ -33,7 +33,7 @@ class Said:
         if value is None or isinstance(value, str):
             return value or ""
         known = measured_in(name, self.units)
-        return quantity(value, known) if known else f"{value:.4g}"
+        return spec_value(value, known) if known else f"{value:.4g}"
 
     def limit(self, text: str) -> str:
         """Return a constraint between a quantity and a number, the number with its unit."""

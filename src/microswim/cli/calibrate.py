@@ -97,7 +97,10 @@ def command(given: Given, output: Path | None, force: bool, as_json: bool, **ask
     if as_json:
         print_json(report)
     else:
-        (_print_region if asked["region"] else _print_coefficients)(report)
+        if asked["region"]:
+            _print_region(report)
+        else:
+            _print_coefficients(report, given.swimmer.units)
 
 
 def _check(asked: dict[str, Any]) -> None:
@@ -272,12 +275,15 @@ def _number(path: Path, quantity: str, text: str, units: str) -> float:
         return in_unit(f"{path}: {quantity}", text, unit, units)
 
 
-def _print_coefficients(report: dict[str, Any]) -> None:
+def _print_coefficients(report: dict[str, Any], units: str) -> None:
+    from microswim.gait import observed
+    from microswim.gait.readable import quantity, spec_value
+    from microswim.spec.describe import unit_of
+
     for name, value in report["coefficients"].items():
-        sigma = report["uncertainty"][name]
-        click.echo(
-            f"  {name:20s} {value:12.6g}  +- {'not known' if sigma is None else f'{sigma:.2g}'}"
-        )
+        sigma, unit = report["uncertainty"][name], unit_of(name, units)
+        off = "not known" if sigma is None else spec_value(sigma, unit)
+        click.echo(f"  {name:20s} {spec_value(value, unit):>14}  +- {off}")
     if report.get("assumed_uncertainty"):
         assumed = report["assumed_uncertainty"]
         share, names = next(iter(assumed.values())), ", ".join(assumed)
@@ -287,7 +293,9 @@ def _print_coefficients(report: dict[str, Any]) -> None:
         )
     click.echo(f"  {report['rank']} of {len(report['coefficients'])} combinations determined")
     for row in report["data"][:12]:
-        click.echo(f"  {row['quantity']:20s} {row['measured']:12.6g}  model {row['predicted']:.6g}")
+        unit = observed.unit_of(row["quantity"], units)
+        numbers = (quantity(row[of], unit or "1") for of in ("measured", "predicted"))
+        click.echo("  {:20s} {:>14}  model {}".format(row["quantity"], *numbers))
     for sentence in report["warnings"]:
         click.echo(f"  warning: {sentence}")
     for sentence in report["notes"]:

@@ -208,15 +208,9 @@ def _table(who: str, found: list[Regimes], name: str, values: list[Any]) -> Tabl
 
 
 def _shown(value: Any, measured_in: str) -> str:
-    import math
+    from microswim.gait.readable import spec_value
 
-    from microswim.gait.readable import quantity
-
-    if isinstance(value, str):
-        return value
-    if measured_in == "rad":
-        return f"{math.degrees(value):.4g} deg"
-    return quantity(value, measured_in or "1")
+    return value if isinstance(value, str) else spec_value(value, measured_in)
 
 
 def _note(one: Regimes) -> str:

@@ -20,6 +20,7 @@ _READ_IN = {
     "N": {"N": 1.0, "mN": 1e-3, "µN": 1e-6, "nN": 1e-9, "pN": 1e-12, "fN": 1e-15},
     "T": {"T": 1.0, "mT": 1e-3, "µT": 1e-6},
     "A": {"A": 1.0, "mA": 1e-3, "µA": 1e-6},
+    "A m^2": {"A m^2": 1.0, "mA m^2": 1e-3, "µA m^2": 1e-6, "nA m^2": 1e-9},
     "N m": {"N m": 1.0, "mN m": 1e-3, "µN m": 1e-6, "nN m": 1e-9, "pN µm": 1e-18},
 }
 
@@ -78,6 +79,20 @@ def quantity(value: Any, unit: str, digits: int = 4) -> str:
     factor, name = prefixed(value, unit)
     text = significant(value * factor, digits)
     return text if is_dimensionless(unit) else f"{text} {name}"
+
+
+def spec_value(value: Any, unit: str) -> str:
+    """Return a number of a spec with its unit, angles in degrees: ``30.00 deg``.
+
+    Examples
+    --------
+    >>> from microswim.gait.readable import spec_value
+    >>> spec_value(0.005, "T"), spec_value(1.5, "rad"), spec_value(2.0, "")
+    ('5.000 mT', '85.94 deg', '2.000')
+    """
+    if unit == "rad":
+        return f"{significant(math.degrees(value))} deg"
+    return quantity(value, unit or "1")
 
 
 def with_error(value: Any, error: float | None, unit: str) -> str:

@@ -215,13 +215,11 @@ class SteadyTurning:
         return [arc for arc in arcs if arc.end - arc.start >= least]
 
     def _edge(self, curve: Curve, held: float, lost: float) -> float:
-        """Return where the held states of a curve end, by bisection."""
-        for _ in range(40):
-            middle = (held + lost) / 2.0
-            if self.at(curve(middle)).held:
-                held = middle
-            else:
-                lost = middle
+        """Return where the held states of a curve end, by halving five times at once."""
+        for _ in range(8):
+            u = np.linspace(held, lost, 33)
+            first = int(np.argmin(np.append(self.at(curve(u[1:-1])).held, False)))
+            held, lost = float(u[first]), float(u[first + 1])
         return held
 
     def rates(self, arc: Arc) -> tuple[float, float]:

@@ -118,8 +118,10 @@ def _of_the_largest(N: Any, lean: Any, states: SteadyTurning) -> Any:
     N = N / np.linalg.norm(np.real(N))
     start = _start(states)
     b = _refined(N, lean, start)
+    if _is_at(N, b, start):
+        return b
     at_most = states.at_step_out
-    if _is_at(N, b, start) or at_most is None:
+    if at_most is None:
         return b
     b = _refined(N, lean, at_most.field)
     return b if _is_at(N, b, at_most.field) else at_most.field

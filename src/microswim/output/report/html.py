@@ -21,6 +21,7 @@ from microswim.gait.quantities import QUANTITIES
 from microswim.gait.readable import quantity, significant, with_error
 from microswim.gait.turning.driven import DRIVEN
 from microswim.gait.units import unit
+from microswim.output.report import magnetic
 from microswim.output.report.document import document
 from microswim.output.report.document import table as document_table
 from microswim.swimmer import physical_sense
@@ -160,6 +161,7 @@ def derived(swimmer: Swimmer) -> dict[str, Any]:
         **(each[0] if len(each) == 1 else {"tails": each}),
         "reynolds_number": physical_sense.reynolds(swimmer),
         "free": [n for n, free in zip(DEGREES_OF_FREEDOM, swimmer.motion.mask) if free],
+        **magnetic.magnetic(swimmer),
     }
 
 
@@ -197,8 +199,8 @@ def spec_table(swimmer: Swimmer) -> Table:
     body = f"semi-axes {axes}" if any(d["semi_axes"]) else "an isolated tail"
     if tail.is_absent:
         rows = [("body", swimmer.body.shape, body), ("tail", "none", "nothing propels it")]
-        return Table("What the spec works out to", ("", "value", ""), [*rows, _motions(swimmer, d)],
-                     swimmer.units)  # fmt: skip
+        rows += [_motions(swimmer, d), *magnetic.rows(swimmer)]
+        return Table("What the spec works out to", ("", "value", ""), rows, swimmer.units)
     tails = d.get("tails", [d])
     rows = [
         ("body", swimmer.body.shape, body),
@@ -209,6 +211,7 @@ def spec_table(swimmer: Swimmer) -> Table:
         ),
         ("Reynolds number", significant(d["reynolds_number"], 3), "from body length and frequency"),
         _motions(swimmer, d),
+        *magnetic.rows(swimmer),
     ]
     return Table("What the spec works out to", ("", "value", ""), rows, swimmer.units)
 

@@ -79,21 +79,24 @@ def of_many(
     with np.errstate(all="ignore"):
         out = _values(basis) | _geometry(many)
     if drive_of(swimmer) is not None and (names is None or set(DRIVEN) & set(names)):
-        out |= _driven(swimmer, arrays, np.isfinite(found["mean_power"]))
+        asked = [n for n in DRIVEN if names is None or n in names]
+        out |= _driven(swimmer, arrays, np.isfinite(found["mean_power"]), asked)
     n = len(found["mean_power"])
     return {name: np.broadcast_to(value, (n,)) for name, value in out.items()}
 
 
-def _driven(swimmer: Swimmer, arrays: Mapping[str, Any], good: np.ndarray) -> dict[str, Any]:
-    """Return what a rotating field does with each design that is one."""
-    out = {name: np.full(len(good), np.nan) for name in DRIVEN}
+def _driven(
+    swimmer: Swimmer, arrays: Mapping[str, Any], good: np.ndarray, names: list[str]
+) -> dict[str, Any]:
+    """Return what is asked of a rotating field with each design that is one."""
+    out = {name: np.full(len(good), np.nan) for name in names}
     with warnings.catch_warnings(), np.errstate(all="ignore"):
         warnings.simplefilter("ignore")
         for i in np.flatnonzero(good):
             one = lifted(swimmer, {name: float(values[i]) for name, values in arrays.items()})
             basis = Basis(one.gait(), drive=drive_of(one))
-            for name, quantity in DRIVEN.items():
-                out[name][i] = quantity.of(basis)
+            for name in names:
+                out[name][i] = DRIVEN[name].of(basis)
     return out
 
 

@@ -78,7 +78,9 @@ def test_a_stray_field_of_nothing_changes_nothing():
             for _ in range(20):
                 world.step(np.array([action], float))
             ends.append(world.memory[0, :3] - start)
-        assert ends[1] == pytest.approx(ends[0], rel=1e-3, abs=1e-3 * np.linalg.norm(ends[0]))
+        assert ends[1] == pytest.approx(
+            ends[0], rel=1e-3, abs=1e-3 * float(np.linalg.norm(ends[0]))
+        )
 
 
 def test_a_vector_has_each_robot_in_its_own_place(coils):

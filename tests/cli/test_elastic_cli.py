@@ -195,7 +195,9 @@ def test_a_path_from_rest(spec, tmp_path):
     assert found["model"] == "elastic"
     assert found["motor_work"] == pytest.approx(found["dissipated"], rel=0.01)  # it is stiff
     assert found["motor_work"] > 0.0
-    assert {"path.nc", "path.csv", "path.png", "spec.toml"} <= {p.name for p in out.iterdir()}
+    files = {"path.nc", "path.csv", "path.png", "spec.toml", "swimmer.pvd", "path.vtp"}
+    assert files <= {p.name for p in out.iterdir()}
+    assert len(list((out / "vtk").iterdir())) > 20
     magnetic = [*free, "--set", "tail.drive=none", "--set", "tail.magnet=[0.1, 0, 0]"]
     field = 'field={kind = "uniform", strength = 1.0, direction = [0, 1, 0]}'
     text = spec.read_text().replace("amplitude = 0.02\n", "").replace('"hinged"', '"clamped"')

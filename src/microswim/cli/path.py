@@ -289,10 +289,11 @@ def _write(out: Path, given: Given, found: xr.Dataset) -> None:
     io.save(run, out / "path.nc")
     io.save(run, out / "path.csv")
     write(out / "path.png", png(picture(found)))
-    if "path" in found.dims or "filament" in found:  # no swimmer of one shape, or of one gait
+    if "path" in found.dims:  # many of them
         return
+    drawn = given.swimmer if "filament" in found else given.swimmer.settled
     with scratch(out / "frames", out) as new:
-        vtk.write_swimmer(new, given.swimmer.settled, run, FRAMES)
+        vtk.write_swimmer(new, drawn, run, FRAMES)
         shutil.rmtree(out / "vtk", ignore_errors=True)
         for entry in new.iterdir():
             entry.replace(out / entry.name)

@@ -58,7 +58,7 @@ def led(
     seed: int = 0,
     progress: Callable[[int, int], None] | None = None,
 ) -> Led:
-    """Lead a robot along the path of a follower.
+    """Take a robot along the path of its follower.
 
     Parameters
     ----------

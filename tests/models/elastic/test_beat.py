@@ -241,6 +241,11 @@ def test_a_swimmer_without_drive_stands_still():
     one = swimmer(2.0, 0.1, body=ms.Sphere(radius=0.2), motion=ms.Motion())
     gait = replace(one, tail=tail).gait("elastic")
     np.testing.assert_allclose(gait.mean_velocity, 0.0, atol=1e-14)
+    assert any(r.endswith("which is at rest here") for r in gait.info["remarks"])
+    field = ms.UniformField(strength=1.0)
+    driven = replace(one, tail=tail, field=field, magnet=ms.Magnet(moment=(1.0, 0.0, 0.0)))
+    said = driven.gait("elastic").info["remarks"]
+    assert any("microswim path follows it under its field" in r for r in said)
 
 
 def test_a_limp_tail_is_refused_in_a_sentence():

@@ -9,7 +9,7 @@ import pytest
 import microswim as ms
 from microswim.gait.readable import prefixed, quantity, significant
 from microswim.numerics.rigid_motion import rotation_matrix
-from microswim.output.io.surface import BODY, TAIL, surface
+from microswim.output.io.surface import BODY, TAIL, bent, surface
 from microswim.output.io.vtk import poly_data, write_swimmer
 from microswim.spec import presets
 
@@ -120,6 +120,21 @@ def test_the_surface_encloses_body_and_filament():
     filament = np.pi * 0.01**2 * tail.arc_length + 4 / 3 * np.pi * 0.01**3  # two round ends
     closed = surface(alone, 0.3, fineness=4.0)
     assert volume(closed, TAIL) == pytest.approx(filament, rel=5e-3)
+
+
+def test_the_surface_of_a_bent_filament_is_that_of_a_tail_of_its_shape():
+    """Points along a helix, at a pose of the lab: the volumes inside and the tip are the same."""
+    tail = ms.HelicalTail(length=2.0, amplitude=0.1, waves=1, radius=0.02, ramp=0)
+    fluid = ms.Fluid(viscosity=1.0)
+    swimmer = ms.Swimmer(body=ms.Sphere(radius=0.3), tail=tail, fluid=fluid)
+    turn, place = rotation_matrix(np.array([0.8, 0.6, 0.0, 0.0])), np.array([1.0, -2.0, 0.5])
+    P = tail.centreline(np.linspace(0.0, 2.0, 41), 0.3)[0] - swimmer.body.centre
+    mesh = bent(swimmer, P @ turn.T + place, place, turn, fineness=2.0)
+    same = surface(swimmer, 0.3, fineness=2.0).moved(place, turn)
+    for part in (BODY, TAIL):
+        assert volume(mesh, part) == pytest.approx(volume(same, part), rel=2e-3)
+    tips = [m.points[m.quads[m.part == TAIL]].reshape(-1, 3)[-1] for m in (mesh, same)]
+    assert np.linalg.norm(tips[0] - tips[1]) < 0.03
 
 
 def test_the_surface_of_a_helix_turns_as_a_whole():

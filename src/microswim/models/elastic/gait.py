@@ -120,6 +120,12 @@ def _remarks(swimmer: Swimmer, about: dict[str, Any]) -> list[str]:
     around = [name for name in swimmer.parts if name in SURROUNDINGS]
     found = list(swimmer.remarks_on_drag)
     found += [f"the elastic tail knows no {name}; it settles as in free space" for name in around]
+    if elastic_tail(swimmer).drive == "none":
+        acting = [name for name in ("field", "gravity", "flow") if getattr(swimmer, name)]
+        found.append(
+            "nothing drives the base of the tail, which is at rest here"
+            + (f"; microswim path follows it under its {' and '.join(acting)}" if acting else "")
+        )
     if not about["settles"]:
         found.append(
             "the tail does not settle to this motion: a small disturbance grows "

@@ -80,6 +80,42 @@ def surface(swimmer: Swimmer, phase: float = 0.0, *, fineness: float = 1.0) -> S
     return Surface(np.concatenate(parts), whole, part)
 
 
+def bent(
+    swimmer: Swimmer, filament: np.ndarray, position: Any, rotation: Any, fineness: float = 1.0
+) -> Surface:
+    """Return the surface of a swimmer whose tail lies along points (n, 3) of the lab.
+
+    Parameters
+    ----------
+    swimmer
+        Whose body it is, and whose filament is as thick as its tail.
+    filament
+        From root to tip, lab frame.
+    position, rotation
+        Of the body: its centre (3,), and the rotation matrix (3, 3) body to lab.
+    fineness
+        Factor on the number of faces along each direction.
+    """
+    from scipy.interpolate import CubicSpline  # nobody waits for it without a bent tail
+
+    points, quads = swimmer.body.drawing(fineness)
+    share = np.linspace(0.0, 1.0, len(filament))
+    curve = CubicSpline(share, filament)
+    at = np.linspace(0.0, 1.0, int(64 * fineness) + 1)
+    P, slope = curve(at), curve(at, 1)
+    tangent = slope / np.linalg.norm(slope, axis=1, keepdims=True)
+    radius = float(swimmer.tail.radius)
+    around = max(6, int(12 * fineness))
+    closed = swimmer.body.is_absent
+    grid = _round(P, tangent, transported(P, tangent), (radius, radius), around, closed)
+    cells = closed_grid(*grid.shape[:2]) + len(points)
+    body = Surface(points, quads, np.empty(0)).moved(position, rotation).points
+    part = np.repeat([BODY, TAIL], [len(quads), len(cells)])
+    return Surface(
+        np.concatenate([body, grid.reshape(-1, 3)]), np.concatenate([quads, cells]), part
+    )
+
+
 def _tube(tail: Any, phase: float, fineness: float, closed: bool) -> np.ndarray:
     """Grid of a tube about the centreline, from the joint to its round tip."""
     waves = max(1.0, float(tail.number_of_waves))
@@ -94,7 +130,14 @@ def _tube(tail: Any, phase: float, fineness: float, closed: bool) -> np.ndarray:
         normal = tail.radial(np.linspace(0.0, tail.apparent_length, rings), phase)
         normal = normal - np.sum(normal * axis, axis=1, keepdims=True) * axis
         normal /= np.linalg.norm(normal, axis=1, keepdims=True)
-    binormal, (a, b) = np.cross(axis, normal), tail.half_axes
+    return _round(P, axis, normal, tail.half_axes, around, closed)
+
+
+def _round(
+    P: np.ndarray, axis: np.ndarray, normal: np.ndarray, half: Any, around: int, closed: bool
+) -> np.ndarray:
+    """Grid of rings about a curve, with a round tip and, if closed, a round root."""
+    binormal, (a, b) = np.cross(axis, normal), half
     angle = np.linspace(0.0, 2.0 * np.pi, around, endpoint=False)
     ring = a * np.cos(angle)[:, None] * normal[:, None]
     ring = ring + b * np.sin(angle)[:, None] * binormal[:, None]

@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from microswim.numerics.rigid_motion import rotation_matrix
-from microswim.output.io.surface import surface
+from microswim.output.io.surface import bent, surface
 from microswim.swimmer.swimmer import Swimmer
 
 if TYPE_CHECKING:
@@ -144,7 +144,7 @@ def write_swimmer(folder: Path, swimmer: Swimmer, run: xr.Dataset, frames: int =
     swimmer
         Whose surface to draw.
     run
-        Dataset with ``time``, ``position``, ``quaternion`` and ``motor_phase``.
+        Dataset with ``time``, ``position``, ``quaternion`` and ``motor_phase``, or ``filament``.
     frames
         Most frames to write, evenly spaced in time.
 
@@ -158,8 +158,11 @@ def write_swimmer(folder: Path, swimmer: Swimmer, run: xr.Dataset, frames: int =
     pick = np.unique(np.linspace(0, len(time) - 1, min(frames, len(time))).astype(int))
     series: list[tuple[float, str]] = []
     for number, i in enumerate(pick):
-        mesh = surface(swimmer, float(run.motor_phase[i]), fineness=0.75)
-        mesh = mesh.moved(x[i], rotation_matrix(q[i]))
+        turn = rotation_matrix(q[i])
+        if "filament" in run:
+            mesh = bent(swimmer, run.filament.values[i], x[i], turn, fineness=0.75)
+        else:
+            mesh = surface(swimmer, float(run.motor_phase[i]), fineness=0.75).moved(x[i], turn)
         name = f"vtk/swimmer_{number:04d}.vtp"
         points, part = mesh.points.astype("<f4"), mesh.part.astype("|u1")
         text = poly_data(points, polys=mesh.quads, cell_data={"part": part})

@@ -1,7 +1,7 @@
 """How wrong the atlas is: makes docs/accuracy-atlas.md on designs that it has not seen.
 
     python benchmarks/atlas.py --folder solves      # draws designs and solves them
-    python benchmarks/atlas.py --helices held-out.jsonl --waves held-out.jsonl   # solved already
+    python benchmarks/atlas.py --helices A.jsonl --waves B.jsonl --alone C.jsonl   # solved already
 
 The designs are drawn afterwards, uniform in the logarithms of their numbers over the range that the
 atlas says it covers, with a seed of their own; none of them is ever fitted.
@@ -20,8 +20,9 @@ import numpy as np
 import microswim as ms
 from microswim.calibration.atlas import coordinates, solves
 from microswim.calibration.atlas.atlas import shipped
-from microswim.calibration.atlas.campaign import LEVEL, design
+from microswim.calibration.atlas.campaign import ALONE, LEVEL, design
 from microswim.calibration.atlas.expected import doubt, expected_error
+from microswim.calibration.atlas.fit import held as turned
 from microswim.calibration.region.fit import Solved
 from microswim.gait.gait import DEGREES_OF_FREEDOM, Gait
 from microswim.jobs import references
@@ -29,7 +30,8 @@ from microswim.numerics.sobol import points
 from microswim.studies.world.page import table
 
 PAGE = Path(__file__).parents[1] / "docs" / "accuracy-atlas.md"
-DRAWN = {"helix": (101, 620), "plane_wave": (201, 300)}  #: seed and number
+#: Seed and number.
+DRAWN = {"helix": (101, 620), "plane_wave": (201, 300), "helix_alone": (103, 220)}
 LOW, HIGH = (np.array([n[i] for n in coordinates.NUMBERS]) for i in (1, 2))
 EDGE = 0.1  #: a corner: two or more of the six numbers within this share of an end
 SURE = 0.01  #: doubt of the reference in u_s below which a design counts as known
@@ -41,8 +43,15 @@ def drawn(kind, folder):
     """Designs of the range, solved."""
     seed, number = DRAWN[kind]
     x = LOW * (HIGH / LOW) ** points(number, 6, seed)
+    if kind in ALONE:  # a quarter without a ramp, the others from 0.05 to 0.5
+        x[:, 3:5] = 0.0, 1.0
+        x[::4, 5] = 0.0
     every = map(partial(design, kind=kind), x)
-    made = [s for s in every if s is not None and not coordinates.outside(s)]
+    return solved_by_bem([s for s in every if s and not coordinates.outside(s)], folder)
+
+
+def solved_by_bem(made, folder):
+    """Designs and their gaits, where there is one."""
     gaits = references.gaits(made, "bem", folder=folder, level=LEVEL)
     return [Solved(s, g) for s, g in zip(made, gaits) if isinstance(g, Gait)]
 
@@ -185,6 +194,55 @@ Plain resistive force theory (Lighthill's law) over the same designs is off in u
 """
 
 
+ALONE_TEXT = """## Helices without a body
+
+Free in all, a helix alone rests: what its motor turns, turns back. A field that turns it drives it
+by its resistance, which the atlas holds from {solves} solves. Here are {count} designs drawn
+afterwards, a quarter of them without a ramp, turned at a given rate against the lab (`motion.free`
+without `os`): forward velocity and torque relative to themselves, lateral velocities as above.
+
+{whole}
+
+Plain resistive force theory (Lighthill's law) over the same designs is off in u_s by
+{plain:.0f} % in the median, {most:.0f} % in one of twenty.
+"""
+TURNED = ("us", "uq", "ur", "oq", "or")
+
+
+def of_alone(solved):
+    """The page's part on helices without a body."""
+    off, kept, plain = [], [], []
+    for s in solved:
+        driven = s.swimmer.with_({"motion.free": TURNED})
+        ours = driven.gait("atlas")
+        stated, rate = expected_error(driven, ours), abs(ours.rate)
+        truth, mine = (turned(np.real(g.resistance(0.0))) for g in (s.gait, ours))
+        miss = np.abs(mine - truth)
+        size = [abs(truth[0]), s.swimmer.tail.amplitude, abs(truth[2]), 1.0]
+        off.append(miss / size)
+        told = [stated["us"] * abs(mine[0]), np.inf]
+        told += [stated[n] * ours.velocity_amplitude[i] / rate for n, i in (("uq", 1), ("oq", 4))]
+        kept.append(miss[[0, 2, 1, 3]] <= told)
+        law = replace(driven, coefficients=ms.Lighthill()).gait("rft")
+        plain.append(abs(law.mean_velocity[0] / rate / truth[0]) - 1.0)
+    off, kept = np.array(off)[:, [0, 2, 1, 3]], np.array(kept)
+    names = "u_s", "torque", "lateral u, of b rate", "lateral Omega, of the rate"
+    lines = []
+    for i, name in enumerate(names):
+        shares = [per_cent(q) for q in np.quantile(off[:, i], QUANTILES)]
+        held = "not stated" if i == 1 else f"{100 * kept[:, i].mean():.1f} %"
+        row = dict(zip(("median", "90 %", "95 %", "99 %", "worst"), shares))
+        lines.append({"error of": name, **row, "stated 95 % held": held})
+    plain = 100.0 * np.quantile(np.abs(plain), [0.5, 0.95])
+    return ALONE_TEXT.format(
+        solves=f"{shipped('helix_alone').about['solves']:,}",
+        count=len(solved),
+        whole=table(lines),
+        plain=plain[0],
+        most=plain[1],
+    )
+
+
 def of_helices(solved):
     """The page's part on helices."""
     off, held = errors(solved)
@@ -238,12 +296,14 @@ def main():
     parser.add_argument("--folder", type=Path, help="where solves are kept")
     parser.add_argument("--helices", type=Path, help="a file of solves in place of new ones")
     parser.add_argument("--waves", type=Path, help="the same of plane waves")
+    parser.add_argument("--alone", type=Path, help="the same of helices without a body")
     asked = parser.parse_args()
     warnings.simplefilter("ignore")
     parts = []
     for kind, path, part in (
         ("helix", asked.helices, of_helices),
         ("plane_wave", asked.waves, of_waves),
+        ("helix_alone", asked.alone, of_alone),
     ):
         own = partial(design, kind=kind)
         solved = solves.read(path, own) if path else drawn(kind, asked.folder)

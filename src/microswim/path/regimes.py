@@ -36,6 +36,8 @@ STRAIGHT = np.radians(5.0)  #: of the axis: synchronous; of the plane of the fie
 #: Largest relative errors of step-out and of the velocity there, by model: 14 random robots against
 #: boundary elements (benchmarks/step_out.py).
 MEASURED = {"atlas": (0.006, 0.015), "rft": (0.06, 2.0)}
+#: The same of robots without a body.
+HEADLESS = {"atlas": (0.005, 0.009), "rft": (0.3, 0.34)}
 #: The same of the step-out of a body alone.
 ALONE = 0.0025
 
@@ -301,7 +303,8 @@ def _expected(swimmer: Swimmer, gait: Gait) -> dict[str, Any]:
     if swimmer.tail.is_absent:
         how = "largest miss of bodies alone against published resistances (docs/cad.md)"
         return {"step_out": ALONE, "velocity": None, "how": how}
-    known = {} if swimmer.tail.is_placed else MEASURED
+    measured = HEADLESS if swimmer.body.is_absent else MEASURED
+    known = {} if swimmer.tail.is_placed else measured
     step_out, velocity = known.get(gait.model, (None, None))
     how = "not measured for this model" if known else "not measured for such tails"
     if step_out is not None:

@@ -2,7 +2,8 @@
 
     R, F_p = decode(y; R_0, F_0),    y = scale * (mean + sum_i k(z, z_i) alpha_i)
 
-R_0, F_0 from `region.body_flow`, y the corrections of `region.positive_definite`, k the kernel of
+R_0, F_0 from `region.body_flow`, y the corrections of `region.positive_definite` (without a body
+both are those of `alone`), k the kernel of
 `region.kriging`, scale the product of powers of the design's numbers that takes the known growth of
 a correction (a lateral force grows with b) off it. All of it is analytic: complex steps pass.
 """
@@ -24,7 +25,8 @@ from microswim.numerics.compiling.compiled import pays
 from microswim.swimmer.parts import replaced
 from microswim.swimmer.swimmer import Swimmer
 
-FILES = {"helix": "helix.npz", "plane_wave": "plane_wave.npz"}  #: by the kind of tail
+#: By the kind of design (`coordinates.kind_of`).
+FILES = {n: f"{n}.npz" for n in ("helix", "plane_wave", "helix_alone")}
 SOME = 64  #: designs side by side: more would not fit the processor's memory
 EACH = 4e-4  #: seconds of a design as Python
 
@@ -61,7 +63,8 @@ class Atlas:
     def place(self, swimmer: Swimmer) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
         """Return numbers (6, ...), scaled coordinates (..., f) and waves of a design."""
         x = coordinates.numbers(swimmer)
-        z = (coordinates.features(x).T - self.centre) / self.spread
+        features = coordinates.features(x, coordinates.kind_of(swimmer))
+        z = (features.T - self.centre) / self.spread
         return x, z, x[2]
 
     def matrices(self, swimmer: Swimmer) -> tuple[np.ndarray, ...]:
@@ -75,7 +78,8 @@ class Atlas:
         x, z, waves = self.place(one)
         Z, N = np.atleast_2d(z), np.atleast_1d(waves)
         size = np.exp(np.tensordot(self.exponents, coordinates.powers(x), axes=1))
-        if pays(EACH * len(Z)) and not np.iscomplexobj(size):
+        known = not (np.iscomplexobj(size) or swimmer.body.is_absent)
+        if known and pays(EACH * len(Z)):
             from microswim.calibration.region import evaluate as compiled  # loads Numba
 
             return compiled.matrices(one, Z, N, self.surfaces, np.atleast_2d(size.T))
@@ -92,7 +96,7 @@ def _bare(swimmer: Swimmer) -> Swimmer:
 
 @cache
 def shipped(kind: str = "helix") -> Atlas | None:
-    """Return the atlas of a kind of tail that comes with the package, None where there is none."""
+    """Return the atlas of a kind of design that comes along, None where there is none."""
     from microswim.calibration.atlas.text import unpack
 
     if kind not in FILES:
@@ -102,5 +106,5 @@ def shipped(kind: str = "helix") -> Atlas | None:
 
 
 def of(swimmer: Swimmer) -> Atlas | None:
-    """Return the shipped atlas of the swimmer's kind of tail, None where there is none."""
-    return shipped(swimmer.tail.kind)
+    """Return the shipped atlas of the swimmer's kind of design, None where there is none."""
+    return shipped(coordinates.kind_of(swimmer))

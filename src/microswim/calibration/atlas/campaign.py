@@ -25,7 +25,7 @@ from microswim.errors import SpecError
 from microswim.gait.gait import Gait
 from microswim.jobs import references
 from microswim.numerics.sobol import points
-from microswim.swimmer.geometry.bodies import Spheroid
+from microswim.swimmer.geometry.bodies import NoBody, Spheroid
 from microswim.swimmer.geometry.tails.kinds import HelicalTail, PlaneWaveTail
 from microswim.swimmer.surroundings.fluid import Fluid
 from microswim.swimmer.swimmer import Swimmer
@@ -37,9 +37,15 @@ LOW = (0.045, 0.018, 0.45, 1.8, 0.46, 0.04)
 HIGH = (2.7, 0.85, 8.5, 44.0, 5.4, 0.55)
 #: Further bounds: k a, a / L and filament length over radius, of a helix and of a plane wave.
 MOST = (8.0, 0.8)
-LONGEST = {"helix": 1440.0, "plane_wave": 440.0}
-TAILS: dict[str, Any] = {"helix": HelicalTail, "plane_wave": PlaneWaveTail}
+LONGEST = {"helix": 1440.0, "plane_wave": 440.0, "helix_alone": 1440.0}
+TAILS: dict[str, Any] = {
+    "helix": HelicalTail,
+    "plane_wave": PlaneWaveTail,
+    "helix_alone": HelicalTail,
+}
 
+#: Kinds of design without a body.
+ALONE = ("helix_alone",)
 #: Boxes of the same numbers around robots and cells as people begin with them, and their designs.
 FAMILIAR = (
     ((0.3, 0.12, 1.0, 5.0, 0.95, 0.08), (1.6, 0.6, 5.0, 16.0, 1.6, 0.15)),
@@ -56,11 +62,19 @@ def familiar(seed: int = SEED) -> np.ndarray:
     return np.concatenate(u)
 
 
-def drawn(count: int, seed: int = SEED) -> np.ndarray:
-    """Return numbers (count, 6) of designs, all logarithmic but the ramp."""
-    u = points(count, 6, seed)
-    u = 0.5 * u + 0.25 * (1.0 - np.cos(np.pi * u))
+def drawn(count: int, seed: int = SEED, kind: str = "helix") -> np.ndarray:
+    """Return numbers (count, 6) of designs, all logarithmic but the ramp.
+
+    Without a body a quarter of them has no ramp, and the body's numbers are 0 and 1.
+    """
     low, high = np.array(LOW), np.array(HIGH)
+    u = points(count, 4 if kind in ALONE else 6, seed)
+    u = 0.5 * u + 0.25 * (1.0 - np.cos(np.pi * u))
+    if kind in ALONE:
+        ramp = 0.7 * u[:, 3] - 0.15
+        first = low[:3] * (high[:3] / low[:3]) ** u[:, :3]
+        still = np.zeros(count), np.ones(count)
+        return np.column_stack([first, *still, np.where(ramp < low[5], 0.0, ramp)])
     x = low * (high / low) ** u
     x[:, 5] = low[5] + (high[5] - low[5]) * u[:, 5]
     return x
@@ -74,14 +88,16 @@ def design(x: Any, kind: str = "helix") -> Swimmer | None:
     x
         b k, k r_t, waves, body over filament radius, aspect ratio, ramp.
     kind
-        Of the tail, ``"helix"`` or ``"plane_wave"``.
+        Of design: ``"helix"``, ``"plane_wave"``, ``"helix_alone"``.
     """
     bk, thick, waves, head, aspect, ramp = map(float, x)
     a, length = head * thick, 2.0 * np.pi * waves
-    *_, slender = coordinates.ratios((bk, thick, waves, a), kind == "plane_wave")
+    *_, slender = coordinates.ratios((bk, thick, waves, a), kind)
     if a > MOST[0] or a > MOST[1] * length or slender > LONGEST[kind]:
         return None
-    body = Spheroid(semi_axes=(a * aspect ** (2.0 / 3.0), a * aspect ** (-1.0 / 3.0)))
+    body: Any = NoBody()
+    if kind not in ALONE:
+        body = Spheroid(semi_axes=(a * aspect ** (2.0 / 3.0), a * aspect ** (-1.0 / 3.0)))
     try:
         tail = TAILS[kind](length=length, amplitude=bk, waves=waves, radius=thick, ramp=ramp)
     except SpecError:
@@ -93,7 +109,9 @@ def solve(
     count: int, folder: Path, kind: str = "helix", seed: int = SEED, **options: Any
 ) -> list[Solved]:
     """Return the designs among `count`, and the familiar ones, that boundary elements resolve."""
-    wanted = np.concatenate([drawn(count, seed), familiar(seed)])
+    wanted = drawn(count, seed, kind)
+    if kind not in ALONE:
+        wanted = np.concatenate([wanted, familiar(seed)])
     designs = [s for s in map(partial(design, kind=kind), wanted) if s is not None]
     gaits = references.gaits(designs, "bem", folder=folder, level=LEVEL, **options)
     return [
@@ -114,20 +132,19 @@ def main() -> None:
     parser.add_argument("--kernels", action="store_true", help="find the kernels anew (minutes)")
     asked = parser.parse_args()
     kind = asked.kind
-    planar = kind == "plane_wave"
     own: Any = {"kind": kind, "workers": asked.workers}
     solved = solve(asked.designs, asked.folder, **own) if asked.designs else []
     for path in asked.solves or ():
         solved += solves.read(path, partial(design, kind=kind))
     # what lies beyond a corner helps nobody inside, and each answer pays for it
-    solved = [s for s in solved if coordinates.misses(coordinates.numbers(s.swimmer), planar) < 2]
+    solved = [s for s in solved if coordinates.misses(coordinates.numbers(s.swimmer), kind) < 2]
     former = None if asked.kernels else shipped(kind)
     made = fit(solved, {"reference": "bem", "level": LEVEL, "designs": asked.designs}, former)
     Path(__file__).with_name(FILES[kind]).write_bytes(pack(made))
     for i, name in enumerate(("u_s", "lateral u", "Omega_s", "lateral Omega")):
         median, most = np.quantile(made.misses.missed[:, i], [0.5, 0.99])
         print(f"{name}: left out, median {100 * median:.2g} %, 99 % {100 * most:.2g} %")
-    print(f"{len(solved)} solves, range {coordinates.bounds(planar)}")
+    print(f"{len(solved)} solves, range {coordinates.bounds(kind)}")
 
 
 if __name__ == "__main__":

@@ -3,6 +3,7 @@
 Stokes flow knows shapes, not sizes: six numbers hold a rigid helix or a plane wave on a spheroid,
 ``b k``, ``k r_t``, the number of waves N, ``k a`` with the body's mean radius ``a^3 = r_s r_q^2``,
 its aspect ratio ``r_s/r_q``, and the ramp. Either hand of a helix is the mirror image of the other.
+Without a body its two numbers are 0 and 1, and do not count.
 """
 
 from __future__ import annotations
@@ -33,44 +34,68 @@ RATIOS = (
 LONGEST_WAVE = 430.0
 
 
-def bounds(planar: bool) -> tuple[tuple[str, float, float], ...]:
-    """Return the range of helices, or of plane waves, as `NUMBERS` and `RATIOS`."""
-    if not planar:
+#: Sections and motion of the surface in the solves, by the kind of tail.
+SURFACES = {"helix": ("perpendicular", "rigid"), "plane_wave": ("sheared", "translating")}
+#: Of a helix without a body, which may begin at its full amplitude.
+ALONE = (*NUMBERS[:3], ("ramp", 0.0, 0.5), RATIOS[2])
+
+
+def kind_of(swimmer: Swimmer) -> str:
+    """Return the kind of design: ``"helix"``, ``"plane_wave"``, or one of these ``_alone``."""
+    return swimmer.tail.kind + "_alone" * swimmer.body.is_absent
+
+
+def bounds(kind: str) -> tuple[tuple[str, float, float], ...]:
+    """Return the range of a kind of design, in the order of `values`."""
+    if kind.endswith("_alone"):
+        return ALONE
+    if kind == "helix":
         return (*NUMBERS, *RATIOS)
     *others, (name, low, _) = RATIOS
     return (*NUMBERS, *others, (name, low, LONGEST_WAVE))
+
+
+def values(x: Any, kind: str) -> tuple[Any, ...]:
+    """Return what is bounded of designs x (6, ...)."""
+    each = ratios(x, kind)
+    return (*x[:3], x[5], each[2]) if kind.endswith("_alone") else (*x, *each)
 
 
 def numbers(swimmer: Swimmer) -> np.ndarray:
     """Return the six dimensionless numbers of a design, shape (6, ...)."""
     tail, (r_s, r_q, _) = as_wave(swimmer.tail), swimmer.body.semi_axes3
     k = tail.wavenumber
-    mean = (r_s * r_q * r_q) ** (1.0 / 3.0)
-    values = (
+    mean = 0.0 if swimmer.body.is_absent else (r_s * r_q * r_q) ** (1.0 / 3.0)
+    aspect = 1.0 if swimmer.body.is_absent else r_s / r_q
+    each = (
         *(tail.amplitude * k, k * tail.radius, tail.number_of_waves),
-        *(k * mean, r_s / r_q, tail.ramp),
+        *(k * mean, aspect, tail.ramp),
     )
-    return np.array(np.broadcast_arrays(*values))
+    return np.array(np.broadcast_arrays(*each))
 
 
-def ratios(x: Any, planar: bool = False) -> tuple[Any, Any, Any]:
+def ratios(x: Any, kind: str = "helix") -> tuple[Any, Any, Any]:
     """Return the numbers of `RATIOS` of designs x (6, ...).
 
     A plane wave is as long as its mean square slope makes it, to the leading order.
     """
     bk, thick, waves, head = x[:4]
-    length, slope2 = 2.0 * np.pi * waves, bk * bk * (0.5 if planar else 1.0)
+    length, slope2 = 2.0 * np.pi * waves, bk * bk * (0.5 if kind == "plane_wave" else 1.0)
     return head / thick, head / length, length * np.sqrt(1.0 + slope2) / thick
 
 
-def features(x: Any) -> np.ndarray:
-    """Return the coordinates in which the corrections vary smoothly, shape (10, ...).
+def features(x: Any, kind: str = "helix") -> np.ndarray:
+    """Return the coordinates in which the corrections vary smoothly, shape (10, ...); (5, ...)
+    without a body.
 
     Ratios beside the six numbers let the distance between designs count directions that are not
     along one of them: of the body to the tail's length and amplitude, of its half width to the
     filament, and the steepness of the root, which decide how the tail leaves the body.
     """
     bk, thick, waves, head, aspect, ramp = x
+    if kind.endswith("_alone"):
+        steep = np.where(ramp == 0, 0.0, bk / np.where(ramp == 0, 1.0, ramp) / waves)
+        return np.array([*map(np.log, (bk, thick, waves)), ramp, np.log(1.0 + steep)])
     width, root = head * aspect ** (-1.0 / 3.0) / thick, bk / (ramp * waves)
     logs = (bk, thick, waves, head, aspect)
     ratios = (head / waves, head / bk, width, root)
@@ -79,7 +104,8 @@ def features(x: Any) -> np.ndarray:
 
 def powers(x: Any) -> np.ndarray:
     """Return what the powers of a correction's scale multiply, shape (6, ...)."""
-    return np.array([0.0 * x[0] + 1.0, *map(np.log, x[:5])])
+    head = np.where(x[3] == 0.0, 1.0, x[3])  # without a body there is no such power
+    return np.array([0.0 * x[0] + 1.0, *map(np.log, (*x[:3], head, x[4]))])
 
 
 def outside(swimmer: Swimmer) -> list[str]:
@@ -87,36 +113,36 @@ def outside(swimmer: Swimmer) -> list[str]:
     kind = unlike(swimmer)
     if kind:
         return kind
-    x, planar = np.real(numbers(swimmer)), swimmer.tail.is_planar
+    x, like = np.real(numbers(swimmer)), kind_of(swimmer)
     return [
         f"{name} {value:.4g} is not in {low:g} to {high:g}"
-        for (name, low, high), value in zip(bounds(planar), (*x, *ratios(x, planar)))
+        for (name, low, high), value in zip(bounds(like), values(x, like))
         if not low * (1 - 1e-9) <= value <= high * (1 + 1e-9)
     ]
 
 
 def edges(swimmer: Swimmer) -> list[str]:
     """Return in words the bounds of the atlas that a swimmer within lies at."""
-    x, planar = np.real(numbers(swimmer)), swimmer.tail.is_planar
+    x, kind = np.real(numbers(swimmer)), kind_of(swimmer)
     return [
         f"{name} {bound:g}"
-        for (name, *ends), value in zip(bounds(planar), (*x, *ratios(x, planar)))
+        for (name, *ends), value in zip(bounds(kind), values(x, kind))
         for bound in ends
         if abs(value - bound) <= 1e-3 * bound
     ]
 
 
-def misses(x: np.ndarray, planar: bool = False) -> np.ndarray:
+def misses(x: np.ndarray, kind: str = "helix") -> np.ndarray:
     """Return how many of the bounds of the range designs x (6, ...) miss."""
     found: Any = 0
-    for (_, low, high), value in zip(bounds(planar), (*x, *ratios(x, planar))):
+    for (_, low, high), value in zip(bounds(kind), values(x, kind)):
         found = found + ((value < low * (1 - 1e-9)) | ~(value <= high * (1 + 1e-9)))
     return np.asarray(found)
 
 
-def inside(x: np.ndarray, planar: bool = False) -> np.ndarray:
+def inside(x: np.ndarray, kind: str = "helix") -> np.ndarray:
     """Return whether designs x (6, ...) lie in the range."""
-    return misses(x, planar) == 0
+    return misses(x, kind) == 0
 
 
 def unlike(swimmer: Swimmer) -> list[str]:
@@ -128,15 +154,16 @@ def unlike(swimmer: Swimmer) -> list[str]:
         return ["it holds helical tails and plane waves"]
     if not tail.is_plain:
         return ["it holds round filaments of one amplitude"]
-    if not (body.is_ellipsoid and body.is_axisymmetric) or not np.all(
-        np.real(body.semi_axes3[0]) > 0
+    if body.is_absent and tail.is_planar:
+        return ["it holds plane waves on a body, a sphere or a spheroid"]
+    if not body.is_absent and not (
+        body.is_ellipsoid and body.is_axisymmetric and np.all(np.real(body.semi_axes3[0]) > 0)
     ):
         return ["it holds bodies of revolution: a sphere or a spheroid"]
-    usual = type(tail)
-    if (tail.sections, tail.surface_motion) != (usual.sections, usual.surface_motion):
+    sections, motion = SURFACES[tail.kind]
+    if (tail.sections, tail.surface_motion) != (sections, motion):
         return [
-            f'of a {tail.kind} it holds sections = "{usual.sections}" with '
-            f'surface_motion = "{usual.surface_motion}"'
+            f'of a {tail.kind} it holds sections = "{sections}" with surface_motion = "{motion}"'
         ]
     around = [n for n in ("wall", "channel", "region") if getattr(swimmer, n) is not None]
     return [f"it knows no {name}" for name in around]

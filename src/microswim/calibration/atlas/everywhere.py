@@ -54,7 +54,7 @@ class Everywhere:
         if many.tail.is_planar:
             R, F, G = (finer(x, 2 * phases)[:, :phases] for x in (R, F, G))
         V = twists(R, F, free)
-        V[~coordinates.inside(coordinates.numbers(many), many.tail.is_planar)] = np.nan
+        V[~coordinates.inside(coordinates.numbers(many), coordinates.kind_of(many))] = np.nan
         power = G + np.einsum("nmi,nmi->nm", F, V)
         drag = extra[:, None, 0] * V[..., 0] + extra[:, None, 1] * V[..., 3] + extra[:, None, 2]
         return V, power, drag * V[..., 0]
@@ -62,7 +62,7 @@ class Everywhere:
     def expected_of_many(self, many: Swimmer, count: int) -> np.ndarray:
         """Return the expected relative error of u_s (count,), NaN outside the range."""
         x, z = _spread(self.atlas, many, count)
-        out, rows = np.full(count, np.nan), coordinates.inside(x, many.tail.is_planar)
+        out, rows = np.full(count, np.nan), coordinates.inside(x, coordinates.kind_of(many))
         out[rows] = self.atlas.misses.of_many(z[rows])
         return out
 
@@ -91,7 +91,7 @@ def errors_outside(swimmer: Swimmer, numbers: Mapping[str, Any]) -> np.ndarray:
         warnings.simplefilter("ignore")
         many = lifted(in_terms_of(swimmer, numbers), numbers)
         x, z = _spread(atlas, many, count)
-        rows = np.isfinite(z).all(axis=1) & ~coordinates.inside(x, many.tail.is_planar)
+        rows = np.isfinite(z).all(axis=1) & ~coordinates.inside(x, coordinates.kind_of(many))
     out[rows] = misses.of_many(z[rows])
     return out
 
@@ -118,5 +118,5 @@ def holding(swimmer: Swimmer, numbers: Mapping[str, Any]) -> Swimmer:
     if served is None:
         return swimmer
     many = lifted(in_terms_of(swimmer, numbers), numbers)
-    within = coordinates.inside(coordinates.numbers(many), many.tail.is_planar)
+    within = coordinates.inside(coordinates.numbers(many), coordinates.kind_of(many))
     return served if within.all() else swimmer

@@ -34,6 +34,11 @@ UNPROPELLED = (
     "without a tail nothing propels it: it rests, exactly, until a field, a flow or a force moves "
     "it; microswim mobility tells its resistance and how wrong that may be"
 )
+#: What is said of a rigid tail alone, its motor's own rotation free.
+UNRESISTED = (
+    "a tail that turns against nothing turns itself back: it rests in the lab, exactly, until a "
+    "field, a flow or a force moves it"
+)
 HELD = {
     "bem": "the level's difference holds",
     "fem": "the mesh decides",
@@ -75,6 +80,8 @@ def expected_error(swimmer: Swimmer, gait: Gait) -> dict[str, Any]:
     by_model["elastic"] = _of_elastic
     if swimmer.tail.is_absent:
         return {**dict.fromkeys(DEGREES_OF_FREEDOM, 0.0), "how": UNPROPELLED}
+    if swimmer.body.is_absent and swimmer.tail.is_rigid and gait.free[3]:
+        return {**dict.fromkeys(DEGREES_OF_FREEDOM, 0.0), "how": UNRESISTED}
     values, how = by_model.get(gait.model, _unknown)(swimmer, gait)
     held = [0.0 if not free else value for value, free in zip(values, gait.free)]
     if not any(gait.free):

@@ -9,14 +9,15 @@ from typing import Any
 import numpy as np
 
 from microswim import __version__
-from microswim.calibration.atlas import coordinates
+from microswim.calibration.atlas import alone, coordinates
 from microswim.calibration.atlas.atlas import Atlas
 from microswim.calibration.atlas.near import measured
-from microswim.calibration.atlas.side_by_side import rebuilt
+from microswim.calibration.atlas.side_by_side import base, rebuilt
 from microswim.calibration.region import kriging
 from microswim.calibration.region.beats import HALF, SAMPLES
 from microswim.calibration.region.fit import Solved, one_thread, targets
 from microswim.calibration.region.fit import groups_of as of_region
+from microswim.calibration.region.kriging import PHASORS
 from microswim.calibration.region.positive_definite import REAL
 from microswim.errors import SpecError
 from microswim.gait.gait import Gait
@@ -32,15 +33,23 @@ LAWS = (Lighthill, GrayHancock, Cox)
 TURNING = 4  #: torque, and the axial wrench that turns the body alone, come before it
 #: Corrections whose size follows powers of the numbers, each with those of its direction.
 SCALED = ((2,), (8,), (9,), (11,), (12,), *((j, j + 1) for j in range(REAL + 3, REAL + 15, 2)))
-#: The same of a plane wave: none.
-SCALED_BEAT: tuple[tuple[int, ...], ...] = ()
+#: The same of each kind of design; of a plane wave none.
+POWERS: dict[str, tuple[tuple[int, ...], ...]] = {
+    "helix": SCALED,
+    "plane_wave": (),
+    "helix_alone": tuple((j, j + 1) for j in range(alone.REAL, alone.COLUMNS, 2)),
+}
 PERIOD = np.pi * np.arange(SAMPLES) / HALF
 
 
-def groups_of(helix: bool) -> list[tuple[slice, bool, int]]:
+def groups_of(kind: str) -> list[tuple[slice, bool, int]]:
     """Return columns that share a kernel: a region's, with what turns the body alone apart."""
-    thrust, others, *lateral = of_region(helix)
-    if not helix:  # over so wide a range the phase of the tip says nothing of what is even in it
+    if kind == "helix_alone":
+        return [(slice(alone.REAL), False, PHASORS), (slice(alone.REAL, None), True, PHASORS)]
+    thrust, others, *lateral = of_region(kind == "helix")
+    if (
+        kind == "plane_wave"
+    ):  # over so wide a range the phase of the tip says nothing of what is even in it
         return [(thrust[0], False, 0), (others[0], False, 0), *lateral]
     middle = slice(others[0].start, TURNING), slice(TURNING, others[0].stop)
     return [thrust, *((part, *others[1:]) for part in middle), *lateral]
@@ -52,17 +61,16 @@ def fit(solved: list[Solved], about: dict[str, Any], former: Atlas | None = None
     former : an atlas whose kernels serve again; to find them takes minutes.
     """
     x = np.array([coordinates.numbers(s.swimmer) for s in solved]).T
-    raw = coordinates.features(x).T
+    kind = coordinates.kind_of(solved[0].swimmer)
+    raw = coordinates.features(x, kind).T
     centre, spread = raw.mean(axis=0), raw.std(axis=0)
     if former is not None:
         centre, spread = former.centre, former.spread
-    Z, N, Y = (raw - centre) / spread, x[2], targets(solved)
-    helix = solved[0].swimmer.tail.is_rigid
-    exponents = (
-        scales(x, Y, SCALED if helix else SCALED_BEAT) if former is None else former.exponents
-    )
+    Z, N = (raw - centre) / spread, x[2]
+    Y = _alone(solved) if kind == "helix_alone" else targets(solved)
+    exponents = scales(x, Y, POWERS[kind]) if former is None else former.exponents
     scale = np.exp(exponents @ coordinates.powers(x)).T
-    sorted_groups = sorted(groups_of(helix), key=lambda g: g[0].start)
+    sorted_groups = sorted(groups_of(kind), key=lambda g: g[0].start or 0)
     with one_thread():
         groups = tuple(
             _group(Z, N, (Y / scale)[:, part], pairs, phasors, former and former.surfaces.groups[i])
@@ -71,12 +79,26 @@ def fit(solved: list[Solved], about: dict[str, Any], former: Atlas | None = None
         left = [kriging.interleaved(g.left_out()[0]) for g in groups]
     guess = Y - np.concatenate(left, axis=1) * scale
     truth = np.array([_by_gait(s.swimmer, s.gait) for s in solved])
-    own = [velocities(*(x[0] for x in rebuilt(s.swimmer, y)[:2])) for s, y in zip(solved, guess)]
+    own = [_by_corrections(s.swimmer, y) for s, y in zip(solved, guess)]
     plain = {law.law: measured(Z, _missed(_surrogate(solved, law), truth, solved)) for law in LAWS}
     misses = measured(Z, _missed(np.array(own), truth, solved))
     about = {"solves": len(solved), "version": __version__, **about}
     surfaces = kriging.Surfaces(groups)
     return Atlas(surfaces, centre, spread, exponents, misses, plain, about)
+
+
+def _alone(solved: list[Solved]) -> np.ndarray:
+    """Return the corrections of helices without a body."""
+    return np.array(
+        [
+            alone.encode(
+                np.real(s.gait.resistance(0.0)),
+                base(s.swimmer, 0.0)[0].reshape(6, 6),
+                s.swimmer.tail.apparent_length,
+            )
+            for s in solved
+        ]
+    )
 
 
 def _group(
@@ -100,7 +122,8 @@ def scales(x: np.ndarray, Y: np.ndarray, together: Any = SCALED) -> np.ndarray:
         power = np.linalg.lstsq(P, log, rcond=None)[0]
         for _ in range(30):
             weight = 1.0 / np.maximum(np.abs(log - P @ power), 0.05)
-            power = np.linalg.solve((P.T * weight) @ P, (P.T * weight) @ log)
+            normal = P.T * weight
+            power = np.linalg.lstsq(normal @ P, normal @ log, rcond=None)[0]
         out[list(columns)] = power
     return out
 
@@ -118,8 +141,25 @@ def velocities(R: np.ndarray, F: np.ndarray) -> np.ndarray:
     return np.array([V[:, 0].mean(), across, 0.0, turning])
 
 
+def held(R: np.ndarray) -> np.ndarray:
+    """Return the same of a helix without a body (6, 6) turned by its motor against the lab, the
+    torque in place of Omega_s; free in all it would not move at all.
+    """
+    free = [0, 1, 2, 4, 5]
+    V = -np.linalg.solve(R[np.ix_(free, free)], R[free, 3])
+    return np.array([V[0], np.hypot(*V[1:3]), R[3, 3] + R[3, free] @ V, np.hypot(*V[3:])])
+
+
+def _by_corrections(swimmer: Swimmer, y: np.ndarray) -> np.ndarray:
+    """Return the same of a swimmer's corrections."""
+    R, F = (x[0] for x in rebuilt(swimmer, y)[:2])
+    return held(R[0]) if swimmer.body.is_absent else velocities(R, F)
+
+
 def _by_gait(swimmer: Swimmer, gait: Gait) -> np.ndarray:
-    """Return `velocities` of a swimmer's gait."""
+    """Return `velocities` of a swimmer's gait, or `held`."""
+    if swimmer.body.is_absent:
+        return held(np.real(gait.resistance(0.0)))
     phases = PERIOD if swimmer.tail.is_planar else np.zeros(1)
     return velocities(gait.resistance(phases), gait.propulsion(phases))
 

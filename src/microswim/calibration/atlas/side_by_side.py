@@ -10,11 +10,13 @@ from typing import Any
 
 import numpy as np
 
+from microswim.calibration.atlas import alone
 from microswim.calibration.region import body_flow as shaded
 from microswim.calibration.region import positive_definite as blocks
 from microswim.calibration.region.beats import HALF, OTHER_HAND, PHASES, beat, scales
 from microswim.calibration.region.kriging import Surfaces
 from microswim.models.rft.plane_wave import fill_rows
+from microswim.models.rft.segment import RAMP
 from microswim.numerics.matern import matern_of_arrays
 from microswim.numerics.series.fourier import MIRROR_Q, MIRROR_R
 from microswim.numerics.solve6 import solve
@@ -85,14 +87,19 @@ def base(swimmer: Swimmer, phases: Any) -> tuple[Any, ...]:
 def _nodes(p: np.ndarray, sizes: Any, each: tuple[int, ...]) -> np.ndarray:
     """Return the nodes of `body_flow.table` in rows (7, nodes, ...); the last is the tip.
 
-    Designs that take fewer nodes than the most repeat the tip, with weight zero.
+    Designs that take fewer nodes than the most repeat the tip, with weight zero; those without a
+    ramp on all of its nodes.
     """
     ramp_rule, xi, weight = shaded.rules(int(np.max(sizes)))
     wanted = np.broadcast_to(sizes, each)
     rule = (np.moveaxis(table[wanted], -1, 0) for table in (xi, weight))
     rows = [x.reshape(-1, *[1] * len(each)) for x in ramp_rule]
     nodes = np.zeros((7, len(rows[0]) + xi.shape[1], *each), dtype=p.dtype)
-    fill_rows(nodes, p, rows, tuple(rule))
+    with np.errstate(all="ignore"):
+        fill_rows(nodes, p, rows, tuple(rule))
+    flat = np.broadcast_to(p[RAMP] == 0, each)
+    if flat.any():
+        nodes[:, : len(rows[0])] = np.where(flat, nodes[:, -1:], nodes[:, : len(rows[0])])
     nodes[6, -1] = 1.0
     return nodes
 
@@ -102,7 +109,8 @@ def rebuilt(swimmer: Swimmer, y: np.ndarray) -> tuple[Any, ...]:
 
     From corrections y (columns, ...) of n designs, or of one.
     """
-    made = (_helix if swimmer.tail.is_rigid else _wave)(swimmer, y)
+    known = _alone if swimmer.body.is_absent else _helix if swimmer.tail.is_rigid else _wave
+    made = known(swimmer, y)
     if made[2].ndim == 1:  # one design
         made = tuple(x[..., None] for x in made)
     return tuple(np.moveaxis(x, -1, 0) for x in made)
@@ -123,6 +131,16 @@ def _helix(swimmer: Swimmer, y: np.ndarray) -> tuple[Any, ...]:
         R, F = R * mirror * mirror[:, None], F * mirror
         extra = extra * OTHER_HAND.reshape(mirror[:3].shape)
     return R[None], F[None], np.asarray(G)[None], extra
+
+
+def _alone(swimmer: Swimmer, y: np.ndarray) -> tuple[Any, ...]:
+    """The same of a helix without a body."""
+    R = alone.decode(y, base(swimmer, 0.0)[0], swimmer.tail.apparent_length)
+    F, G = np.array(R[:, 3]), R[3, 3]
+    if swimmer.tail.sign < 0:
+        mirror = MIRROR_R.reshape(-1, *[1] * (F.ndim - 1))
+        R, F = R * mirror * mirror[:, None], F * mirror
+    return R[None], F[None], G[None], np.zeros((3, *G.shape), R.dtype)
 
 
 def _wave(swimmer: Swimmer, y: np.ndarray) -> tuple[Any, ...]:

@@ -46,7 +46,7 @@ class View:
         return Path(path)
 
     def show(self) -> None:
-        """Open the page in the browser."""
+        """Show the page in the browser."""
         folder = Path(tempfile.mkdtemp(prefix="microswim-"))
         webbrowser.open(self.save(folder / "swimmer.html").as_uri())
 

@@ -61,6 +61,7 @@ from .studies.optimisation.robust_design import robust_design as robust_design
 from .studies.optimisation.robustness import robustness as robustness
 from .studies.optimisation.robustness import sobol_indices as sobol_indices
 from .studies.optimisation.search import Optimum as Optimum
+from .studies.sweeps.starts import starts as starts
 from .studies.sweeps.sweep import sweep as sweep
 from .swimmer.drag.coefficients import Constant as Constant
 from .swimmer.drag.coefficients import Cox as Cox

@@ -3,41 +3,21 @@
 The wall adds to R what grows towards contact; nothing is solved, for the laws hold whatever it is.
 """
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
 import microswim as ms
-from microswim.calibration.poses import fit, layout
-from microswim.calibration.poses.solved import SolvedPoses
-from microswim.calibration.poses.wall import start_of
+from boundaries import beside
 from microswim.gait.poses import beside_wall
-from microswim.gait.poses.table import WALL, PoseTable
-from microswim.gait.stepping import pack
+from microswim.gait.poses.lubricated import kept_off_wall
+from microswim.gait.poses.table import WORK, resist
 from microswim.path.brownian import NORMALS, scatter
 from microswim.path.loads import loads_of
 
 ROBOT = ms.Swimmer.preset("tabak/helix").with_({"motion.free": "all"})
 STILL = ROBOT.with_({"tail.frequency": 0.0, "motion.free": ("us", "uq", "ur")})
-ADDED = np.zeros(27)
-ADDED[:6] = -0.9, -0.3, -0.3, -0.3, -0.3, -0.3  # to log D, times xi, which is negative
-ADDED[[6, 12]] = 0.05, -0.05
-
-
-def beside(swimmer, distance=1.0):
-    """A gait at every pose beside the made-up wall."""
-    shape = layout.shape_of(swimmer, 0.01)
-    lowest = float(shape.numbers[beside_wall.LOWEST])
-    values = np.empty((2, 9, 7, 9, 27))
-    for i in range(9):
-        values[:, i] = lowest * (1 - i / 8) * ADDED
-    gait = swimmer.gait()
-    table = PoseTable(
-        WALL, pack(gait), np.array([0.0, 0, 0, 0, 0, 1]), shape.numbers, shape.body, shape.tail,
-        shape.kinks, fit.coefficients(values),
-    )  # fmt: skip
-    return SolvedPoses(gait, table, start_of(ms.Wall(distance)), {})
-
-
 POSES, HELD = beside(ROBOT), beside(STILL)
 
 
@@ -87,6 +67,52 @@ def test_the_start_is_that_of_the_wall_and_far_away_is_free():
     free = ms.path(ROBOT, 3.0, gait=POSES.gait, position=(0, 0, 1e5))
     assert far.attrs["outcome"] == "free"
     assert np.allclose(far.position, free.position, atol=1e-4)
+
+
+@pytest.mark.parametrize("tilt", [-0.5, 0.0, 0.5])
+def test_a_shear_presses_nothing_through_the_wall(tilt):
+    """It turns the robot over, tail onto the wall, again and again."""
+    swimmer = replace(ROBOT, flow=ms.ShearFlow(rate=2.0))
+    found = ms.path(swimmer, 30.0, poses=POSES, position=(0, 0, 2.1), tilt=tilt, samples=400)
+    assert 0.0 < float(found.gap.min()) < 0.01
+    assert found.attrs["outcome"] == "touched"
+
+
+def test_a_flow_onto_the_wall_presses_as_in_free_fluid():
+    """Across a closing gap ``R (U + D)`` has the force of free fluid; far off D is nothing."""
+    rng, q = np.random.default_rng(5), np.array([1.0, 0.0, 0.0, 0.0])
+    numbers, free = POSES.table.numbers, POSES.gait.resistance(0.0)
+    for height in (0.50001, 0.51, 0.6, 1.0):
+        R, F, touch = np.empty((6, 6)), np.empty(6), np.empty(14)
+        resist(POSES.table, np.array([0, 0, height]), q, 0.0, R, F, touch, np.empty(WORK))
+        U, D, turned = rng.normal(size=6), np.zeros(6), np.zeros(6)
+        kept_off_wall(numbers, touch, R, free, U, D, np.empty(90))
+        kept_off_wall(numbers, np.roll(touch, 7), R, free, U, turned, np.empty(90))
+        assert pytest.approx(turned, rel=1e-9) == D  # whichever part is nearer
+        N = np.concatenate([touch[4:7], np.cross(touch[1:4], touch[4:7])])
+        held, alone = (N @ (U + D), N @ U) / (N @ np.linalg.solve(R, N))
+        there = N @ U / (N @ np.linalg.solve(free, N))
+        assert min(abs(there), abs(alone)) * 0.999 <= abs(held) <= abs(alone)
+        if height < 0.501:
+            assert abs(held) < 2.0 * abs(there) < 0.1 * abs(alone)
+        if height == 1.0:
+            assert not D.any()
+
+
+def test_the_motor_spends_more_where_the_wall_holds_the_tail():
+    """``G = F_p . R^-1 F_p + P`` with P as the table has it."""
+    numbers = POSES.table.numbers.copy()
+    numbers[beside_wall.POWER] = 0.3
+    factors = POSES.table.factors.copy()
+    factors[..., 27] = 0.0
+    table = POSES.table._replace(numbers=numbers, factors=factors)
+    R, F, touch, q = np.empty((6, 6)), np.empty(6), np.empty(14), np.array([1.0, 0, 0, 0])
+    spent = []
+    for height in (1.0, 0.5007):  # and below the smallest gap solved
+        G = resist(table, np.array([0, 0, height]), q, 0.4, R, F, touch, np.empty(WORK))
+        spent.append(G - F @ np.linalg.solve(R, F))
+    assert spent[0] == pytest.approx(0.3)
+    assert spent[1] > 0.3  # lubrication holds it back
 
 
 def test_noise_beside_a_wall_keeps_boltzmanns_distribution():

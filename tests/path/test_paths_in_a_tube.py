@@ -9,34 +9,11 @@ import numpy as np
 import pytest
 
 import microswim as ms
-from microswim.calibration.poses import scattered, tube
-from microswim.calibration.poses.layout import shape_of
-from microswim.calibration.poses.solved import SolvedPoses
-from microswim.gait.poses.table import TUBE, PoseTable
-from microswim.gait.stepping import pack
+from boundaries import RADIUS, inside
 
-RADIUS = 1.5
 ROBOT = ms.Swimmer.preset("tabak/helix").with_({"motion.free": "all"})
 ROBOT = replace(ROBOT, channel=ms.Channel(diameter=2 * RADIUS, length=30.0))
 STILL = ROBOT.with_({"tail.frequency": 0.0})
-
-
-def inside(swimmer, adds=0.4):
-    """A gait at every pose in the made-up tube: the nearer, the harder to move."""
-    shape = shape_of(swimmer, 0.02)
-    numbers = tube.numbers_of(shape, 0.02)
-    _, Z = tube.places(shape, numbers, RADIUS, 40, 200)
-    Y = np.zeros((len(Z), 46))
-    for m, (i, j) in enumerate(zip(*np.tril_indices(6), strict=True)):
-        Y[:, m] = -adds * Z[:, 8:].sum(axis=1) if i == j else 0.0
-    known, weights = scattered.known(Z, Y)
-    gait = replace(swimmer, channel=None).gait()
-    table = PoseTable(
-        TUBE, pack(gait), np.array([0.0, 0, 0, 1, 0, 0, RADIUS]), numbers, shape.body, shape.tail,
-        np.zeros(0), np.zeros((0, 0, 0, 0, 0)), known, weights[:28].copy(), weights[28:].copy(),
-        tube.root_of(gait),
-    )  # fmt: skip
-    return SolvedPoses(gait, table, tube.start_of(swimmer), {})
 
 
 POSES = inside(ROBOT)

@@ -3,12 +3,16 @@
 from __future__ import annotations
 
 import re
-from typing import Any
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from microswim.errors import SpecError
 from microswim.spec.values import from_text
+
+if TYPE_CHECKING:
+    from microswim.cli._options import Given
 
 MOST_VALUES = 1_000_000  #: of one axis
 MEND = "for example tail.amplitude=0.01:0.5:50,tail.waves=1,2,3"
@@ -122,3 +126,78 @@ def _number(name: str, end: str, units: str, said: str, text: str) -> float:
     if isinstance(value, (bool, str)):
         raise SpecError(said, text, "a range of numbers, or a list of words", MEND)
     return value
+
+
+def of_starts(texts: tuple[str, ...], units: str) -> dict[str, Any]:
+    """Return the axes of a map of starts: places and angles of the start, and fields.
+
+    Raises
+    ------
+    SpecError
+        As of `axes`.
+    """
+    from microswim.studies.sweeps.starts import STARTS
+
+    found: dict[str, Any] = {}
+    for name, text in split(texts).items():
+        said = f"--over {name}"
+        if name not in STARTS:
+            found[name] = values_of(name, text, units, said)
+            continue
+        kind, own = ("rad", "SI") if STARTS[name] == "angle" else ("m", units)
+        ends = text.split(":")
+        if len(ends) == 1:
+            found[name] = [_plain(said, part, kind, own) for part in text.split(",")]
+        elif len(ends) == 3 and re.fullmatch("[0-9]{1,6}", ends[2].strip()) and int(ends[2]):
+            a, b = (_plain(said, end, kind, own) for end in ends[:2])
+            found[name] = np.linspace(a, b, int(ends[2]))
+        else:
+            raise SpecError(said, text, "FIRST:LAST:COUNT or a list", "such as tilt=0:60deg:7")
+    return found
+
+
+def _plain(said: str, text: str, kind: str, units: str) -> float:
+    """Return a length or an angle; a bare number is one of radians."""
+    from microswim.spec.values import in_unit
+
+    bare = text.strip().lstrip("+-").replace(".", "", 1).isdecimal()
+    return float(text) if bare and kind == "rad" else in_unit(said, text.strip(), kind, units)
+
+
+def map_starts(
+    given: Given, texts: tuple[str, ...], time: float, model: str, out: Path | None, as_json: bool
+) -> None:
+    """Follow the paths of a map of starts; print how they end, and write map and picture."""
+    from collections import Counter
+
+    import click
+
+    from microswim.cli._options import print_json
+    from microswim.cli._progress import bar
+    from microswim.numerics.files import write
+    from microswim.output.io import run as io
+    from microswim.output.plots.starts import starts as picture
+    from microswim.output.report.html import png
+    from microswim.studies.sweeps.starts import starts
+
+    over = of_starts(texts, given.swimmer.units)
+    with bar(f"starts of {given.name}") as progress:
+        found = starts(
+            given.swimmer, time, over, model=model, progress=progress,
+            keep=None if out is None else out / "starts.json",
+        )  # fmt: skip
+    ends = Counter(map(str, found.outcome.values.ravel()))
+    about = {"swimmer": given.name, "units": given.swimmer.units, "time": time}
+    report = about | {"starts": int(found.outcome.size), "outcomes": dict(ends.most_common())}
+    if out is not None:
+        io.save(found, out / "starts.nc")
+        if found.outcome.ndim <= 2:
+            write(out / "starts.png", png(picture(found)))
+    if as_json:
+        print_json(report | {"over": {k: list(v) for k, v in over.items()},
+                             "outcome": found.outcome.values.tolist()})  # fmt: skip
+        return
+    for how, count in ends.most_common():
+        click.echo(f"  {count:>6}  {how}")
+    if out is not None:
+        click.echo(f"written to {out}/: starts.nc, starts.json, starts.png", err=True)

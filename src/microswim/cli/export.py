@@ -23,7 +23,6 @@ from microswim.cli._options import (
     swimmer_options,
 )
 from microswim.errors import SpecError
-from microswim.gait.poses.one_pose import refusal
 from microswim.gait.readable import origin
 from microswim.numerics.files import scratch
 
@@ -123,12 +122,10 @@ def command(
     """Write the swimmer as C or as an FMU, for a controller or a simulator.
 
     The files need no Python; their heads say conventions, units and where the numbers come from.
+    With [wall] or an off-axis [channel] poses are solved first, and the tables go into the files.
     """
-    from microswim.cli._progress import bar
     from microswim.control.export import compiler
     from microswim.control.export.cmodel import c_model, check_name
-    from microswim.control.stepper import Stepper
-    from microswim.swimmer.physical_sense import turning
 
     name = name or _identifier(given.name)
     if precision == "float" and kind == "fmu":
@@ -139,29 +136,43 @@ def command(
     elif out.suffix in (".c", ".h", ".fmu"):
         raise SpecError("--out", str(out), "a folder", "header and source are written into it")
     _files.check_files("--out", out, files, force)
-    boundary = turning(given.swimmer)
-    if boundary:
-        raise refusal(boundary)
     check_name(name)
     checks.number("--resolution", resolution, "4 or more steps per turn", least=4)
     own = None if moment is None else _moment(moment, given.swimmer.units)
     options: dict[str, Any] = {"moment": own, "locked": locked}
     options |= {"resolution": resolution, "steps": steps, "most_steps": most_steps}
-    solver = leveled(model, level)
-    with bar(f"{model}, {given.name}"):
-        gait = _with_error(given.swimmer, given.swimmer.gait(model, **solver))
-    stepper = Stepper(gait, given.swimmer, **options)
+    stepper = _stepper(given, model, level, options)
+    gait = stepper.gait
     code = c_model(stepper, name, given.text, precision)
     found: dict[str, Any] = {"format": kind, "name": name, "units": gait.units, "model": gait.model}
     found |= compiler.measured(code)
     found |= _written(stepper, code, given.text, out, files, fmi)
     if as_json:
         error = gait.info.get("expected_error")
+        around = getattr(stepper, "poses", None)
+        found |= {} if around is None else {"poses_error": around.expected_error}
         print_json(found | {"expected_error": error, "remarks": gait.info.get("remarks", [])})
     else:
         _say(found)
         for line in origin(gait):
             click.echo(f"  note: {line}")
+
+
+def _stepper(given: Given, model: str, level: str | None, options: dict[str, Any]) -> Stepper:
+    """Return the stepper of a gait, beside a boundary of one at every pose."""
+    from microswim.cli._progress import bar
+    from microswim.control.posed_stepper import beside
+    from microswim.control.stepper import Stepper
+    from microswim.swimmer.physical_sense import turning
+
+    boundary = turning(given.swimmer)
+    if boundary:
+        with bar(f"poses of {given.name} by the {boundary}") as progress:
+            return beside(given.swimmer, level=level, progress=progress, **options)
+    solver = leveled(model, level)
+    with bar(f"{model}, {given.name}"):
+        gait = _with_error(given.swimmer, given.swimmer.gait(model, **solver))
+    return Stepper(gait, given.swimmer, **options)
 
 
 def _with_error(swimmer: Swimmer, gait: Gait) -> Gait:

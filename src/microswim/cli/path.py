@@ -21,6 +21,7 @@ from microswim.cli._options import (
     print_json,
     swimmer_options,
 )
+from microswim.cli._over import map_starts
 from microswim.errors import SpecError
 from microswim.numerics.files import write
 
@@ -37,6 +38,9 @@ FILES = {
     "path.vtp": "its path, for ParaView",
     "spec.toml": "the spec it came from",
     _kept.CHECKPOINT: "what --resume goes on from",
+    "starts.nc": "a map of starts (--over)",
+    "starts.png": "its picture",
+    "starts.json": "what --resume goes on from",
 }
 UNJUDGED = "not measured for a tail followed in time; its drag is local"
 FRAMES = 120  #: of the swimmer for ParaView
@@ -49,6 +53,7 @@ FRAMES = 120  #: of the swimmer for ParaView
         "microswim path robot.toml --time 60s --out path --resume     after it was killed",
         "microswim path soft.toml --time 2s --from-rest     an elastic tail from rest on",
         "microswim path cell.toml --time 30s --paths 200 --seed 1 --json     with [noise]",
+        "microswim path cell.toml --time 60s --over z=1um:5um:9,tilt=0:60deg:7 --out map",
     )
 )
 @swimmer_options
@@ -89,6 +94,12 @@ FRAMES = 120  #: of the swimmer for ParaView
     is_flag=True,
     help="Follow an elastic tail from its shape at rest on; always so if nothing drives its base.",
 )
+@click.option(
+    "--over",
+    multiple=True,
+    metavar="NAME=A:B:N",
+    help="A map of starts: x, y, z, tilt, phase of the start, or fields; how each path ends.",
+)
 @json_option
 @out_option
 @click.option("--resume", is_flag=True, help="Go on with the path in --out, if there is one.")
@@ -101,6 +112,7 @@ def command(
     model: str,
     level: str | None,
     from_rest: bool,
+    over: tuple[str, ...],
     as_json: bool,
     out: Path | None,
     resume: bool,
@@ -119,6 +131,9 @@ def command(
 
     asked |= _start(given, time, start, tilt)
     _check(out, resume, force)
+    if over:
+        map_starts(given, over, asked["time"], model, out, as_json)
+        return
     about = _gait(given, model, level, from_rest)
     begun = clock.perf_counter()
     if out is not None:

@@ -25,6 +25,7 @@ from microswim.gait.held import warn_if_held
 from microswim.gait.readable import origin
 from microswim.numerics.array import kept, still_read_only
 from microswim.swimmer.magnetism.magnet import magnetic_of, vector_of
+from microswim.swimmer.physical_sense import turning
 from microswim.swimmer.swimmer import Swimmer
 
 _NO_LOAD = np.zeros(6)
@@ -111,7 +112,11 @@ class Stepper:
     @classmethod
     @checks.given(swimmer=checks.swimmer, model=checks.text)
     def of(cls, swimmer: Swimmer, model: doors.Model = "auto", **options: Any) -> Stepper:
-        """Return stepper of a swimmer that feels the strain of a flow; options as of the class."""
+        """Return stepper of a swimmer that feels a flow's strain; by a boundary, at each pose."""
+        if "poses" in options or turning(swimmer):
+            from microswim.control import posed_stepper
+
+            return posed_stepper.beside(swimmer, **options)
         return cls(swimmer.gait(model), swimmer, **options)
 
     def __repr__(self) -> str:
@@ -228,12 +233,7 @@ class Stepper:
             If an argument is out of range, or no temperature is known.
         """
         checks.instance("state", state, "State")
-        checks.positive("dt", dt, "time")
-        checks.instance("random", random, "Generator")
-        energy = thermal.energy_of(self.swimmer) if energy is None else energy
-        if energy is None:
-            raise SpecError("energy: missing; give k_B T, or a swimmer with noise")
-        checks.positive("energy", energy, "energy")
+        energy = thermal.checked(self.swimmer, dt, random, energy)
         values = state.values.reshape(-1, motion.STATE)
         after = thermal.scattered(self.response.twist, values, energy, dt, random)
         thermal.tumble(after, self.swimmer, dt, random)
@@ -246,12 +246,11 @@ class Stepper:
         if not turn <= widest:
             n = self.steps or self.most_steps
             raise SpecError(
-                "dt",
-                dt,
+                "dt", dt,
                 f"short enough that tail, field and body turn by at most {widest:.3g} rad, what "
                 f"{n} internal steps can follow",
                 "shorten it or lower the inputs",
-            )
+            )  # fmt: skip
 
     @checks.given()
     def held(self, n: int, inputs: dict[str, Any]) -> np.ndarray:

@@ -14,7 +14,9 @@ from typing import Any
 
 import numpy as np
 
+from microswim import checks
 from microswim.control.motion import LOWER
+from microswim.errors import SpecError
 from microswim.numerics.array import Array
 from microswim.numerics.rigid_motion import multiply, rotation_matrix
 from microswim.numerics.series.fourier import evaluate
@@ -88,3 +90,20 @@ def energy_of(swimmer: Any) -> float | None:
     if swimmer is None or swimmer.noise is None:
         return None
     return float(swimmer.noise.energy(swimmer.units))
+
+
+def checked(swimmer: Any, dt: Any, random: Any, energy: Any) -> float:
+    """Return k_B T, that of the swimmer's noise by default; refuse a time or a source of no sense.
+
+    Raises
+    ------
+    SpecError
+        One sentence.
+    """
+    checks.positive("dt", dt, "time")
+    checks.instance("random", random, "Generator")
+    energy = energy_of(swimmer) if energy is None else energy
+    if energy is None:
+        raise SpecError("energy: missing; give k_B T, or a swimmer with noise")
+    checks.positive("energy", energy, "energy")
+    return float(energy)

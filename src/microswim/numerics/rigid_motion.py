@@ -52,6 +52,13 @@ def rotation_matrix(q: Any) -> np.ndarray:
     return np.moveaxis(np.array(rows), (0, 1), (-2, -1))
 
 
+def quaternion_of(Q: Any) -> np.ndarray:
+    """Return the quaternion ``wxyz`` of a rotation matrix (3, 3), body to lab."""
+    from scipy.spatial.transform import Rotation
+
+    return np.roll(Rotation.from_matrix(Q).as_quat(), 1)
+
+
 def along_twist(twist: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     """Return displacement (3,) and quaternion (4,) after unit time of a constant body twist (6,).
 

@@ -62,8 +62,17 @@ def loads_of(
             lambda p: strain.curved_coupling(swimmer, p).reshape(-1, 108), bends == CURVED, 108
         ),
         activity=np.ascontiguousarray(np.real(gait.activity_series)[:, None]),
-        contact=np.array([_push(gait, whole), _reach(swimmer) if reach is None else float(reach)]),
+        contact=repulsion(swimmer, gait, whole, reach),
     )
+
+
+def repulsion(swimmer: Swimmer, gait: Gait, pull: Any = (0, 0, 0), reach: Any = None) -> Array:
+    """Return size and range of the repulsion that keeps a swimmer off a boundary, (2,).
+
+    `pull`: a constant force on it (3,).
+    """
+    size = _push(gait, np.asarray(pull, float))
+    return np.array([size, _reach(swimmer) if reach is None else float(reach)])
 
 
 def periodic(function: Callable[[Array], Array], wanted: Any, width: int) -> Array:

@@ -16,7 +16,7 @@ from typing import Any
 import numpy as np
 
 from microswim.gait.poses.table import WORK as POSE_WORK
-from microswim.gait.poses.table import resist
+from microswim.gait.poses.table import near
 from microswim.numerics.compiling.compiled import compiled
 from microswim.numerics.rigid_motion import turn
 from microswim.path.velocity import WORK, velocity
@@ -218,7 +218,6 @@ def change(x: Any, q: Any, K: Any, h: Any, turned: Any) -> None:
 @compiled(always=True)
 def gaps_along(table: Any, X: Any, Q: Any, phases: Any, out: Any) -> None:
     """Write the gap to the boundary at places (n, 3), attitudes (n, 4) and phases (n,)."""
-    R, F, touch, work = np.empty((6, 6)), np.empty(6), np.empty(14), np.empty(POSE_WORK)
+    touch, work = np.empty(14), np.empty(POSE_WORK)
     for i in range(phases.size):
-        resist(table, X[i], Q[i], phases[i], R, F, touch, work)
-        out[i] = touch[0]
+        out[i] = near(table, X[i], Q[i], phases[i], touch, work)

@@ -14,8 +14,8 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from microswim.gait.poses.in_tube import kept_off
-from microswim.gait.poses.table import TUBE, carry, resist
+from microswim.gait.poses.lubricated import kept_off, kept_off_wall
+from microswim.gait.poses.table import TUBE, WALL, carry, resist
 from microswim.gait.poses.table import WORK as POSE_WORK
 from microswim.gait.stepping import row
 from microswim.numerics.compiling.compiled import compiled
@@ -211,26 +211,49 @@ def add_contact(loads: Any, touch: Any, W: Any) -> None:
 
 
 @compiled()
+def flow_twist(Q: Any, u: Any, G: Any, U: Any) -> None:
+    """Write velocity and rotation (6,) of a flow at the body's centre, body frame."""
+    U[0], U[1], U[2] = into_body(Q, u)
+    spin = (G[2, 1] - G[1, 2]) / 2.0, (G[0, 2] - G[2, 0]) / 2.0, (G[1, 0] - G[0, 1]) / 2.0
+    U[3], U[4], U[5] = into_body(Q, spin)
+
+
+@compiled()
+def add_kept_off(
+    table: Any, phase: Any, Q: Any, u: Any, G: Any, touch: Any, R: Any, W: Any, work: Any
+) -> None:
+    """Take from W what a flow would press a swimmer onto its wall with, beyond free fluid."""
+    values, free = work[:27], work[27:63].reshape((6, 6))
+    U, D, rest = work[63:69], work[69:75], work[75:]
+    flow_twist(Q, u, G, U)
+    row(table.packed, phase, values)
+    m = 0
+    for i in range(6):
+        D[i] = 0.0
+        for j in range(i + 1):
+            free[i, j] = free[j, i] = values[m]
+            m += 1
+    kept_off_wall(table.numbers, touch, R, free, U, D, rest)
+    for i in range(6):
+        for j in range(6):
+            W[i] += R[i, j] * D[j]
+
+
+@compiled()
 def add_carried(
-    table: Any, loads: Any, x: Any, q: Any, phase: Any, Q: Any, u: Any, G: Any, touch: Any, R: Any,
+    table: Any, speed: Any, x: Any, q: Any, phase: Any, Q: Any, u: Any, G: Any, touch: Any, R: Any,
     W: Any, work: Any,
 ) -> None:  # fmt: skip
     """Add R times what Poiseuille's flow gives a swimmer in its tube beyond the flow itself.
 
-    u, G: the flow and its gradient at the body's centre.
+    `speed`: on the tube's axis, along its direction; u, G: the flow and its gradient at the body's
+    centre.
     """
-    if loads.bends != CURVED:
-        return
-    along = 0.0
-    for i in range(3):
-        along += loads.tube[i] * table.boundary[3 + i]
     D, U = work[-6:], work[-12:-6]
     carry(table, x, q, phase, D, work)
-    U[0], U[1], U[2] = into_body(Q, u)
-    spin = (G[2, 1] - G[1, 2]) / 2.0, (G[0, 2] - G[2, 0]) / 2.0, (G[1, 0] - G[0, 1]) / 2.0
-    U[3], U[4], U[5] = into_body(Q, spin)
+    flow_twist(Q, u, G, U)
     for i in range(6):
-        D[i] *= loads.tube[6] * along
+        D[i] *= speed
     kept_off(table.numbers, touch, R, U, D, work)
     for i in range(6):
         for j in range(6):
@@ -263,12 +286,19 @@ def velocity(
             add_contact(loads, touch[part : part + 7], W)
     u0, u1, u2 = background(loads, x, G)
     if table.kind == TUBE:
-        add_carried(table, loads, x, q, phase, Q, (u0, u1, u2), G, touch, R, W, values)
+        if loads.bends == CURVED:
+            speed = 0.0
+            for i in range(3):
+                speed += loads.tube[6] * loads.tube[i] * table.boundary[3 + i]
+            add_carried(table, speed, x, q, phase, Q, (u0, u1, u2), G, touch, R, W, values)
     else:
         if loads.bends != STILL:
             add_strain(loads, phase, Q, G, W, values)
         if loads.bends == CURVED:
             add_curvature(loads, phase, Q, W, values)
+        flows = loads.bends != STILL or u0 != 0.0 or u1 != 0.0 or u2 != 0.0
+        if table.kind == WALL and flows:
+            add_kept_off(table, phase, Q, (u0, u1, u2), G, touch, R, W, values)
     for i in range(6):
         W[i] -= F[i] * loads.rate
     solve(A, W, loads.free)

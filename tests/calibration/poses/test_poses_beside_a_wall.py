@@ -120,7 +120,7 @@ def test_a_wall_that_adds_nothing_leaves_free_fluid() -> None:
     rng = np.random.default_rng(2)
     for phase in (0.0, 1.0, -4.0):
         q = rng.normal(size=4)
-        R, F, _ = asked(table, [1.0, 2.0, rng.uniform(0.1, 3.0)], q / np.linalg.norm(q), phase)
+        R, F, _ = asked(table, [1.0, 2.0, rng.uniform(2.8, 5.0)], q / np.linalg.norm(q), phase)
         assert pytest.approx(gait.resistance(phase), rel=1e-9, abs=1e-9) == R
         assert pytest.approx(gait.propulsion(phase), rel=1e-9, abs=1e-9) == F
 
@@ -154,7 +154,9 @@ def test_resistance_is_positive_definite_whatever_was_solved() -> None:
     rng = np.random.default_rng(0)
     for _ in range(50):
         q = rng.normal(size=4)
-        R, _, _ = asked(table, [0.0, 0.0, rng.uniform(0.5, 4.0)], q / np.linalg.norm(q), 1.0)
+        R, _, touch = asked(table, [0.0, 0.0, rng.uniform(0.5, 4.0)], q / np.linalg.norm(q), 1.0)
+        if touch[0] <= 0.0:
+            continue
         assert np.array_equal(R, R.T)
         scale = 1 / np.sqrt(np.diag(R))
         assert np.linalg.eigvalsh(R * np.outer(scale, scale)).min() > -1e-12
@@ -184,18 +186,19 @@ def test_compiled_and_python_agree_beside_a_wall() -> None:
 
 
 def test_lubrication_goes_on_below_the_smallest_gap() -> None:
-    """Resistance across the wall grows as the gap closes, without a jump, to any gap."""
-    lubricated = np.zeros(27)
-    lubricated[0] = -1.0  # log D_1 = -xi: one over the gap
-    table = planted(ROBOT, lambda xi, *_: lubricated * xi)
-    heights = 0.5 + 0.5 * np.geomspace(1e-8, 0.1, 60)
-    q = wall.start_of(ms.Wall(1.0, tilt=0.2))[1]
-    across = [asked(table, [0, 0, h], q, 0.0)[2][0] for h in heights]
-    normal = rotation_matrix(q).T @ [0.0, 0.0, 1.0]
-    pushed = [normal @ asked(table, [0, 0, h], q, 0.0)[0][:3, :3] @ normal for h in heights]
+    """What touches resists like one over the gap, without a jump, to any gap."""
+    table = planted(ROBOT, smooth)
+    q, across, pushed = wall.start_of(ms.Wall(1.0, tilt=0.2))[1], [], []
+    for height in 0.5 + 0.5 * np.geomspace(1e-8, 0.02, 40):
+        R, _, touch = asked(table, [0, 0, height], q, 0.0)
+        N = np.concatenate([touch[4:7], np.cross(touch[1:4], touch[4:7])])
+        across.append(touch[0])
+        pushed.append(1.0 / (N @ np.linalg.solve(R, N)))
+    below = np.array(across[1:]) < table.numbers[beside_wall.LEAST]
     slopes = np.diff(np.log(pushed)) / np.diff(np.log(across))
-    assert slopes[:40] == pytest.approx(-1.0, abs=0.05)
-    assert np.all(slopes < 0)
+    assert below.sum() > 20
+    assert slopes[below] == pytest.approx(-1.0, abs=1e-3)
+    assert np.abs(np.diff(np.log(pushed))).max() < 1.0
 
 
 @pytest.mark.parametrize(("tilt", "azimuth"), [(0.0, 0.0), (0.4, 1.0), (-0.3, -2.0)])

@@ -27,7 +27,7 @@ from microswim.numerics.rigid_motion import multiply, rotation_matrix
 ROBOT = ms.Swimmer.preset("tabak/helix")
 CELL = ms.Swimmer.preset("goto/A")
 RADIUS = 1.5
-MIX = np.random.default_rng(3).normal(size=(10, 46)) * 0.1
+MIX = np.random.default_rng(3).normal(size=(in_tube.FEATURES, 46)) * 0.1
 
 
 def planted(swimmer: ms.Swimmer, radius: float, count: int = 60) -> PoseTable:
@@ -123,8 +123,8 @@ def test_a_tube_knows_no_place_along_it_no_side_and_no_end() -> None:
     for turn, sense in [(np.array([1.0, 0, 0, 0]), 1.0), *ways]:
         place = rotation_matrix(turn) @ X + [7.0, 0.0, 0.0]
         S, H, other, E, K = asked(TABLE, place, multiply(turn, Q), 1.0)
-        assert pytest.approx(R, rel=1e-9, abs=1e-9) == S
-        assert pytest.approx(F, rel=1e-9, abs=1e-9) == H
+        assert pytest.approx(R, rel=1e-9, abs=1e-7) == S
+        assert pytest.approx(F, rel=1e-9, abs=1e-7) == H
         assert other == pytest.approx(touch, abs=1e-9)
         assert sense * E == pytest.approx(D, rel=1e-9)
         assert pytest.approx(G, rel=1e-9) == K

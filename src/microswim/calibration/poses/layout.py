@@ -51,7 +51,7 @@ class Shape:
                 wall, self.numbers, self.body, self.tail, np.zeros(3), still, psi, found,
                 np.zeros(8),
             )  # fmt: skip
-        return -float(found[0])
+        return -float(min(found[0], found[7]))
 
     def pose(self, xi: float, sigma: float, psi: float) -> tuple[float, float]:
         """Return gap and tilt of coordinates; xi below zero."""
@@ -100,7 +100,8 @@ def shape_of(swimmer: Swimmer, smallest: float) -> Shape:
     size = SIZE * length
     lowest = np.log(smallest * length / (smallest * length + size))
     numbers = np.array([tail.sign, tail.radius, size, reach, BLUR * length, lowest, length,
-                        swimmer.fluid.viscosity, TAIL_BLUR * length], float)  # fmt: skip
+                        swimmer.fluid.viscosity, TAIL_BLUR * length, 0.0,
+                        smallest * length], float)  # fmt: skip
     meridian = np.zeros((0, 2)) if body.is_absent else _meridian(body)
     return Shape(meridian, line, numbers, _kinks(meridian, line, float(tail.radius), tail.sign))
 

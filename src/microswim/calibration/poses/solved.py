@@ -114,6 +114,19 @@ def _all_solved(swimmers: list[Swimmer], lost: float, **options: Any) -> list[Ga
     return [None if isinstance(gait, str) else gait for gait in made]
 
 
+def power_of(gait: Gait) -> float:
+    """Return ``G - F_p . R^-1 F_p`` at phase 0: what the motor spends where nothing holds it."""
+    F = gait.propulsion(0.0)
+    held = float(np.real(gait.activity_series[0]))
+    return held - float(F @ np.linalg.solve(gait.resistance(0.0), F))
+
+
+def added_power(gait: Gait, free: float) -> float:
+    """Return log of `power_of` over that of free fluid; 0 where there is no motor."""
+    power = power_of(gait)
+    return float(np.log(power / free)) if free > 0.0 and power > 0.0 else 0.0
+
+
 @dataclass(frozen=True, eq=False)
 class Table(Tabulated):
     """A table that can be asked."""

@@ -7,11 +7,16 @@ from collections.abc import Callable
 from dataclasses import dataclass, replace
 
 import numpy as np
-from scipy.spatial.transform import Rotation
 
 from microswim.calibration.poses import scattered
 from microswim.calibration.poses.layout import Shape, shape_of
-from microswim.calibration.poses.solved import SolvedPoses, error_of, solved
+from microswim.calibration.poses.solved import (
+    SolvedPoses,
+    added_power,
+    error_of,
+    power_of,
+    solved,
+)
 from microswim.errors import SpecError
 from microswim.gait.gait import Gait
 from microswim.gait.poses import in_tube as inside
@@ -20,6 +25,7 @@ from microswim.gait.stepping import pack
 from microswim.models.bem.solution import middle_of
 from microswim.numerics.array import Array
 from microswim.numerics.compiling.compiled import settled
+from microswim.numerics.rigid_motion import quaternion_of
 from microswim.numerics.sobol import points
 from microswim.swimmer.geometry.surroundings import Channel
 from microswim.swimmer.swimmer import Swimmer
@@ -130,8 +136,7 @@ def start_of(swimmer: Swimmer) -> tuple[Array, Array]:
     assert swimmer.channel is not None
     axes = swimmer.channel.axes
     centre = np.asarray(swimmer.body.centre, float)
-    turn = Rotation.from_matrix(axes.T)
-    return axes.T @ (centre - middle_of(swimmer)), np.roll(turn.as_quat(), 1)
+    return axes.T @ (centre - middle_of(swimmer)), quaternion_of(axes.T)
 
 
 def numbers_of(shape: Shape, smallest: float) -> Array:
@@ -149,7 +154,7 @@ SIZE = 2.0
 def places(
     shape: Shape, numbers: Array, radius: float, count: int, among: int, seed: int = 0
 ) -> tuple[Array, Array]:
-    """Return lines (count, 6) and their features (count, 10), far from one another.
+    """Return lines (count, 6) and their features (count, 14), far from one another.
 
     Raises
     ------
@@ -181,7 +186,7 @@ def places(
             "channel.diameter", 2.0 * radius, "wide enough for the swimmer to move in it"
         )
     all_lines, all_z = np.concatenate(lines)[:among], np.concatenate(Z)[:among]
-    chosen = scattered.spread(all_z, count)
+    chosen = scattered.spread(all_z[:, : inside.WHERE], count)
     return all_lines[chosen], all_z[chosen]
 
 
@@ -223,12 +228,8 @@ def root_of(free: Gait) -> Array:
     S = unit[:, None] * ((vectors * np.sqrt(values)) @ vectors.T)
     w = np.linalg.solve(R, F)
     power = np.zeros(6)
-    power[0] = _activity(free) - float(F @ w)
+    power[0] = power_of(free)
     return np.concatenate([S, w[None], power[None]])
-
-
-def _activity(gait: Gait) -> float:
-    return float(np.real(gait.activity_series[0]))
 
 
 def targets(gait: Gait, root: Array) -> Array:
@@ -247,8 +248,7 @@ def targets(gait: Gait, root: Array) -> Array:
         raise np.linalg.LinAlgError("a resistance beside the tube is not positive definite")
     L = (vectors * np.log(values)) @ vectors.T
     w = np.linalg.solve(R, F)
-    power, free = _activity(gait) - F @ w, root[7, 0]
-    more = np.log(power / free) if free > 0.0 and power > 0.0 else 0.0
+    more = added_power(gait, float(root[7, 0]))
     return np.concatenate([L[np.tril_indices(6)], w - root[6], [more]])
 
 

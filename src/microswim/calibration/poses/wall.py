@@ -10,12 +10,20 @@ import numpy as np
 
 from microswim.calibration.poses.fit import coefficients, factors
 from microswim.calibration.poses.layout import Shape, shape_of
-from microswim.calibration.poses.solved import SolvedPoses, error_of, solved
+from microswim.calibration.poses.solved import (
+    SolvedPoses,
+    added_power,
+    error_of,
+    power_of,
+    solved,
+)
 from microswim.errors import SpecError
 from microswim.gait.gait import Gait
+from microswim.gait.poses.beside_wall import POWER
 from microswim.gait.poses.table import WALL, PoseTable
 from microswim.gait.stepping import pack
 from microswim.numerics.array import Array
+from microswim.numerics.rigid_motion import quaternion_of
 from microswim.numerics.sobol import points
 from microswim.swimmer.geometry.surroundings import Wall
 from microswim.swimmer.swimmer import Swimmer
@@ -89,8 +97,10 @@ def beside_wall(
     )
     on = len(found)
     values = _values(shape, grid, asked[:on], [g for g in found if g is not None], free)
+    numbers = shape.numbers.copy()
+    numbers[POWER] = power_of(free)
     table = PoseTable(
-        WALL, np.ascontiguousarray(pack(free)), np.array([0.0, 0, 0, 0, 0, 1]), shape.numbers,
+        WALL, np.ascontiguousarray(pack(free)), np.array([0.0, 0, 0, 0, 0, 1]), numbers,
         shape.body, shape.tail, shape.kinks, coefficients(values),
     )  # fmt: skip
     error = error_of(table, free, [start_of(s.wall) for s in asked[on:]], judged)
@@ -122,7 +132,7 @@ def beside(swimmer: Swimmer, shape: Shape, xi: float, sigma: float, psi: float) 
 
 
 def _values(shape: Shape, grid: Grid, asked: list[Swimmer], found: list[Gait], free: Gait) -> Array:
-    """Return what the wall adds (2, gaps, tilts, phases, 27) on the grid; 0 at the last gap."""
+    """Return what the wall adds (2, gaps, tilts, phases, 28) on the grid; 0 at the last gap."""
     units = float(shape.numbers[6]), float(shape.numbers[7])
     added = []
     for swimmer, gait in zip(asked, found, strict=True):
@@ -130,8 +140,8 @@ def _values(shape: Shape, grid: Grid, asked: list[Swimmer], found: list[Gait], f
         normal = np.array(swimmer.wall.normal)
         near, far = (factors(g.resistance(0.0), g.propulsion(0.0), normal, *units)
                      for g in (gait, free))  # fmt: skip
-        added.append(near - far)
-    on = np.array(added).reshape(grid.gaps - 1, 2 * grid.tilts - 1, grid.phases, 27)
+        added.append(np.append(near - far, added_power(gait, power_of(free))))
+    on = np.array(added).reshape(grid.gaps - 1, 2 * grid.tilts - 1, grid.phases, 28)
     on = np.concatenate([on, np.zeros((1, *on.shape[1:]))])
     return np.stack([on[:, grid.tilts - 1 :], on[:, grid.tilts - 1 :: -1]])
 
@@ -154,11 +164,4 @@ def start_of(wall: Wall | None) -> tuple[Array, Array]:
         along = np.array([0.0, 1.0, 0.0])
     x = along / np.linalg.norm(along)
     Q = np.stack([x, np.cross(n, x), n])  # rows: the lab's axes in the body's
-    return np.array([0.0, 0.0, wall.distance]), _quaternion(Q)
-
-
-def _quaternion(Q: Array) -> Array:
-    """Return the quaternion ``wxyz`` of a rotation matrix, body to lab."""
-    from scipy.spatial.transform import Rotation
-
-    return np.roll(Rotation.from_matrix(Q).as_quat(), 1)
+    return np.array([0.0, 0.0, wall.distance]), quaternion_of(Q)

@@ -228,6 +228,12 @@ def _check(swimmer: Swimmer, region: Region, solves: int) -> None:
         raise SpecError("solves", solves, f"at least {max(6, len(region) + 2)}")
     for name, bounds in region.items():
         low, high = bounds if len(bounds) == 2 else (np.nan, np.nan)
+        if name.startswith(("wall.", "channel.")):
+            raise SpecError(
+                "region", name, "a number of tail or body, in free fluid",
+                "where the boundary varies, microswim path and ms.Stepper.of solve the poses of "
+                "this design themselves",
+            )  # fmt: skip
         if not (np.isfinite([low, high]).all() and 0 < low < high):
             raise SpecError(f"region {name}", bounds, "two positive numbers, the lower one first")
         if not name.startswith(("tail.", "body.")) or name == "tail.frequency":

@@ -17,6 +17,7 @@ import numpy as np
 
 from microswim import __version__, checks
 from microswim.control.export.actuators import actuators_of
+from microswim.control.export.boundary import boundary_of
 from microswim.control.export.precision import FIGURES, PRECISIONS, check_range, single
 from microswim.control.stepper import Stepper
 from microswim.control.thermal import energy_of, tumbles_of
@@ -31,7 +32,7 @@ BANNER = """\
 /* {name}: a swimmer at low Reynolds number, written by microswim {version}.
 
    Model {model}, units {units}, spec digest sha256:{digest}
-{birth}{strain}
+{birth}{strain}{boundary}
    CONVENTIONS
    Quaternion qw, qx, qy, qz: unit, turns body components into lab components (body to lab).
    Body frame s, q, r: right-handed, s along the tail away from the body; the swimmer leads with its
@@ -127,6 +128,7 @@ def c_model(
         header, source = single(header), single(source)
         values |= {k: single(values[k]) for k in FIGURES}
     values |= {"actuate": filled(values["actuate"], values)}
+    values |= {"boundary": filled(values["boundary"], values)}
     values |= {"declared": filled(values["declared"], values)}
     return CModel(name, filled(header, values), filled(source, values), values["banner"])
 
@@ -162,7 +164,7 @@ def _values(stepper: Stepper, name: str, spec: str) -> dict[str, str]:
     digest = sha256(spec.encode() or repr(stepper.response.twist.tolist()).encode()).hexdigest()[
         :16
     ]
-    made = actuators_of(stepper)
+    made, around = actuators_of(stepper), boundary_of(stepper)
     values = {
         "name": name,
         "NAME": name.upper(),
@@ -180,11 +182,13 @@ def _values(stepper: Stepper, name: str, spec: str) -> dict[str, str]:
         "energy": repr(energy_of(stepper.swimmer) or 0.0),
         **dict(zip(("run_time", "tumble_angle"), map(repr, tumbles_of(stepper.swimmer)))),
         "rate_value": repr(0.0 if stepper.locked else float(gait.rate)),
-        "declared": made.declared,
+        "declared": made.declared + around.declared,
+        "bounded": "1" if around.code else "0",
+        "boundary": around.code,
+        "start_position": numbers(np.array(around.start[:3])),
+        "start_quaternion": numbers(np.array(around.start[3:])),
         "actuate": made.code,
-        "tables": "".join(
-            table(n, t) for n, t in zip(("TWIST", "STRAIN", "MOTOR"), stepper.response.tables)
-        ),
+        "tables": _tables(stepper, bool(around.code)),
     }
     values["banner"] = BANNER.format(
         name=name,
@@ -192,7 +196,8 @@ def _values(stepper: Stepper, name: str, spec: str) -> dict[str, str]:
         model=gait.model,
         digest=digest,
         units=gait.units + " (" + ", ".join(f"{k} {v}" for k, v in units.items()) + ")",
-        strain=_about_strain(stepper),
+        strain="" if around.code else _about_strain(stepper),
+        boundary=_wrapped(around.about),
         birth=_about_birth(stepper),
         hand=_about_hand(stepper),
         steps=_about_steps(stepper),
@@ -203,8 +208,19 @@ def _values(stepper: Stepper, name: str, spec: str) -> dict[str, str]:
 def _about_birth(stepper: Stepper) -> str:
     """Return where the numbers come from, wrapped, with nothing that would end the comment."""
     said = (" ".join(line.split()).replace("*/", "* /") for line in origin(stepper.gait))
+    return "".join(_wrapped(line) for line in said)
+
+
+def _wrapped(line: str) -> str:
+    """Return a line of the banner in its width; nothing of nothing."""
     indent: dict[str, Any] = {"initial_indent": "   ", "subsequent_indent": "     "}
-    return "".join(textwrap.fill(line, 100, **indent) + "\n" for line in said)
+    return textwrap.fill(line, 100, **indent) + "\n" if line else ""
+
+
+def _tables(stepper: Stepper, bounded: bool) -> str:
+    """Return the tables of a swimmer in free fluid; the motor's alone beside a boundary."""
+    named = zip(("TWIST", "STRAIN", "MOTOR"), stepper.response.tables)
+    return "".join(table(n, t) for n, t in named if n == "MOTOR" or not bounded)
 
 
 def _about_steps(stepper: Stepper) -> str:

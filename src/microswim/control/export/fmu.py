@@ -21,6 +21,7 @@ from xml.sax.saxutils import quoteattr
 from microswim import __version__, checks
 from microswim.control.export import cmodel, compiler
 from microswim.control.export.actuators import Actuators, actuators_of
+from microswim.control.export.boundary import boundary_of
 from microswim.control.stepper import Stepper
 from microswim.control.thermal import energy_of, tumbles_of
 from microswim.errors import MicroswimError
@@ -53,13 +54,8 @@ def variables(stepper: Stepper) -> list[dict[str, Any]]:
 
     add("time", "time", "s", "simulation time")
     add("viscosity", "tunable", "Pa.s", "of the fluid, positive", [cmodel.viscosity(stepper)])
-    add(
-        "moment_s moment_q moment_r",
-        "tunable",
-        "A.m2",
-        "magnetic moment, body frame",
-        stepper.magnetic[:3],
-    )
+    add("moment_s moment_q moment_r", "tunable", "A.m2", "magnetic moment, body frame",
+        stepper.magnetic[:3])  # fmt: skip
     add(" ".join(f"soft_{i}" for i in ("ss", "qq", "rr", "sq", "sr", "qr")), "tunable", "A.m2/T",
         "moment per field of a soft magnet, body frame",
         stepper.magnetic[list(cmodel.SOFT)])  # fmt: skip
@@ -70,13 +66,15 @@ def variables(stepper: Stepper) -> list[dict[str, Any]]:
         [run_time])  # fmt: skip
     add("tumble_angle", "tunable", "rad", "by which a tumble turns the body's axis, 0 to pi",
         [angle])  # fmt: skip
-    add("start_x start_y start_z", "fixed", "m", "position of the body's centre at the start, lab")
+    around = boundary_of(stepper)
+    add("start_x start_y start_z", "fixed", "m", "position of the body's centre at the start, lab",
+        around.start[:3])  # fmt: skip
     add("start_qw start_qx start_qy start_qz", "fixed", "", "attitude at the start, body to lab",
-        [1, 0, 0, 0])  # fmt: skip
+        around.start[3:])  # fmt: skip
     add("start_phase", "fixed", "rad", "phase of the tail at the start")
     add("noise_seed", "fixed", "", "seed of the noise, a whole number")
-    rate = 0.0 if stepper.locked else float(stepper.gait.rate)
-    add("motor_rate", "input", "rad/s", "phase rate of the motor, negative = reversed", [rate])
+    add("motor_rate", "input", "rad/s", "phase rate of the motor, negative = reversed",
+        [0.0 if stepper.locked else float(stepper.gait.rate)])  # fmt: skip
     for name, unit, about in (
         ("force", "N", "external force on the body at its centre, lab frame"),
         ("torque", "N.m", "external torque on the body about its centre, lab frame"),
@@ -99,6 +97,8 @@ def variables(stepper: Stepper) -> list[dict[str, Any]]:
     add("us uq ur", "calculated", "m/s", "velocity of the body's centre, body frame")
     add("os oq or", "calculated", "rad/s", "angular velocity, body frame")
     add("motor_torque", "calculated", "N.m", "torque of the motor, power per unit phase rate")
+    if around.code:
+        add("gap", "calculated", "m", "smallest distance of the surface to the boundary")
     if stepper.gait.units != "SI":
         for v in made:
             v["unit"] = ""
@@ -229,6 +229,7 @@ def _wrapper(model: cmodel.CModel, made: Actuators, known: list[dict[str, Any]],
         "first_input": str(first["input"]),
         "first_output": str(first["calculated"]),
         "variables": str(len(known)),
+        "gap": f"{model.name}_gap(y)" if known[-1]["name"] == "gap" else "0.0",
         "actuators": str(len(made.names)),
         "actuators_start": ", ".join(map(repr, (*made.start, 0.0))),
     }

@@ -38,9 +38,10 @@ PRECISIONS = {
 FIGURES = (
     *("limits", "locked", "viscosity_value", "moment_values", "soft_values", "rate_value"),
     *("declared", "actuate", "tables", "small", "trace", "wrap", "energy", "steps_of_one"),
+    *("boundary", "start_position", "start_quaternion"),
 )
 _LITERAL = re.compile(r"(?<![\w.@])(\d+\.\d*(?:e[-+]?\d+)?|\d+e[-+]?\d+)(?![\w.])")
-_FUNCTION = re.compile(r"\b(sqrt|sin|cos|log|fabs|fmax|ceil|floor)\(")
+_FUNCTION = re.compile(r"\b(sqrt|sin|cos|atan2|exp|log|log1p|fabs|fmax|fmin|ceil|floor)\(")
 
 
 def single(text: str) -> str:

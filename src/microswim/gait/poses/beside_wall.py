@@ -13,9 +13,10 @@ to log D, M and z of free fluid, by splines in
 
     xi = log(gap / (gap + size)),
 
-which meet both contact (linear in log gap, and so continued below the smallest gap solved) and free
-fluid (nothing at xi = 0). The gap has a kink where the nearest point changes from body to tail, at
-``tilt = kink(psi)``; on each side splines in
+which meet both contact (linear in log gap; below the smallest gap solved as `lubricated` has it)
+and free fluid (nothing at xi = 0). With them goes the logarithm of the motor's power
+P = G - F_p . R^-1 F_p per squared rate. The gap has a kink where the nearest point changes from
+body to tail, at ``tilt = kink(psi)``; on each side splines in
 
     sigma = +-log(1 + reach |tilt - kink| / g) / log(1 + reach (pi/2 -+ kink) / g),  g = gap + blur,
 
@@ -36,12 +37,10 @@ from microswim.numerics.rigid_motion import to_lab
 #: Entries of `PoseTable.numbers`.
 NUMBERS = (
     "sign", "tail_radius", "size", "reach", "blur", "lowest_xi", "length", "viscosity",
-    "tail_blur",
+    "tail_blur", "power", "least",
 )  # fmt: skip
-SIGN, TAIL_RADIUS, SIZE, REACH, BLUR, LOWEST, LENGTH, VISCOSITY, TAIL_BLUR = range(9)
-
-#: How far below the smallest gap log-linear growth goes on (in xi); the force across goes on.
-BEYOND = 3.0
+SIGN, TAIL_RADIUS, SIZE, REACH, BLUR, LOWEST, LENGTH, VISCOSITY, TAIL_BLUR, POWER = range(10)
+LEAST = 10  #: the smallest gap that was solved
 
 
 @compiled(fastmath=FAST, error_model="numpy")
@@ -51,7 +50,7 @@ def contact(
 ) -> None:  # fmt: skip
     """Write gap, nearest point, normal to touch (14,); tilt and azimuth of the normal to at[:2].
 
-    Of body or tail, whichever is nearer, and then of the other.
+    Of the body, then of the tail; what the swimmer does not have has an infinite gap.
     """
     n0, n1, n2 = to_lab(q, boundary[3], boundary[4], boundary[5], -1.0)
     height = 0.0
@@ -93,18 +92,13 @@ def contact(
             u = -1.0
         u = min(max(u, -1.0), 1.0)
         w0, w1, w2 = 0.5 * u * (u - 1.0), 1.0 - u * u, 0.5 * u * (u + 1.0)
-        gap = height + w0 * y0 + w1 * y1 + w2 * y2 - numbers[1]
-        k0 = 0 if gap < touch[0] else 7
-        if k0 == 0:
-            for i in range(4):
-                touch[7 + i] = touch[i]
-        touch[k0] = gap
+        touch[7] = height + w0 * y0 + w1 * y1 + w2 * y2 - numbers[1]
         p0 = w0 * tail[k - 1, 0] + w1 * tail[k, 0] + w2 * tail[k + 1, 0]
         p1 = w0 * tail[k - 1, 1] + w1 * tail[k, 1] + w2 * tail[k + 1, 1]
         p2 = w0 * tail[k - 1, 2] + w1 * tail[k, 2] + w2 * tail[k + 1, 2]
-        touch[k0 + 1] = p0 - numbers[1] * n0
-        touch[k0 + 2] = p1 * ct - p2 * st - numbers[1] * n1
-        touch[k0 + 3] = p1 * st + p2 * ct - numbers[1] * n2
+        touch[8] = p0 - numbers[1] * n0
+        touch[9] = p1 * ct - p2 * st - numbers[1] * n1
+        touch[10] = p1 * st + p2 * ct - numbers[1] * n2
     for i in (4, 11):
         touch[i], touch[i + 1], touch[i + 2] = n0, n1, n2
     at[0], at[1] = np.arctan2(n0, across), azimuth
@@ -112,9 +106,9 @@ def contact(
 
 @compiled(fastmath=FAST, error_model="numpy")
 def place(numbers: Any, kinks: Any, touch: Any, phase: Any, at: Any) -> None:
-    """Write xi, sigma, psi, how far xi lies below its range, and its lowest value to at[2:7].
+    """Write xi, sigma, psi and the lowest xi to at[2:6].
 
-    A gap that is not positive counts as a very small one.
+    A gap below the smallest that was solved counts as it.
     """
     psi = phase - numbers[0] * at[1]
     turns = psi / (2.0 * np.pi)
@@ -122,13 +116,8 @@ def place(numbers: Any, kinks: Any, touch: Any, phase: Any, at: Any) -> None:
     i = int(where) % kinks.size
     part = where - np.floor(where)
     kink = kinks[i] + part * (kinks[(i + 1) % kinks.size] - kinks[i])
-    gap = max(touch[0], 1e-12 * numbers[2])
-    xi = np.log(gap / (gap + numbers[2]))
-    at[2] = max(xi, numbers[5])
-    at[5] = min(xi - numbers[5], 0.0)
-    if xi < numbers[5]:
-        least = np.exp(numbers[5])
-        gap = numbers[2] * least / (1.0 - least)
+    gap = max(min(touch[0], touch[7]), numbers[LEAST])
+    at[2] = max(np.log(gap / (gap + numbers[2])), numbers[5])
     tilt, right = at[0], 0.5 * np.pi
     if tilt >= kink:
         g = gap + numbers[4]
@@ -138,14 +127,14 @@ def place(numbers: Any, kinks: Any, touch: Any, phase: Any, at: Any) -> None:
         g = gap + numbers[8]
         at[3] = -np.log1p(numbers[3] * (kink - tilt) / g)
         at[3] /= np.log1p(numbers[3] * (right + kink) / g)
-    at[4], at[6] = psi, numbers[5]
+    at[4], at[5] = psi, numbers[5]
 
 
 @compiled()
 def weights(u: Any, n: int, w: Any) -> Any:
     """Write the four weights of uniform cubic B-splines at u in [0, 1] of n - 3 intervals.
 
-    Returns the first coefficient. w[4:8]: their derivatives in u.
+    Returns the first coefficient.
     """
     intervals = n - 3
     where = min(max(u, 0.0), 1.0) * intervals
@@ -155,9 +144,6 @@ def weights(u: Any, n: int, w: Any) -> Any:
     w[0], w[3] = r * r * r / 6.0, t * t * t / 6.0
     w[1] = (3.0 * t * t * t - 6.0 * t * t + 4.0) / 6.0
     w[2] = (3.0 * r * r * r - 6.0 * r * r + 4.0) / 6.0
-    w[4], w[7] = -0.5 * r * r * intervals, 0.5 * t * t * intervals
-    w[5] = (1.5 * t * t - 2.0 * t) * intervals
-    w[6] = -(1.5 * r * r - 2.0 * r) * intervals
     return i
 
 
@@ -206,26 +192,19 @@ def free_factors(packed: Any, numbers: Any, at: Any, values: Any, work: Any) -> 
 
 @compiled(fastmath=FAST, error_model="numpy")
 def interpolate(factors: Any, at: Any, values: Any, work: Any) -> None:
-    """Add what the wall adds to log D (6,), M below its diagonal (15,) and z (6,) at at[2:7]."""
+    """Add what the wall adds to log D (6,), M below its diagonal (15,), z (6,) and log P."""
     side = 0 if at[3] >= 0.0 else 1
     n, m, harmonics, count = factors.shape[1:]
-    w, v, series = work[:8], work[8:16], work[16 : 16 + harmonics * count]
-    i0 = weights(1.0 - at[2] / at[6], n, w)
+    w, v, series = work[:4], work[4:8], work[8 : 8 + harmonics * count]
+    i0 = weights(1.0 - at[2] / at[5], n, w)
     j0 = weights(abs(at[3]), m, v)
-    below = max(at[5], -BEYOND) / (-at[6])
     series[:] = 0.0
     for i in range(4):
         for j in range(4):
-            b = (w[i] + below * w[4 + i]) * v[j]
+            b = w[i] * v[j]
             here = factors[side, i0 + i, j0 + j].reshape(harmonics * count)
             for k in range(harmonics * count):
                 series[k] += b * here[k]
-    if at[5] < -BEYOND:  # the force across goes on as a power of the gap
-        for i in range(4):
-            for j in range(4):
-                b = w[4 + i] * (at[5] + BEYOND) / (-at[6]) * v[j]
-                for h in range(harmonics):
-                    series[h * count] += b * factors[side, i0 + i, j0 + j, h, 0]
     c1, s1 = np.cos(at[4]), np.sin(at[4])
     c, s = c1, s1
     for k in range(count):
@@ -237,11 +216,13 @@ def interpolate(factors: Any, at: Any, values: Any, work: Any) -> None:
 
 
 @compiled(fastmath=FAST, error_model="numpy")
-def from_factors(numbers: Any, touch: Any, values: Any, R: Any, F: Any, work: Any) -> None:
+def from_factors(numbers: Any, touch: Any, values: Any, R: Any, F: Any, work: Any) -> Any:
     """Write R = sum_k D_k m_k m_k' and F_p = sum_k D_k z_k m_k in the body frame.
 
-    m_k, the columns of M, are turned from (n, t, r) of the wall into the body's axes.
+    m_k, the columns of M, are turned from (n, t, r) of the wall into the body's axes. Returns
+    ``F_p . R^-1 F_p = sum_k D_k z_k^2``.
     """
+    moved = 0.0
     n0, n1, n2 = touch[4], touch[5], touch[6]
     across = np.sqrt(n1 * n1 + n2 * n2)
     cosine = n1 / across if across > 1e-12 else 1.0
@@ -265,6 +246,7 @@ def from_factors(numbers: Any, touch: Any, values: Any, R: Any, F: Any, work: An
         m[4] = n1 * tn - n0 * cosine * tt - sine * tr
         m[5] = n2 * tn - n0 * sine * tt + cosine * tr
         D = mu * a * np.exp(values[k])
+        moved += D * (a * values[21 + k]) ** 2
         for i in range(6):
             F[i] += a * D * values[21 + k] * m[i]
             for j in range(i + 1):
@@ -272,3 +254,4 @@ def from_factors(numbers: Any, touch: Any, values: Any, R: Any, F: Any, work: An
     for i in range(6):
         for j in range(i):
             R[j, i] = R[i, j]
+    return moved

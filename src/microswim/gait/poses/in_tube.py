@@ -9,13 +9,15 @@ t, either sense of it, and on b, the vector from the line to the body's centre. 
 so that R is symmetric positive definite for any symmetric L. L (21 numbers) and w (6) are smooth
 functions of
 
-    z = (b, t t', log(g/(g + size)) of body and of tail),   g: gap of each,
+    z = (b, t t', q_b, q_t, <q>, <q s>, <q n>)
 
-that do not know the sense of t, and are interpolated between scattered poses by their covariance,
+with q = log(g/(g + size)) of the gap g: of body and tail where they are nearest, and averaged over
+the tail, which feels how much of it is near, where along it and on which side (n points from the
+wall to the axis). Which turn of the tail is nearest jumps from pose to pose, the means do not.
+None knows the sense of t. L and w are interpolated between scattered poses by their covariance,
 Matern 5/2 of the distance in z. Towards contact the eigenvalue of L across the wall goes like
 -log g and all else like a power of log g less; below the smallest gap solved R goes on as
-lubrication has it, ``R + (g_0/g - 1) N N' / (N' R^-1 N)``, N the wrench of a unit force at the
-nearest point.
+lubrication has it (`lubricated`).
 """
 
 from __future__ import annotations
@@ -24,25 +26,48 @@ from typing import Any
 
 import numpy as np
 
-from microswim.gait.poses.beside_wall import LENGTH, SIGN, SIZE, TAIL_RADIUS
+from microswim.gait.poses.beside_wall import LEAST, LENGTH, SIZE, TAIL_RADIUS
 from microswim.gait.poses.tube_contact import body_in_tube, tail_in_tube
 from microswim.numerics.compiling.compiled import FAST, compiled
 from microswim.numerics.matern import matern
-from microswim.numerics.solve6 import solve
 
-LEAST = 5  #: entry of `PoseTable.numbers`: the smallest gap that was solved
-FEATURES = 10
+#: Features of a pose; those first that say where it is.
+FEATURES, WHERE = 14, 10
 
 
 @compiled(fastmath=FAST, error_model="numpy")
-def features(line: Any, of_body: Any, of_tail: Any, numbers: Any, z: Any) -> None:
-    """Write z (10,) of a line and the gaps of body and tail; a gap below the least counts as it."""
+def features(
+    line: Any, of_body: Any, of_tail: Any, tail: Any, numbers: Any, radius: Any, z: Any
+) -> None:
+    """Write z (14,) of a line and the gaps of body and tail; one below the least counts as it."""
     per = 1.0 / numbers[LENGTH]
     t0, t1, t2 = line[0], line[1], line[2]
     z[0], z[1], z[2] = line[3] * per, line[4] * per, line[5] * per
     z[3], z[4], z[5], z[6] = t0 * t1, t0 * t2, t1 * t1 - t2 * t2, t1 * t2
     z[7] = t0 * t0
     z[8], z[9] = _of_gap(of_body, numbers), _of_gap(of_tail, numbers)
+    _along(line, tail, numbers, radius, z)
+
+
+@compiled(fastmath=FAST, error_model="numpy")
+def _along(line: Any, tail: Any, numbers: Any, radius: Any, z: Any) -> None:
+    """Write the means over the tail to z[10:14]."""
+    for k in range(10, 14):
+        z[k] = 0.0
+    n = tail.shape[0]
+    if n == 0:
+        return
+    middle, share = 0.5 * (tail[0, 0] + tail[n - 1, 0]), 1.0 / n
+    for i in range(n):
+        y0, y1, y2 = line[3] + tail[i, 0], line[4] + tail[i, 1], line[5] + tail[i, 2]
+        along = y0 * line[0] + y1 * line[1] + y2 * line[2]
+        y0, y1, y2 = y0 - along * line[0], y1 - along * line[1], y2 - along * line[2]
+        far = np.sqrt(y0 * y0 + y1 * y1 + y2 * y2)
+        q = share * _of_gap(radius - far - numbers[TAIL_RADIUS], numbers)
+        z[10] += q
+        z[11] += q * (tail[i, 0] - middle) / numbers[LENGTH]
+        z[12] -= q * y1 / radius
+        z[13] -= q * y2 / radius
 
 
 @compiled(error_model="numpy")
@@ -158,70 +183,6 @@ def from_power(root: Any, values: Any, F: Any) -> Any:
 
 
 @compiled()
-def _ease(touch: Any, R: Any, N: Any, work: Any) -> Any:
-    """Write N (6,), the wrench of a unit force at what touches, and ``R^-1 N`` to work[:6].
-
-    Returns ``N' R^-1 N``.
-    """
-    V, A = work[:6], work[6:42].reshape((6, 6))
-    p, n = touch[1:4], touch[4:7]
-    N[0], N[1], N[2] = n[0], n[1], n[2]
-    N[3] = p[1] * n[2] - p[2] * n[1]
-    N[4] = p[2] * n[0] - p[0] * n[2]
-    N[5] = p[0] * n[1] - p[1] * n[0]
-    for i in range(6):
-        V[i] = N[i]
-        for j in range(6):
-            A[i, j] = R[i, j]
-    solve(A, V, (True, True, True, True, True, True))
-    ease = 0.0
-    for i in range(6):
-        ease += N[i] * V[i]
-    return ease
-
-
-@compiled(error_model="numpy")
-def kept_off(numbers: Any, touch: Any, R: Any, U: Any, D: Any, work: Any) -> None:
-    """Hold what a flow does to a swimmer bounded below the smallest gap solved.
-
-    R (U + D), the wrench of the flow on the swimmer held, does not grow as R does in `continued`:
-    ``D - (1 - g/g_0) R^-1 N (N . (U + D)) / (N' R^-1 N)``. U (6,): flow and rotation at the centre.
-    """
-    for part in (0, 7):
-        gap = touch[part]
-        if not gap < numbers[LEAST]:
-            continue
-        N, V = work[:6], work[6:12]
-        ease = _ease(touch[part : part + 7], R, N, work[6:])
-        nears = 0.0
-        for i in range(6):
-            nears += N[i] * (U[i] + D[i])
-        share = (1.0 - max(gap, 0.0) / numbers[LEAST]) * nears / ease
-        for i in range(6):
-            D[i] -= share * V[i]
-
-
-@compiled(error_model="numpy")
-def continued(numbers: Any, touch: Any, R: Any, F: Any, work: Any) -> None:
-    """Add what grows like 1/gap below the smallest gap solved, for body and then for tail.
-
-    ``R + c N N'``, ``c = (g_0/g - 1) / (N' R^-1 N)``, and ``F_p + c N (n . u)`` where the nearest
-    point moves with u per unit phase rate, on the tail.
-    """
-    for part in (0, 7):
-        gap = touch[part]
-        if not gap < numbers[LEAST]:
-            continue
-        N = work[:6]
-        ease = _ease(touch[part : part + 7], R, N, work[6:])
-        c = (numbers[LEAST] / max(gap, 1e-12 * numbers[LENGTH]) - 1.0) / ease
-        for i in range(6):
-            F[i] += 0.0 if part == 0 else c * N[i] * numbers[SIGN] * N[3]
-            for j in range(6):
-                R[i, j] += c * N[i] * N[j]
-
-
-@compiled()
 def turned(turn: Any, V: Any, at: Any) -> None:
     """Turn a vector V[at : at + 3] about s."""
     c, s = np.cos(turn), np.sin(turn)
@@ -250,14 +211,13 @@ def out_of_the_tail(turn: Any, R: Any, F: Any, touch: Any) -> None:
 def of_lines(
     lines: Any, body: Any, tail: Any, numbers: Any, radius: Any, gaps: Any, Z: Any
 ) -> None:
-    """Write the gaps of body and tail (n, 2) and the features (n, 10) of lines (n, 6)."""
-    out, work = np.zeros(7), np.zeros(16)
+    """Write the gaps of body and tail (n, 2) and the features (n, 14) of lines (n, 6)."""
+    touch, work = np.zeros(14), np.zeros(16)
     for n in range(lines.shape[0]):
-        gaps[n] = np.inf
+        touch[0] = touch[7] = np.inf
         if body.shape[0] > 0:
-            body_in_tube(lines[n], body, radius, out, work)
-            gaps[n, 0] = out[0]
+            body_in_tube(lines[n], body, radius, touch[:7], work)
         if tail.shape[0] > 0:
-            tail_in_tube(lines[n], tail, numbers[TAIL_RADIUS], radius, out)
-            gaps[n, 1] = out[0]
-        features(lines[n], gaps[n, 0], gaps[n, 1], numbers, Z[n])
+            tail_in_tube(lines[n], tail, numbers[TAIL_RADIUS], radius, touch[7:])
+        gaps[n, 0], gaps[n, 1] = touch[0], touch[7]
+        features(lines[n], touch[0], touch[7], tail, numbers, radius, Z[n])

@@ -21,6 +21,6 @@ def refusal(boundary: str) -> SpecError:
     """Return the error of what would follow a path."""
     return SpecError(
         f"{boundary}: this gait holds at one pose, and along a path the {boundary} would turn with "
-        f"the swimmer; take its velocity at that pose (mean_velocity), leave [{boundary}] out, or "
-        'let "free" of [motion] hold what moves the swimmer against it'
+        f"the swimmer; take its velocity at that pose (mean_velocity), follow it with ms.path or "
+        f"ms.Stepper.of, which know the gait at every pose, or leave [{boundary}] out"
     )

@@ -12,6 +12,7 @@ import numpy as np
 
 from microswim.gait.gait import Gait
 from microswim.gait.poses.beside_wall import (
+    POWER,
     SIGN,
     contact,
     free_factors,
@@ -21,13 +22,13 @@ from microswim.gait.poses.beside_wall import (
 )
 from microswim.gait.poses.in_tube import (
     between,
-    continued,
     features,
     from_logarithm,
     from_power,
     out_of_the_tail,
     turned,
 )
+from microswim.gait.poses.lubricated import continued
 from microswim.gait.poses.tube_contact import nearer_first, touch_tube
 from microswim.gait.stepping import pack, row
 from microswim.numerics.compiling.compiled import compiled
@@ -91,6 +92,28 @@ def free_table(gait: Gait) -> PoseTable:
 
 
 @compiled()
+def near(table: Any, x: Any, q: Any, phase: Any, touch: Any, work: Any) -> Any:
+    """Write what of body and of tail is nearest to the boundary, as `resist`; return the gap.
+
+    The scratch holds what `resist` goes on from.
+    """
+    if table.kind == 2:
+        touch_tube(
+            table.boundary, table.numbers, table.body, table.tail, x, q, phase, work[28:34], touch,
+            work[54:],
+        )  # fmt: skip
+    elif table.kind == 1:
+        contact(
+            table.boundary, table.numbers, table.body, table.tail, x, q, phase, touch, work[28:36]
+        )
+    else:
+        for i in range(14):
+            touch[i] = 0.0
+        touch[0] = touch[7] = np.inf
+    return min(touch[0], touch[7])
+
+
+@compiled()
 def resist(table: Any, x: Any, q: Any, phase: Any, R: Any, F: Any, touch: Any, work: Any) -> Any:
     """Write R (6, 6) and F_p (6,) of a pose, body frame, and what is nearest to the boundary.
 
@@ -114,36 +137,33 @@ def resist(table: Any, x: Any, q: Any, phase: Any, R: Any, F: Any, touch: Any, w
     Returns
     -------
     float
-        Power of the motor per squared rate while the body is held; 0 where that of free fluid is
-        as good as is known.
+        Power of the motor per squared rate while the body is held; 0 where the table does not know
+        it, as in free fluid: the gait itself has that.
     """
-    values = work[:27]
+    values = work[:28]
+    near(table, x, q, phase, touch, work)
     if table.kind == 2:
-        values, line, z = work[:28], work[28:34], work[34:44]
-        touch_tube(
-            table.boundary, table.numbers, table.body, table.tail, x, q, phase, line, touch,
-            work[44:],
-        )  # fmt: skip
-        features(line, touch[0], touch[7], table.numbers, z)
-        between(table.known, table.weights, z, values, work[44:])
-        from_logarithm(table.root, values, R, F, work[44:])
+        line, z = work[28:34], work[34:54]
+        features(line, touch[0], touch[7], table.tail, table.numbers, table.boundary[6], z)
+        between(table.known, table.weights, z, values, work[54:])
+        from_logarithm(table.root, values, R, F, work[54:])
         power = from_power(table.root, values, F)
-        continued(table.numbers, touch, R, F, work[44:])
+        power += continued(table.numbers, touch, R, F, work[54:])
         nearer_first(touch)
         out_of_the_tail(table.numbers[SIGN] * phase, R, F, touch)
         return power
     if table.kind == 1:
-        at = work[27:35]
-        contact(table.boundary, table.numbers, table.body, table.tail, x, q, phase, touch, at)
+        at = work[28:36]
+        values[27] = 0.0
         place(table.numbers, table.kinks, touch, phase, at)
-        free_factors(table.packed, table.numbers, at, values, work[35:])
-        interpolate(table.factors, at, values, work[35:])
-        from_factors(table.numbers, touch, values, R, F, work[35:])
-        return 0.0
-    row(table.packed, phase, values)
-    for i in range(14):
-        touch[i] = 0.0
-    touch[0] = touch[7] = np.inf
+        free_factors(table.packed, table.numbers, at, values, work[36:])
+        interpolate(table.factors, at, values, work[36:])
+        moved = from_factors(table.numbers, touch, values, R, F, work[36:])
+        moved += continued(table.numbers, touch, R, F, work[36:])
+        nearer_first(touch)
+        free = table.numbers[POWER]
+        return moved + free * np.exp(values[27]) if free > 0.0 else 0.0
+    row(table.packed, phase, values[:27])
     m = 0
     for i in range(6):
         F[i] = values[21 + i]
@@ -161,12 +181,10 @@ def carry(table: Any, x: Any, q: Any, phase: Any, D: Any, work: Any) -> None:
     D (6,), body frame: the velocity of the swimmer that nothing else moves, less the flow and its
     rotation at the body's centre.
     """
-    values, line, z, touch = work[:18], work[28:34], work[34:44], work[44:58]
-    touch_tube(
-        table.boundary, table.numbers, table.body, table.tail, x, q, phase, line, touch, work[58:]
-    )
-    features(line, touch[0], touch[7], table.numbers, z)
-    between(table.known, table.carried, z, values, work[58:])
+    values, line, z, touch = work[:18], work[28:34], work[34:54], work[-14:]
+    near(table, x, q, phase, touch, work)
+    features(line, touch[0], touch[7], table.tail, table.numbers, table.boundary[6], z)
+    between(table.known, table.carried, z, values, work[54:])
     for i in range(6):  # D t', times t: the same for either sense of the line
         D[i] = 0.0
         for j in range(3):

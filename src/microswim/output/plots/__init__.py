@@ -10,5 +10,6 @@ __getattr__, __dir__, __all__ = lazy_loader.attach(
         "mobility": ["mobility"],
         "path": ["group_path", "path"],
         "run": ["trajectory", "velocity"],
+        "starts": ["starts"],
     },
 )

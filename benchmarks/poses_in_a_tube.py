@@ -1,0 +1,80 @@
+"""How well poses that were not solved are met in a tube.
+
+`python benchmarks/poses_in_a_tube.py RADIUS [POSES] [UNUSED] [FOLDER]`: the paper's base case (body
+radius 0.5) in a tube. Unused poses lie at random in place and direction, their gaps from
+0.05 body radii; they are solved with the same patches, those that the table itself leaves out at
+level standard. Solves are kept in FOLDER.
+"""
+
+import sys
+from dataclasses import replace
+
+import numpy as np
+
+import microswim as ms
+from microswim.calibration.poses import tube
+from microswim.calibration.poses.layout import shape_of
+from microswim.calibration.poses.solved import FEW, Table
+from microswim.gait.poses import in_tube as inside
+from microswim.jobs import references
+from microswim.numerics.files import cache_folder
+
+ROBOT = ms.Swimmer.preset("tabak/helix").with_({"motion.free": "all"})
+CLOSEST = 0.05  #: smallest gap of the unused poses, in body radii
+
+
+def unused(swimmer, radius, count):
+    """Lines (count, 6) at random, their gaps (count, 2)."""
+    shape = shape_of(swimmer, CLOSEST)
+    numbers = tube.numbers_of(shape, CLOSEST)
+    lines, _ = tube.places(shape, numbers, radius, count, among=count, seed=77)
+    gaps, Z = np.empty((len(lines), 2)), np.empty((len(lines), inside.FEATURES))
+    inside.of_lines(lines, shape.body, shape.tail, numbers, radius, gaps, Z)
+    return lines, gaps
+
+
+def missed(poses, swimmer, radius, lines, folder):
+    """Misses of the six velocities in units of speed and rate of turning in free fluid."""
+    free = replace(swimmer, channel=None)
+    asked = [tube.beside(free, radius, line) for line in lines]
+    truth = references.gaits(asked, "bem", level=FEW, folder=folder, workers=0)
+    speed = poses.gait.at_rate(1.0).velocity(0.0)
+    scale = np.repeat([np.linalg.norm(speed[:3]), np.linalg.norm(speed[3:])], 3)
+    found = np.full((len(lines), 6), np.nan)
+    for i, (near, gait) in enumerate(zip(asked, truth, strict=True)):
+        if isinstance(gait, str):
+            print("not solved:", gait)
+            continue
+        R, F = Table(poses.table).at(*tube.start_of(near), 0.0)
+        found[i] = (-np.linalg.solve(R, F) - gait.at_rate(1.0).velocity(0.0)) / scale
+    return found
+
+
+def main(radius="1.5", count="600", others="30", folder=None):
+    radius = float(radius)
+    folder = cache_folder("poses") if folder is None else folder
+    swimmer = replace(ROBOT, channel=ms.Channel(diameter=2 * radius, length=30.0))
+
+    def told(done, of):
+        if done % 50 == 0:
+            print(done, "of", of, file=sys.stderr, flush=True)
+
+    poses = tube.in_tube(
+        swimmer, scatter=tube.Scatter(poses=int(count)), folder=folder, workers=0, progress=told
+    )
+    print(f"radius {radius}, {count} poses; left out, level standard (95 %):")
+    print("  ", {k: v if k == "how" else round(v, 4) for k, v in poses.expected_error.items()})
+    lines, gaps = unused(swimmer, radius, int(others))
+    off = missed(poses, swimmer, radius, lines, folder)
+    for line, gap, row in zip(lines, gaps, off, strict=True):
+        tilt = np.degrees(np.arccos(abs(line[0])))
+        print(f"  tilt {tilt:5.1f} gaps {gap[0]:.3f} {gap[1]:.3f}", np.round(100 * row, 2))
+    off = np.abs(off[np.isfinite(off[:, 0])])
+    for name, rows in (("median", np.median(off, 0)), ("95 %", np.quantile(off, 0.95, 0)),
+                       ("worst", off.max(0))):  # fmt: skip
+        print(f"| {name} |", " | ".join(f"{100 * x:.2f} %" for x in rows), "|")
+    print(f"{int((off.max(axis=1) < 0.01).sum())} of {len(off)} within 1 % in every velocity")
+
+
+if __name__ == "__main__":
+    main(*sys.argv[1:])

@@ -1,0 +1,139 @@
+"""A wall or a tube inside the exported model: what is known of the poses, as tables and as C.
+
+The C in ``c/boundary.c.in``, ``wall.c.in`` and ``tube.c.in`` mirrors `microswim.gait.poses` and
+`microswim.control.posed`.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from importlib.resources import files
+from typing import Any
+
+import numpy as np
+
+from microswim.control.stepper import Stepper
+from microswim.gait.poses.table import TUBE
+from microswim.numerics.array import Array
+
+DECLARED = """
+/* The smallest distance of the surface to the boundary, negative inside [@length@]. */
+double @name@_gap(const @name@_state *state);
+"""
+WHERE = {
+    True: "The tube of radius {radius!r} has the x axis of the lab as its axis. The flow in it is "
+    "Poiseuille's; its velocity on the axis is flow[0]. ",
+    False: "The wall is the plane z = 0 of the lab, the fluid above it. A flow strains the swimmer "
+    "as in free fluid, and presses it onto the wall as there. ",
+}
+ABOUT = (
+    "R and F_p are those of each pose, from poses solved by boundary elements; a short-range "
+    "repulsion of range {reach!r} keeps body and tail off. The state starts as the specification "
+    "says."
+)
+DIGITS = 13  #: of the large tables
+
+
+@dataclass(frozen=True)
+class Boundary:
+    """What bounds the fluid of an exported model; by default nothing does.
+
+    Parameters
+    ----------
+    code
+        C of it, its tables first.
+    about
+        A sentence for the head of the files.
+    start
+        Position and quaternion at the start (7,).
+    """
+
+    code: str = ""
+    about: str = ""
+    start: tuple[float, ...] = (0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0)
+
+    @property
+    def declared(self) -> str:
+        """Declaration in the header, nothing in free fluid."""
+        return DECLARED if self.code else ""
+
+
+def boundary_of(stepper: Stepper) -> Boundary:
+    """Return what bounds the fluid of a stepper."""
+    around: Any = getattr(stepper, "around", None)
+    if around is None:
+        return Boundary()
+    posed: Any = stepper
+    tube, table = around.table.kind == TUBE, around.table
+    about = WHERE[tube].format(radius=float(table.boundary[6]) if tube else 0.0)
+    about += ABOUT.format(reach=float(around.contact[1])) + _wrong(posed.poses.expected_error)
+    code = _text("boundary").replace("@kind@", _text("tube" if tube else "wall"))
+    code = code.replace("@about@", "The axis of the tube is x." if tube else "The wall is z = 0.")
+    start = np.concatenate(posed.poses.start)
+    tables = _common(around) + (_tube(table) if tube else _wall(around))
+    return Boundary(tables + code, about, tuple(map(float, start)))
+
+
+def _wrong(error: dict[str, Any]) -> str:
+    """Return by how much poses are missed, as a sentence."""
+    parts = (f"{k} {100 * v:.2g} %" for k, v in error.items() if k != "how")
+    return f" Poses are met within {', '.join(parts)}: {error['how']}." if error else ""
+
+
+def _text(name: str) -> str:
+    return (files("microswim.control.export") / "c" / f"{name}.c.in").read_text("utf-8")
+
+
+def _array(name: str, values: Array, digits: int = 17) -> str:
+    """Return a table of doubles; one number stands for none."""
+    flat = np.ravel(values) if np.size(values) else np.zeros(1)
+    listed = ", ".join(_number(v, digits) for v in flat)
+    return f"static const double {name}[{len(flat)}] = {{{listed}}};\n"
+
+
+def _number(value: float, digits: int) -> str:
+    """Return a number of C, with a point or an exponent."""
+    text = f"{float(value):.{digits}g}"
+    return text if "." in text or "e" in text else text + ".0"
+
+
+def _common(around: Any) -> str:
+    table, free = around.table, ", ".join("1" if f else "0" for f in around.free)
+    return (
+        _array("NUMBERS", table.numbers)
+        + _array("CONTACT", around.contact)
+        + f"static const int FREE_TO[6] = {{{free}}};\n"
+        + f"#define BODY_POINTS {len(table.body)}\n"
+        + _array("BODY", table.body)
+        + f"#define TAIL_POINTS {len(table.tail)}\n"
+        + _array("TAIL", table.tail)
+    )
+
+
+def _wall(around: Any) -> str:
+    table = around.table
+    _, gaps, tilts, harmonics, columns = table.factors.shape
+    sizes = {"GAPS": gaps, "TILTS": tilts, "HARMONICS": harmonics, "COLUMNS": columns}
+    sizes |= {"KINKS_ROWS": len(table.kinks), "PACKED_ROWS": len(table.packed)}
+    sizes |= {"HELD_ROWS": len(around.strain)}
+    return (
+        "".join(f"#define {name} {size}\n" for name, size in sizes.items())
+        + _array("KINKS", table.kinks)
+        + _array("PACKED", table.packed)
+        + _array("HELD", around.strain)
+        + _array("FACTORS", table.factors, DIGITS)
+    )
+
+
+def _tube(table: Any) -> str:
+    features, poses = len(table.known) - 1, table.known.shape[1]
+    known = np.concatenate([np.pad(table.known[0, :features], (0, poses - features))[None],
+                            table.known[1:]])  # fmt: skip
+    return (
+        f"#define POSES {poses}\n#define FEATURES {features}\n"
+        + f"static const double TUBE_RADIUS = {_number(table.boundary[6], 17)};\n"
+        + _array("ROOT", table.root)
+        + _array("KNOWN", known, DIGITS)
+        + _array("WEIGHTS", table.weights, DIGITS)
+        + _array("CARRIED", table.carried, DIGITS)
+    )

@@ -179,7 +179,7 @@ class PosedStepper(Stepper):
         return out[..., :6], out[..., 6]
 
     def velocity(self, phase: float, rate: float, wrench: Any = None) -> np.ndarray:
-        """Refuse: beside a boundary a phase is not enough."""
+        """Refuse to answer, for beside a boundary a phase is not enough."""
         raise SpecError("velocity: beside a boundary it depends on the pose; take twist(state)")
 
     def scattered(

@@ -39,7 +39,7 @@ TURNED = 0.4  #: rad that the field does, with noise
 _LOOSE = 30.0  #: times the tolerance: the second march, for the error of the first
 
 
-def _at_every_pose(name: str, value: Any) -> None:
+def at_every_pose(name: str, value: Any) -> None:
     """Refuse what is no gait as a function of the pose."""
     if not all(hasattr(value, part) for part in ("gait", "table", "start", "gap")):
         raise SpecError(name, value, "a gait at every pose", "for one in free fluid give gait")
@@ -50,7 +50,7 @@ def _at_every_pose(name: str, value: Any) -> None:
     time=checks.above_zero("time"),
     model=checks.text,
     gait=checks.gait,
-    poses=_at_every_pose,
+    poses=at_every_pose,
     position=checks.series,
     quaternion=checks.series,
     tilt=checks.series,

@@ -220,7 +220,7 @@ def test_a_path_starts_where_the_spec_says(tilt: float, azimuth: float) -> None:
     ],
 )
 def test_other_kinds_are_refused(swimmer: ms.Swimmer) -> None:
-    with pytest.raises(SpecError, match="body of revolution with a helical tail"):
+    with pytest.raises(SpecError, match="body of revolution with one helical tail"):
         wall.beside_wall(replace(swimmer, wall=ms.Wall(2.0)))
 
 

@@ -229,3 +229,20 @@ def test_memory_is_refused_in_a_sentence():
     huge = Surface(many, many, np.zeros(len(many), bool), 2)
     with pytest.raises(MicroswimError, match=r"unknowns need .* GB"):
         system.require_memory(huge.unknowns)
+
+
+def test_a_spheroid_beside_a_wall_slides_and_sinks_by_brenners_law():
+    """``R = R_0 / (1 - k R_0 / (6 pi mu h)) + O(h^-3)``, k = 9/16 along and 9/8 across the wall, of
+    any body [Brenner 1962, J. Fluid Mech. 12, 35]; its rolling is changed by O(h^-3) too.
+    """
+    body, normal = bem.ellipsoid((2.0, 1.0, 1.0), 2, 3), np.array([0.0, 0.0, 1.0])
+    free, k, off, rolled = bem.resistance(body, 1.0), np.array([9 / 16, 9 / 16, 9 / 8]), [], []
+    for height in (6.0, 12.0):
+        R = bem.resistance(body, 1.0, wall=np.concatenate([-height * normal, normal]))
+        own = np.diag(free)
+        law = own[:3] / (1.0 - k * own[:3] / (6 * np.pi * height))
+        off.append(np.abs(np.diag(R)[:3] / law - 1.0))
+        rolled.append(np.diag(R)[3:] / own[3:] - 1.0)
+    assert off[1].max() < 2e-3
+    assert off[0] / off[1] == pytest.approx(np.full(3, 8.0), rel=0.15)
+    assert rolled[0] / rolled[1] == pytest.approx(np.full(3, 8.0), rel=0.15)

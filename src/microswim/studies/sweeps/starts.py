@@ -26,7 +26,7 @@ from microswim.gait.units import unit
 from microswim.jobs.processes import answers, counted
 from microswim.jobs.worker import Lost
 from microswim.numerics.files import write
-from microswim.path.following import path
+from microswim.path.following import at_every_pose, path
 from microswim.swimmer.swimmer import Swimmer
 
 if TYPE_CHECKING:
@@ -58,6 +58,7 @@ def _grid(name: str, value: Any) -> None:
     time=checks.above_zero("time"),
     over=_grid,
     model=checks.text,
+    poses=at_every_pose,
     keep=checks.place,
     progress=checks.function,
 )

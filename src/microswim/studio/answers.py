@@ -33,6 +33,7 @@ from microswim.studio.spec_tables import canonical, swimmer_of, units_of
 from microswim.swimmer.geometry.tails.kinds import WaveTail
 from microswim.swimmer.magnetism.applied_field import RotatingField
 from microswim.swimmer.magnetism.magnet import vector_of
+from microswim.swimmer.surroundings import clearance
 from microswim.swimmer.swimmer import Swimmer
 
 MAP_OUTPUTS = ("swimming_speed", "efficiency", "mean_power", "mean_torque", "body_rate_hz")
@@ -74,7 +75,7 @@ def solve(tables: Any, name: str = "design") -> dict[str, Any]:
     """
     start = time.perf_counter()
     swimmer = swimmer_of(tables)
-    around.check(swimmer)
+    clearance.check(swimmer)
     with warnings.catch_warnings(record=True) as caught:
         warnings.simplefilter("always")
         gait = surrogate(swimmer)

@@ -29,6 +29,7 @@ from microswim.swimmer.parts import changed, part_of, spread
 from microswim.swimmer.provenance import Provenance
 from microswim.swimmer.region import Region
 from microswim.swimmer.shown import Shown
+from microswim.swimmer.surroundings import clearance
 from microswim.swimmer.surroundings.flow import Flow
 from microswim.swimmer.surroundings.fluid import Fluid
 from microswim.swimmer.surroundings.gravity import Gravity
@@ -251,6 +252,7 @@ class Swimmer(Shown):
         if self.tail.settles and model == "rft":  # its theory is that of the elastic tail too
             model = "elastic"
         doors.check_options(model, options)
+        clearance.check(self)
         if self.tail.settles and model not in ("auto", "elastic"):
             return self.settled.gait(model, **options)
         if model == "rft" and self.region is not None and not options:

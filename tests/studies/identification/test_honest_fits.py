@@ -1,6 +1,7 @@
 """Fits that say when they know nothing, and intervals that hold the model's own error."""
 
 import json
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -116,3 +117,20 @@ def test_the_error_of_the_model_is_in_the_intervals(monkeypatch, counted):
         assert (hits >= binom.ppf(0.001, trials, 0.95)).all()
     else:
         assert hits.min() < binom.ppf(0.001, trials, 0.95)
+
+
+def test_large_errors_of_the_model_reach_over_designs_that_move_alike(monkeypatch):
+    """A track by another law of drag: its number of waves lies far from the fit's, and within."""
+    known = ms.Swimmer.preset("tabak/plane_wave")
+    truth = {"tail.amplitude": 0.0822, "tail.waves": 2.863, "tail.frequency": 1.379}
+    made = replace(known.with_(truth), coefficients=ms.Cox())
+    track = wave_track(3, gait=made.gait("rft"), noise=0.001)
+    errors = np.array([0.36, 0.65, 0.0, 0.0, 0.0, 0.38])
+    monkeypatch.setattr(fit, "model_errors", lambda own: errors)
+    found = ms.identify_swimmer(known, track)
+    waves = found.values[1]
+    assert abs(waves - truth["tail.waves"]) > 0.3
+    low, high = found.interval()[1]
+    assert low <= truth["tail.waves"] <= high
+    low, high = found.interval()[0]
+    assert low <= truth["tail.amplitude"] <= high

@@ -15,9 +15,11 @@ from scipy.stats import t as student
 
 from microswim.calibration.identifiability import Direction, determined
 from microswim.numerics.array import read_only
+from microswim.studies.identification.fitting.first_guesses import Grid
 from microswim.studies.identification.fitting.honesty import covariance_of_model
 from microswim.studies.identification.fitting.problem import PathProblem
 from microswim.studies.identification.fitting.profile import stretches
+from microswim.studies.identification.fitting.within_errors import reach
 
 AS_WELL = 9.0  #: chi-squared that a design may lie behind the best
 VAGUE = 100.0  #: times its own size, beyond which a value is not known at all
@@ -76,7 +78,7 @@ class Branch:
 
 def branch_of(
     problem: PathProblem, done: Any, spread: float, behind: float, errors: np.ndarray | None,
-    tried: bool = True,
+    tried: bool = True, grid: Grid | None = None,
 ) -> Branch:  # fmt: skip
     """Return the design of a fit, with what noise and the model's errors leave open.
 
@@ -94,6 +96,8 @@ def branch_of(
         Relative errors to expect of the model's six velocities, None to leave them out.
     tried
         Whether the ends of the intervals are tried, see `profile`.
+    grid
+        Of designs, of which the errors may not tell some apart.
     """
     n = len(problem.unknowns)
     J = problem.jacobian(done.x) / spread
@@ -115,6 +119,12 @@ def branch_of(
         whole = np.sqrt(np.diag(covariance))[:, None] * typical[:, None]
         rest = np.sqrt(np.diag(more))[:, None] * typical[:, None]
         stretch = np.hypot(stretch * noise[:, None], rest) / whole
+        degrees = max(done.fun.size - done.x.size, 1)
+        half = student.ppf(0.975, degrees) * whole[:, 0]
+        for name, ends in reach(problem, grid, values, errors).items():
+            i = problem.names.index(name)
+            out = np.abs(np.array(ends) - values[i]) / max(half[i], 1e-300)
+            stretch[i] = np.maximum(stretch[i], out)
     return Branch(
         values=values,
         covariance=covariance * np.outer(typical, typical),

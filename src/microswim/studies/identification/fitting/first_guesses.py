@@ -45,14 +45,16 @@ class Grid:
     ----------
     amplitude, waves
         The grid: 0.3 to 3 times the swimmer's own, and 0.75 to 5.5; one value if it is known.
-    speed, wobble, spin
-        Swimming speed, amplitude of u_q and mean w_s of each, the amplitude running slowest.
+    speed, wobble, turn, spin
+        Swimming speed, amplitudes of u_q and w_r, and mean w_s of each, the tail's amplitude
+        running slowest.
     """
 
     amplitude: np.ndarray
     waves: np.ndarray
     speed: np.ndarray
     wobble: np.ndarray
+    turn: np.ndarray
     spin: np.ndarray
 
     @classmethod
@@ -87,7 +89,7 @@ def _between(swimmer: Swimmer, b: np.ndarray, n: np.ndarray) -> list[np.ndarray]
 @settled(True)
 def _one_by_one(
     swimmer: Swimmer, axes: dict[str, np.ndarray]
-) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]:
     """`shown` of designs that no loop takes many of, by the gaits that a fit takes."""
     rows = []
     with warnings.catch_warnings():
@@ -95,21 +97,23 @@ def _one_by_one(
         for values in zip(*axes.values()):
             try:
                 made = quick_gait(lifted(swimmer, dict(zip(axes, map(float, values)))))
-                rows.append((screw(made).speed, made.velocity_amplitude[1], made.mean_velocity[3]))
+                swing = made.velocity_amplitude
+                rows.append((screw(made).speed, swing[1], swing[5], made.mean_velocity[3]))
             except (MicroswimError, np.linalg.LinAlgError, ValueError):
-                rows.append((np.nan,) * 3)
-    speed, wobble, spin = np.array(rows, dtype=float).T
-    return speed, wobble, spin
+                rows.append((np.nan,) * 4)
+    speed, wobble, turn, spin = np.array(rows, dtype=float).T
+    return speed, wobble, turn, spin
 
 
 def shown(
     swimmer: Swimmer, axes: dict[str, np.ndarray]
-) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """Return swimming speed, amplitude of u_q and mean w_s of designs."""
+) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]:
+    """Return swimming speed, amplitudes of u_q and w_r, and mean w_s of designs."""
     if not swimmer.tail.in_batches:
         return _one_by_one(swimmer, axes)
     found = evaluate(swimmer, axes, tolerance=1e-3)
-    return found["swimming_speed"], found["velocity_amplitude"][:, 1], found["mean_velocity"][:, 3]
+    swing = found["velocity_amplitude"]
+    return found["swimming_speed"], swing[:, 1], swing[:, 5], found["mean_velocity"][:, 3]
 
 
 @dataclass(frozen=True, eq=False)
@@ -150,7 +154,8 @@ class Designs:
         """
         one = {k: np.array([v]) for k, v in found.items() if k in (AMPLITUDE, WAVES)}
         f = found[FREQUENCY]
-        here = seen(self.problem, *shown(self.problem.swimmer, one), f)
+        speed, wobble, _, spin = shown(self.problem.swimmer, one)
+        here = seen(self.problem, speed, wobble, spin, f)
         speed, wobble = float(here[0][0]), float(here[1][0])
         if min(self.grid.amplitude.size, self.grid.waves.size) == 1:
             return self.like(f, speed, wobble, MOST)

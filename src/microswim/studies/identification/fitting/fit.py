@@ -179,7 +179,7 @@ def identified(
     fits.sort(key=_cost)
     if problem.weighs:
         problem, fits = weighed_anew(problem, fits, sigma, sigma_attitude)
-    return outcome(problem, fits, model_error)
+    return outcome(problem, fits, model_error, grid)
 
 
 def _followed(
@@ -292,7 +292,7 @@ def _about_model(problem: PathProblem, branch: Branch) -> tuple[str, ...]:
 
 
 def _branches(
-    problem: PathProblem, fits: list[Any], spread: float, model_error: bool
+    problem: PathProblem, fits: list[Any], spread: float, model_error: bool, grid: Grid | None
 ) -> list[Branch]:
     """The designs that fit as well as the best, each once."""
     found: list[Branch] = []
@@ -302,11 +302,13 @@ def _branches(
         if behind > AS_WELL or any(holds(branch, values) for branch in found):
             continue
         errors = _errors(problem, done) if model_error else None
-        found.append(branch_of(problem, done, spread, behind, errors))
+        found.append(branch_of(problem, done, spread, behind, errors, grid=grid))
     return found
 
 
-def outcome(problem: PathProblem, fits: list[Any], model_error: bool) -> Identification:
+def outcome(
+    problem: PathProblem, fits: list[Any], model_error: bool, grid: Grid | None = None
+) -> Identification:
     """Return everything there is to say about the fits, the best of them first."""
     best = fits[0]
     degrees = best.fun.size - best.x.size
@@ -314,7 +316,7 @@ def outcome(problem: PathProblem, fits: list[Any], model_error: bool) -> Identif
     withheld = left_over(problem, problem.path(best.x))
     branches = (branch_of(problem, best, spread, 0.0, None, tried=False),)
     if not withheld:
-        branches = ranked(problem, _branches(problem, fits, spread, model_error))
+        branches = ranked(problem, _branches(problem, fits, spread, model_error, grid))
     first = branches[0]
     path = problem.path(first.parameters)
     misfit = None if problem.sigma is None else 2.0 * best.cost / degrees

@@ -118,13 +118,18 @@ def test_a_dragged_slider_moves_the_numbers_and_requests_do_not_pile_up(page):
     assert after == pytest.approx(ms.screw(from_dict(tables).gait()).speed, rel=1e-6)
     assert most[0] == 1
     assert 1 <= sent[0] <= 18
+    page.click("#undo")
+    assert settled(page)["tail"]["amplitude"] == 0.1
 
 
 def test_undo_and_redo(page):
-    changed = shown_tables(page)
-    page.click("#undo")
     first = settled(page)
-    assert first["tail"]["amplitude"] == 0.1
+    page.fill('input[aria-label="Amplitude, value"]', "0.14")
+    page.keyboard.press("Enter")
+    changed = settled(page)
+    assert changed["tail"]["amplitude"] == 0.14
+    page.click("#undo")
+    assert settled(page) == first
     page.click("#redo")
     assert settled(page) == changed
     page.keyboard.press("Control+z")

@@ -106,6 +106,8 @@ class Joint:
     series : (3, n)
         Fourier coefficients (rfft, divided by n) of the polar angle, of s - s(pole) and of Theta -
         psi, Theta = theta + beta(s) - beta(s(pole)) the angle of the generator that does not wind.
+    body : Body
+        The body as those directions map to it.
     """
 
     s: float
@@ -113,6 +115,7 @@ class Joint:
     first: Array
     second: Array
     series: NDArray[np.complex128]
+    body: Body
 
     @property
     def ahead(self) -> float:
@@ -237,10 +240,12 @@ def trace_joint(body: Body, tail: Tail, phase: float = 0.0, points: int = 96) ->
     """
     start = piercing(body, tail, phase)
     curve = smooth_centreline(tail, np.array(start), phase)
+    body = body.about(curve.P, max(tail.half_axes))
     pole = body.direction(curve.P)
     first = _lean(body, tail, curve, pole)
     psi = 2 * np.pi * np.arange(points) / points
-    bare = Joint(start, pole, first, np.cross(pole, first), np.zeros((3, 1), complex))
+    second, none = np.cross(pole, first), np.zeros((3, 1), complex)
+    bare = Joint(start, pole, first, second, none, body)
     s = np.full(points, start)
 
     def excess(angle: Array) -> Array:
@@ -266,7 +271,7 @@ def trace_joint(body: Body, tail: Tail, phase: float = 0.0, points: int = 96) ->
         return trace_joint(body, tail, phase, 2 * points)
     if left > 0.01:
         raise _lies_on_body(tail)
-    return Joint(start, pole, first, bare.second, series)
+    return Joint(start, pole, first, second, series, body)
 
 
 def check_clear(body: Body, tail: Tail, joint: Joint, phase: float = 0.0) -> None:

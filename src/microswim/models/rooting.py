@@ -99,7 +99,7 @@ def _joint(body: Body, tail: Tail, phase: float) -> Joint:
     joint = trace_joint(body, tail, phase)
     check_clear(body, tail, joint, phase)
     around = np.linspace(0.0, 2.0 * np.pi, 64)
-    body.opening(joint.pole, joint.first, float(joint.angle(around).max()))
+    joint.body.opening(joint.pole, joint.first, float(joint.angle(around).max()))
     return joint
 
 

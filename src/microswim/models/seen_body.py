@@ -45,6 +45,10 @@ class SeenBody(Body):
     shape: ClassVar[str] = "seen"
 
     @property
+    def as_it_stands(self) -> Body:
+        return self.body
+
+    @property
     def is_absent(self) -> bool:  # type: ignore[override]
         return self.body.is_absent
 
@@ -63,6 +67,9 @@ class SeenBody(Body):
 
     def diagonal(self, viscosity: Any) -> tuple[Any, ...]:
         return self.body.diagonal(viscosity)
+
+    def about(self, X: Array, size: float) -> Body:
+        return SeenBody(self.body.about(self.place.placed(X), size), self.place, self.behind)
 
     def level(self, X: Array) -> Array:
         return self.body.level(self.place.placed(X))

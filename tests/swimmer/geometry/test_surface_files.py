@@ -7,9 +7,11 @@ from hypothesis import strategies as st
 
 import microswim as ms
 from microswim.errors import MicroswimError
+from microswim.swimmer.geometry.solids.coarsening import coarsened
 from microswim.swimmer.geometry.solids.crossing import winding
+from microswim.swimmer.geometry.solids.paired import facets_of
 from microswim.swimmer.geometry.solids.reading import checked, read
-from microswim.swimmer.geometry.solids.triangles import Triangles, coarsened, facets_of
+from microswim.swimmer.geometry.solids.triangles import Triangles
 
 trimesh = pytest.importorskip("trimesh")
 
@@ -66,11 +68,13 @@ def test_faults_are_refused_with_place_and_mend():
     fin = np.concatenate([points, [[0.0, 0.0, 3.0]]])
     edge = np.concatenate([faces, [[faces[0, 0], faces[0, 1], count]]])
     crossing = np.concatenate([points, points + [0.9, 0.1, 0.2]])
+    mirrored = np.concatenate([points - [0.7, 0, 0], points * [-1, 1, 1] + [0.7, 0, 0]])
     flat = np.array([[0.0, 0, 0], [1, 0, 0], [0, 1, 0], [1, 1, 0]])
     for wrong, words in (
         ((points, faces[1:]), ("hole at (", "close it")),
         ((fin, edge), ("at (", "close it")),
         ((crossing, np.concatenate([faces, faces + count])), ("through itself at (", "unite")),
+        ((mirrored, np.concatenate([faces, faces[:, ::-1] + count])), ("through itself", "unite")),
         ((flat, np.array([[0, 1, 2], [0, 2, 1]])), ("holds no surface", "export")),
         ((points * np.nan, faces), ("no numbers", "export")),
         ((points, faces + 5), ("does not hold", "export")),
@@ -161,6 +165,7 @@ def test_a_body_is_placed_at_the_joint_or_where_it_is_told(tmp_path):
         file=file, scale=1e-3, rotation=(np.sqrt(0.5), 0, 0, np.sqrt(0.5)), position=(0.0, 0, 1e-3)
     )
     assert turned.semi_axes3 == pytest.approx((0.5e-3, 1e-3, 0.3e-3))
+    assert turned.triangles is not None
     assert turned.triangles.points[:, 2].min() == pytest.approx(0.7e-3)
 
 

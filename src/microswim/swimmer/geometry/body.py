@@ -74,6 +74,11 @@ class Body(ABC):
         return np.array([-r_s, 0.0 * r_s, 0.0 * r_s])
 
     @property
+    def as_it_stands(self) -> Body:
+        """The body in the frame ``sqr``, whoever sees it."""
+        return self
+
+    @property
     def behind(self) -> Any:
         """Length behind a tail's root over which the tail may be continued to leave the body."""
         return 2 * self.semi_axes3[0]
@@ -101,6 +106,18 @@ class Body(ABC):
     @abstractmethod
     def surface_point(self, direction: Array) -> Array:
         """Return points (..., 3) of the surface that unit directions (..., 3) are mapped to."""
+
+    def about(self, X: Array, size: float) -> Body:
+        """Return the body as directions map to it about a root.
+
+        Parameters
+        ----------
+        X
+            Where the tail leaves it (3,).
+        size
+            Half width of the tail.
+        """
+        return self
 
     @abstractmethod
     def direction(self, X: Array) -> Array:

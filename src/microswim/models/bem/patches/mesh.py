@@ -11,6 +11,7 @@ from collections.abc import Callable
 
 import numpy as np
 
+from microswim.models.bem.patches import rooted
 from microswim.models.bem.patches.cells import shell
 from microswim.models.bem.patches.resolution import Resolution
 from microswim.models.bem.patches.surface import Surface, grid_boxes, sample_adapted, sampled, still
@@ -79,12 +80,14 @@ def _body(body: Body, joint: Joint, r: Resolution, flat: bool) -> Array:
 
 
 def _body_of_several(body: Body, joints: list[Joint], r: Resolution, flat: bool) -> Array:
-    """Positions of the patches of a body with several roots."""
+    """Positions of the patches of a body from a file, or with several roots."""
     side = _side(body, r)
 
     def rings(joint: Joint, gap: float) -> tuple[Array, Callable[[float, float], int]]:
         return _rings(joint, r, side, flat, gap, float("inf"))
 
+    if body.triangles is not None:
+        return rooted.shell(body.triangles, joints, r.file, rings)
     return shell(body, joints, side, rings)
 
 
@@ -106,7 +109,7 @@ def swimmer_surface(body: Body, tail: Tail, phase: float, r: Resolution) -> Surf
     flat = any(t.is_flat for t in tails)
     shells = []
     if joints:
-        one = len(joints) == 1
+        one = len(joints) == 1 and body.triangles is None
         shells = [
             _body(body, joints[0], r, flat) if one else _body_of_several(body, joints, r, flat)
         ]

@@ -7,14 +7,17 @@ them; large ones cut, towards sharp edges thrice as finely at each step.
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import lru_cache
 
 import numpy as np
 
 from microswim.errors import SpecError
 from microswim.models.bem.patches.surface import Surface, sampled, still
 from microswim.models.bem.system import Quadrature
+from microswim.swimmer.geometry.solids.coarsening import coarsened
 from microswim.swimmer.geometry.solids.facets import Facet
-from microswim.swimmer.geometry.solids.triangles import Triangles, coarsened, facets_of
+from microswim.swimmer.geometry.solids.paired import facets_of
+from microswim.swimmer.geometry.solids.triangles import Triangles
 
 RULE = Quadrature(points=4, near=2.0, far=6.0)
 
@@ -33,6 +36,32 @@ LEVELS = {
     "standard": Fineness(7500, 150, 2),
     "fine": Fineness(14000, 350, 3),
 }
+
+
+#: The same of a body with tails, whose order is the tails': patches in all, and most of them; share
+#: of the volume from which on triangles are too few for the shape, however many patches there are.
+TOO_FEW = 0.006
+WITH_TAIL = {
+    "coarse": Fineness(100, 40, 1),
+    "standard": Fineness(150, 50, 2),
+    "fine": Fineness(350, 150, 3),
+}
+
+
+@lru_cache(maxsize=16)
+def for_a_tail(triangles: Triangles, level: str) -> tuple[Triangles, float, int]:
+    """Return the triangles of a body that a tail grows out of, and how `facets_of` cuts them."""
+    wanted, whole = WITH_TAIL[level], triangles.curved_volume
+    size = 1.5 * float(np.sqrt(triangles.area / wanted.patches))
+    for _ in range(4):
+        count = _count(facets_of(triangles, size, wanted.layers))
+        if count <= wanted.unknowns:
+            break
+        fewer = coarsened(triangles, int(0.8 * len(triangles.faces) * wanted.unknowns / count))
+        if fewer is triangles or abs(fewer.curved_volume / whole - 1.0) > TOO_FEW:
+            break
+        triangles = fewer
+    return triangles, size, wanted.layers
 
 
 def surface_of(triangles: Triangles, level: str = "standard") -> tuple[Surface, Triangles]:

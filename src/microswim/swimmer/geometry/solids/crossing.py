@@ -8,8 +8,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from microswim.numerics.array import Array
+from microswim.numerics.compiling.compiled import FAST, compiled
 
 Indices = NDArray[np.int64]
+
+#: Share of a surface's size by which its points are moved before it is searched for crossings.
+JITTER = 1e-8
 
 
 def winding(at: Array, points: Array, faces: Indices) -> float:
@@ -25,12 +29,39 @@ def winding(at: Array, points: Array, faces: Indices) -> float:
     return float(np.arctan2(above, below).sum() / (2.0 * np.pi))
 
 
+@compiled(always=True, fastmath=FAST, nogil=True)
+def windings(at, points, faces, out):
+    """Write the winding number of a closed surface about each point (n, 3) to out (n,)."""
+    d, size = np.empty((3, 3)), np.empty(3)
+    for n in range(at.shape[0]):
+        total = 0.0
+        for m in range(faces.shape[0]):
+            for k in range(3):
+                square = 0.0
+                for c in range(3):
+                    d[k, c] = points[faces[m, k], c] - at[n, c]
+                    square += d[k, c] * d[k, c]
+                size[k] = np.sqrt(square)
+            ab = d[0, 0] * d[1, 0] + d[0, 1] * d[1, 1] + d[0, 2] * d[1, 2]
+            bc = d[1, 0] * d[2, 0] + d[1, 1] * d[2, 1] + d[1, 2] * d[2, 2]
+            ca = d[2, 0] * d[0, 0] + d[2, 1] * d[0, 1] + d[2, 2] * d[0, 2]
+            above = d[0, 0] * (d[1, 1] * d[2, 2] - d[1, 2] * d[2, 1])
+            above += d[0, 1] * (d[1, 2] * d[2, 0] - d[1, 0] * d[2, 2])
+            above += d[0, 2] * (d[1, 0] * d[2, 1] - d[1, 1] * d[2, 0])
+            below = size[0] * size[1] * size[2] + ab * size[2] + bc * size[0] + ca * size[1]
+            total += np.arctan2(above, below)
+        out[n] = total / (2.0 * np.pi)
+
+
 def first_crossing(points: Array, faces: Indices) -> Array | None:
     """Return a place where an edge of one triangle passes through another, None if nowhere.
 
-    Triangles that share a point are left aside.
+    Triangles that share a point are left aside. Points are moved by `JITTER`, so that no edge meets
+    another edge exactly, as those of parts that are mirror images of one another do.
     """
-    P = points[faces]
+    size = float(np.ptp(points, axis=0).max())
+    moved = np.random.default_rng(1).uniform(-JITTER, JITTER, points.shape) * size
+    P = (points + moved)[faces]
     low, high = P.min(axis=1), P.max(axis=1)
     for one, other in _near(low, high):
         apart = (faces[one][:, :, None] != faces[other][:, None, :]).all(axis=(1, 2))

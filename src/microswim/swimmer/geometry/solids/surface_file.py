@@ -13,13 +13,19 @@ import numpy as np
 from microswim import checks
 from microswim.errors import SpecError
 from microswim.numerics.array import Array
+from microswim.swimmer.geometry.body import Body
 from microswim.swimmer.geometry.solids import reading
-from microswim.swimmer.geometry.solids.crossing import winding
+from microswim.swimmer.geometry.solids.crossing import windings
 from microswim.swimmer.geometry.solids.facets import Facet, Opening
+from microswim.swimmer.geometry.solids.paired import facets_of
+from microswim.swimmer.geometry.solids.rooted_surface import RootedSurface, rooted
 from microswim.swimmer.geometry.solids.solved import SolvedBody
-from microswim.swimmer.geometry.solids.triangles import Triangles, facets_of
+from microswim.swimmer.geometry.solids.triangles import Triangles
 
 UNTURNED = (1.0, 0.0, 0.0, 0.0)
+#: Plane distance that one radian about a root stands for, in half widths of the tail.
+ROOM = 4.0
+_SEEN = "directions of a surface from a file are those about a root: take `about`"
 
 
 @checks.by_name
@@ -49,8 +55,8 @@ class SurfaceFile(SolvedBody):
 
     Notes
     -----
-    Its resistance is solved on curved patches through the triangles. The surrogate takes it; the
-    boundary elements take the body alone (`mobility`), not yet with a tail joined to it.
+    Its resistance is solved on curved patches through the triangles. By boundary elements a tail
+    grows out of any smooth part of it; finite elements do not take it.
 
     Examples
     --------
@@ -131,35 +137,34 @@ class SurfaceFile(SolvedBody):
     def level(self, X: Array) -> Array:
         X = np.asarray(X, float)
         own = self._placed
-        inside = np.array([winding(x, own.points, own.faces) for x in X.reshape(-1, 3)])
-        return np.where(inside > 0.5, -1.0, 1.0).reshape(X.shape[:-1])
+        low, high = own.points.min(axis=0), own.points.max(axis=0)
+        near = ((low <= X) & (high >= X)).all(axis=-1)
+        inside = np.zeros(int(near.sum()))
+        windings(np.ascontiguousarray(X[near]), own.points, own.faces, inside)
+        out = np.ones(X.shape[:-1])
+        out[near] = np.where(inside > 0.5, -1.0, 1.0)
+        return out
+
+    def about(self, X: Array, size: float) -> Body:
+        return RootedSurface(self, *rooted(self._placed, X), ROOM * size)
 
     def surface_point(self, direction: Array) -> Array:
-        raise _no_joint()
+        raise TypeError(_SEEN)
 
     def direction(self, X: Array) -> Array:
-        raise _no_joint()
+        raise TypeError(_SEEN)
 
     @property
     def stretch(self) -> float:
         return float(max(self.semi_axes3))
 
     def opening(self, pole: Array, first: Array, reach: float) -> Opening:
-        raise _no_joint()
+        raise TypeError(_SEEN)
 
     def facets(self, splits: int, opening: Opening | None = None) -> list[Facet]:
-        if opening is not None:
-            raise _no_joint()
         size = 0.5 * np.pi / splits * float(np.sqrt(self._placed.area / (4 * np.pi)))
         return facets_of(self._placed, size, 1)
 
     def drawing(self, fineness: float = 1.0) -> tuple[np.ndarray, np.ndarray]:
         own = self._placed
         return own.points - self.centre, own.faces[:, [0, 1, 2, 2]]
-
-
-def _no_joint() -> SpecError:
-    return SpecError(
-        "body.shape", "mesh", "another one where a tail is joined to it by boundary elements",
-        "draw the tail into the file and take its mobility, or take model rft",
-    )  # fmt: skip

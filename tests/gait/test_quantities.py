@@ -166,3 +166,11 @@ def test_on_a_circle_the_speed_along_the_path_is_that_of_the_circle():
 def test_on_a_straight_path_both_speeds_are_one():
     told = ms.summary(ms.Swimmer.preset("tabak/plane_wave").gait())
     assert told["path_speed"] == pytest.approx(told["swimming_speed"], rel=1e-9)
+
+
+def test_what_is_rounding_reads_zero():
+    """Two tails of opposite hands are their own mirror image: the path is a plane circle."""
+    told = ms.summary(ms.Swimmer.preset("several/two-tails").gait())
+    assert [told["mean_velocity"][i] for i in (1, 3, 5)] == [0.0, 0.0, 0.0]
+    assert told["swimming_speed"] == told["path_pitch"] == told["lateral_amplitude"] == 0.0
+    assert told["path_speed"] > 0.05

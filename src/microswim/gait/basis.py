@@ -89,3 +89,40 @@ class Basis:
         if self._length is None:
             raise SpecError("quantity: what is counted in body lengths needs the swimmer")
         return self._length
+
+
+#: Share of what a number is made of, below which it is rounding.
+ROUNDING = 1e-12
+
+
+class Rounded(Basis):
+    """The same for people and files: what is but rounding of sums that cancel is zero."""
+
+    @cached_property
+    def _sizes(self) -> np.ndarray:
+        """Largest velocity and rate of rotation at any time, each over the swimmer's length too."""
+        R = np.real(np.diagonal(self.gait.resistance_series[0]))
+        length = np.sqrt(R[3:].max() / R[:3].max())
+        most = np.abs(self.gait.mean_velocity) + np.abs(self.gait.velocity_amplitude)
+        size = max(most[:3].max(), length * most[3:].max())
+        return np.repeat([size, size / length], 3)
+
+    @cached_property
+    def mean_velocity(self) -> np.ndarray:
+        return _settled(self.gait.mean_velocity, self._sizes)
+
+    @cached_property
+    def velocity_amplitude(self) -> np.ndarray:
+        return _settled(self.gait.velocity_amplitude, self._sizes)
+
+    @property
+    def swimming_speed(self) -> Any:
+        return _settled(self._screw.speed, self._screw.path_speed)
+
+    @property
+    def path_pitch(self) -> Any:
+        return 0.0 * self._screw.angle if self.swimming_speed == 0.0 else self._screw.pitch
+
+
+def _settled(value: Any, size: Any) -> Any:
+    return np.where(np.abs(value) <= ROUNDING * size, 0.0, value)[()]

@@ -15,7 +15,7 @@ import numpy as np
 
 from microswim import checks
 from microswim.errors import renamed
-from microswim.gait.basis import Basis
+from microswim.gait.basis import Rounded
 from microswim.gait.gait import Gait
 from microswim.numerics.plain import plain
 
@@ -263,8 +263,10 @@ def summary(gait: Gait) -> dict[str, Any]:
 
 def numbers(gait: Gait, body_length: Any = None) -> dict[str, Any]:
     """Return every number of a gait, those in body lengths if the body's length is given."""
-    basis, left = Basis(gait, body_length), OF_SHAPE if body_length is None else ()
-    return {q.name: plain(np.real(q.of(basis)), nan=True) for q in _LIST if q.name not in left}
+    basis, left = Rounded(gait, body_length), OF_SHAPE if body_length is None else ()
+    return {
+        q.name: plain(np.real(q.of(basis)) + 0.0, nan=True) for q in _LIST if q.name not in left
+    }
 
 
 def current(name: str) -> str:

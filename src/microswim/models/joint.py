@@ -58,7 +58,8 @@ def piercing(body: Body, tail: Tail, phase: float = 0.0) -> float:
 def _section_coordinates(tail: Tail, X: Array, s: Array, phase: float) -> tuple[Array, Array]:
     """Distance from the centreline, in the section through X, and that section's s.
 
-    Of a ribbon the distance is counted in half axes and is the mean one on its surface.
+    Of a ribbon the distance is counted in half axes and is the mean one on its surface; of a
+    tapered tail it is the radius of the root there.
 
     Perpendicular: the closest point, (X - P) . P' = 0, by Newton's method from `s`.
     Sheared: the section of X is the one with P_s(s) = X_s.
@@ -79,9 +80,9 @@ def _section_coordinates(tail: Tail, X: Array, s: Array, phase: float) -> tuple[
             s = s - np.clip(step, -tail.radius, tail.radius)
     at = smooth_centreline(tail, s, phase)
     if tail.section is None:
-        return np.linalg.norm(X - at.P, axis=-1), s
+        return np.linalg.norm(X - at.P, axis=-1) / tail.narrowing(s), s
     first, second = in_section(tail, at, X - at.P)
-    return tail.radius * np.hypot(first, second), s
+    return tail.radius * np.hypot(first, second) / tail.narrowing(s), s
 
 
 def in_section(tail: Tail, at: Curve, arm: Array) -> tuple[Array, Array]:

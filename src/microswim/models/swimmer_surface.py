@@ -199,8 +199,8 @@ def tube_point(tail: Tail, s: Array, theta: Array, phase: float = 0.0) -> Array:
     s, theta = np.broadcast_arrays(np.asarray(s, float), np.asarray(theta, float))
     curve = smooth_centreline(tail, s, phase)
     n1, n2 = section_axes(tail, curve)
-    a, b = tail.half_axes
-    return curve.P + a * np.cos(theta)[..., None] * n1 + b * np.sin(theta)[..., None] * n2
+    a, b = (axis * tail.narrowing(s) for axis in tail.half_axes)
+    return curve.P + (a * np.cos(theta))[..., None] * n1 + (b * np.sin(theta))[..., None] * n2
 
 
 def surface_velocity(tail: Tail, X: Array, s: Array, phase: float = 0.0) -> Array:
@@ -223,13 +223,13 @@ def surface_velocity(tail: Tail, X: Array, s: Array, phase: float = 0.0) -> Arra
 
 def _bend_outside(body: Body, tail: Tail, s: Array, curve: Curve, alone: bool) -> Array:
     """Curvature x radius at every s whose section's inner side lies outside the body, else zero."""
-    radius = max(tail.half_axes)
+    radius = max(tail.half_axes) * tail.narrowing(s)
     if alone:
         return np.where(s >= 0, curve.curvature * radius, 0.0)
     T = curve.tangent
     inward = curve.P_ss - np.sum(curve.P_ss * T, axis=-1, keepdims=True) * T
     size = np.linalg.norm(inward, axis=-1, keepdims=True)
-    inner = curve.P + radius * inward / np.where(size > 0, size, 1.0)
+    inner = curve.P + radius[..., None] * inward / np.where(size > 0, size, 1.0)
     return np.where(body.level(inner) > 0, curve.curvature * radius, 0.0)
 
 

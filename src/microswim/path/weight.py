@@ -50,13 +50,13 @@ def _tails(swimmer: Swimmer, phases: Array) -> tuple[Array, Array]:
 
 
 def _of_one(tail: Tail, phases: Array) -> tuple[Array, Array]:
-    length, area = float(tail.apparent_length), np.pi * float(tail.radius) ** 2
+    length, area = float(tail.apparent_length), np.pi * float(np.prod(tail.half_axes))
     x, w = gauss(int(NODES * (1 + np.ceil(float(tail.number_of_waves)))))
     volume, moment = np.zeros(len(phases)), np.zeros((len(phases), 3))
     for a, b in zip(tail.edges, tail.edges[1:]):
         s = length * (a + (b - a) * x)
         P, slope, _ = tail.centreline(s[None], np.asarray(phases)[:, None])
-        weight = area * length * (b - a) * w * np.linalg.norm(slope, axis=-1)
+        weight = area * tail.narrowing(s) ** 2 * length * (b - a) * w * np.linalg.norm(slope, axis=-1)
         volume += weight.sum(axis=1)
         moment += np.einsum("nk,nki->ni", weight, P)
     return volume, moment

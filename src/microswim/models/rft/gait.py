@@ -45,7 +45,7 @@ from microswim.numerics.quadrature import gauss, panels
 from microswim.numerics.series.fourier import MIRROR_Q, add, rotate, series_of, trimmed
 from microswim.swimmer import physical_sense
 from microswim.swimmer.drag.ribbon import local as drag_of_ribbon
-from microswim.swimmer.geometry.tails.kinds import as_wave
+from microswim.swimmer.geometry.tails.kinds import Tail, as_wave
 from microswim.swimmer.swimmer import SURROUNDINGS, Swimmer
 
 AXIS = np.array([1.0, 0.0, 0.0])
@@ -255,7 +255,13 @@ def _any_samples(swimmer: Swimmer, nodes: int | None, phases: np.ndarray) -> tup
     at = tail.centreline(s, phase)
     tip = tail.centreline(length + np.zeros((1, 1)), phase)
     normal = None if tail.section is None else ribbon.normals(tail.radial(s, phase), at[1])
-    return centreline_sums(swimmer, at, length * w, tip, normal)
+    return centreline_sums(swimmer, at, length * w, tip, normal, _narrowing(tail, length * x))
+
+
+def _narrowing(tail: Tail, s: np.ndarray) -> np.ndarray | None:
+    """Half axes at nodes over those at the root, None where they are the same all along."""
+    is_tapered = getattr(tail.own, "radius_end", None) is not None
+    return np.asarray(tail.narrowing(s)) if is_tapered else None
 
 
 def centreline_sums(
@@ -264,6 +270,7 @@ def centreline_sums(
     ds: np.ndarray,
     tip: tuple[np.ndarray, ...],
     normal: np.ndarray | None = None,
+    narrowing: np.ndarray | None = None,
 ) -> tuple[np.ndarray, ...]:
     """Return ``B_t``, ``F_p``, G at m phases of a tail that is given by its centreline.
 
@@ -278,6 +285,8 @@ def centreline_sums(
         Weights of the nodes along the tail, (n,).
     normal
         Unit normals of a ribbon's sections, (m, n, 3).
+    narrowing
+        Half axes at the nodes over those at the root, (n,), of a tapered tail.
     """
     tail, offset, (P, P_s, U) = swimmer.tail, swimmer.body.semi_axes3[0], at
     local = swimmer.coefficients.local(tail, swimmer.fluid.viscosity)
@@ -286,13 +295,16 @@ def centreline_sums(
     c = tuple(np.asarray(v, dtype=kind)[()] for v in c)
     ds = ds.astype(kind)
     end = swimmer.coefficients.end(tail, swimmer.fluid.viscosity)
+    end = end * tail.narrowing(tail.apparent_length)
     drag = tuple(np.asarray(v, dtype=kind)[()] for v in (end, end, 0.0))
     arc = swimmer.motion.line_element == "arc"
     placed = P + offset * AXIS, P_s, U
-    if normal is None:
+    if normal is None and narrowing is None:
         along = _quadrature(placed, ds, arc, c, tail.spin)
     else:
-        own = drag_of_ribbon(swimmer.coefficients, tail, swimmer.fluid.viscosity)
+        normal = np.zeros_like(P) if normal is None else normal
+        thick = 1.0 if narrowing is None else narrowing
+        own = drag_of_ribbon(swimmer.coefficients, tail, swimmer.fluid.viscosity, thick)
         x_t, x_n, x_r = swimmer.interaction.tail
         own = tuple(x * f for x, f in zip((x_t, x_n, x_n, x_r), own))
         along = ribbon.sums(placed, normal, ds, arc, own, tail.spin)

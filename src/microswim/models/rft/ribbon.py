@@ -35,19 +35,20 @@ def sums(
     arc
         Whether the line element is arc length.
     c
-        ``(c_t, c_n, c_b, c_r)``.
+        ``(c_t, c_n, c_b, c_r)``, numbers or one for each node (n,).
     spin
         Rate of each section about s per unit phase rate.
     """
     X, slope, U = at
     c_t, c_n, c_b, c_r = c
+    alone, across, beside = (np.asarray(x)[..., None, None] for x in (c_b, c_t - c_b, c_n - c_b))
     speed = np.sqrt(np.sum(slope**2, axis=-1))
     t, dl = slope / speed[..., None], ds * (speed if arc else 1.0)
 
     def dyad(a: Array) -> Array:
         return a[..., :, None] * a[..., None, :]
 
-    C = c_b * np.eye(3) + (c_t - c_b) * dyad(t) + (c_n - c_b) * dyad(normal)
+    C = alone * np.eye(3) + across * dyad(t) + beside * dyad(normal)
     moved = np.zeros((*X.shape, 6), dtype=X.dtype)  # of a section, by unit twists: [I, -X^]
     moved[..., :3] = np.eye(3)
     for i in range(3):

@@ -122,11 +122,11 @@ def _tube(body: Body, tail: Tail, phase: float, fineness: float) -> Triangles:
     ends = smooth_centreline(tail, s[[0, -1]], phase)
     bend = np.linspace(0.0, 0.5 * np.pi, 5)[1:, None, None]
     axis = ends.tangent if tail.sections != "sheared" else np.tile([1.0, 0.0, 0.0], (2, 1))
-    cap = min(tail.half_axes)
-    tip = ends.P[1] + np.cos(bend) * (grid[-1] - ends.P[1]) + cap * np.sin(bend) * axis[1]
+    cap = min(tail.half_axes) * tail.narrowing(s[[0, -1]])
+    tip = ends.P[1] + np.cos(bend) * (grid[-1] - ends.P[1]) + cap[1] * np.sin(bend) * axis[1]
     head = [np.broadcast_to(ends.P[0], (1, around, 3))]
     if body.is_absent:
-        back = ends.P[0] + np.cos(bend) * (grid[0] - ends.P[0]) - cap * np.sin(bend) * axis[0]
+        back = ends.P[0] + np.cos(bend) * (grid[0] - ends.P[0]) - cap[0] * np.sin(bend) * axis[0]
         head = [back[::-1]]
     rows = place.placed(np.concatenate([*head, grid, tip]))
     return _closed(rows.reshape(-1, 3), closed_grid(len(rows), around))

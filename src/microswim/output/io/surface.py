@@ -130,22 +130,28 @@ def _tube(tail: Any, phase: float, fineness: float, closed: bool) -> np.ndarray:
         normal = tail.radial(np.linspace(0.0, tail.apparent_length, rings), phase)
         normal = normal - np.sum(normal * axis, axis=1, keepdims=True) * axis
         normal /= np.linalg.norm(normal, axis=1, keepdims=True)
-    return _round(P, axis, normal, tail.half_axes, around, closed)
+    thick = tail.narrowing(np.linspace(0.0, tail.apparent_length, rings))
+    half = tuple(h * thick for h in tail.half_axes)
+    return _round(P, axis, normal, half, around, closed)
 
 
 def _round(
     P: np.ndarray, axis: np.ndarray, normal: np.ndarray, half: Any, around: int, closed: bool
 ) -> np.ndarray:
-    """Grid of rings about a curve, with a round tip and, if closed, a round root."""
-    binormal, (a, b) = np.cross(axis, normal), half
+    """Grid of rings about a curve, with a round tip and, if closed, a round root.
+
+    half : two half axes, numbers or one for each ring.
+    """
+    binormal = np.cross(axis, normal)
+    a, b = (np.broadcast_to(h, len(P))[:, None, None] for h in half)
     angle = np.linspace(0.0, 2.0 * np.pi, around, endpoint=False)
     ring = a * np.cos(angle)[:, None] * normal[:, None]
     ring = ring + b * np.sin(angle)[:, None] * binormal[:, None]
     tip = np.linspace(0.0, np.pi / 2.0, 6)[1:, None, None]
-    bend = np.cos(tip) * ring[-1] + min(a, b) * np.sin(tip) * axis[-1]
+    bend = np.cos(tip) * ring[-1] + min(a[-1], b[-1]) * np.sin(tip) * axis[-1]
     pieces = [P[:, None] + ring, P[-1] + bend]
     if closed:
-        flat = np.cos(tip) * ring[0] - min(a, b) * np.sin(tip) * axis[0]
+        flat = np.cos(tip) * ring[0] - min(a[0], b[0]) * np.sin(tip) * axis[0]
         pieces.insert(0, (P[0] + flat)[::-1])
     return np.concatenate(pieces)
 

@@ -66,6 +66,9 @@ class _WaveTable(_PlacedTable):
     amplitude_end: Annotated[
         Length | None, About("Amplitude at the tip", "of a conical tail; else the amplitude")
     ] = None
+    radius_end: Annotated[
+        Length | None, About("Radius at the tip", "of a tapered filament; else the radius")
+    ] = None
     section: Annotated[
         list[Length] | None,
         About("Section", "half axes of an elliptic section, along normal and binormal: a ribbon",

@@ -33,10 +33,16 @@ def round_radii(tail: Tail) -> tuple[Any, Any, Any]:
     return mean, mean * np.exp(0.5 - 0.5 * a / mean), mean * np.exp(0.5 - 0.5 * b / mean)
 
 
-def local(law: Coefficients, tail: Tail, viscosity: Any) -> tuple[Any, Any, Any, Any]:
-    """Return ``(c_t, c_n, c_b, c_r)``: along the tail, its normal, its binormal, and of spin."""
-    along, normal, binormal = (replaced(tail, "radius", r) for r in round_radii(tail))
+def local(
+    law: Coefficients, tail: Tail, viscosity: Any, narrowing: Any = 1.0
+) -> tuple[Any, Any, Any, Any]:
+    """Return ``(c_t, c_n, c_b, c_r)``: along the tail, its normal, its binormal, and of spin.
+
+    Where the half axes are those at the root times `narrowing`: local laws know the section there.
+    """
+    radii = (narrowing * r for r in round_radii(tail))
+    along, normal, binormal = (replaced(tail, "radius", r) for r in radii)
     c_t, _ = law.pair(along, viscosity)
     _, c_n = law.pair(normal, viscosity)
     _, c_b = law.pair(binormal, viscosity)
-    return c_t, c_n, c_b, law.local(along, viscosity)[2]
+    return c_t, c_n, c_b, narrowing**2 * law.local(tail, viscosity)[2]

@@ -34,13 +34,14 @@ def _wanted_length(tail: Tail, phase: float, s: Array, r: Resolution) -> tuple[A
     speed = np.linalg.norm(curve.P_s, axis=-1)
     arc = np.concatenate([[0.0], np.cumsum(0.5 * (speed[1:] + speed[:-1]) * np.diff(s))])
     bend = np.maximum(curve.curvature, 1e-12)
-    h = np.clip(r.bend / bend, r.panel * tail.radius, r.stretch * tail.radius)
+    radius = tail.radius * tail.narrowing(s)
+    h = np.clip(r.bend / bend, r.panel * radius, r.stretch * radius)
     # wavenumber of the wave, also of tails that name none: rms P'' over rms P' about its mean
     swing = np.sum((curve.P_s - curve.P_s.mean(axis=0)) ** 2)
     wavenumber = np.sqrt(np.sum(curve.P_ss**2) / max(swing, 1e-20))
     turn = speed / max(wavenumber, 1e-12)
     h = np.minimum(np.minimum(h, r.wave * turn), 2 * r.bend / bend)
-    long = np.minimum(r.slender * np.minimum(1.0 / bend, turn), r.reach * tail.radius)
+    long = np.minimum(r.slender * np.minimum(1.0 / bend, turn), r.reach * radius)
     return arc, np.maximum(h, long)
 
 
@@ -53,7 +54,8 @@ def tube_edges(tail: Tail, phase: float, start: float, r: Resolution, root: floa
     # not a round number: no grid point on a kink, where rounding would choose the curvature
     s = np.linspace(start, tail.apparent_length, 2999)
     arc, h = _wanted_length(tail, phase, s, r)
-    tip = 1.6 * tail.radius + 0.6 * (arc[-1] - arc)
+    end = tail.radius * float(tail.narrowing(tail.apparent_length))
+    tip = 1.6 * end + 0.6 * (arc[-1] - arc)
     if root is None:
         first = 1.6 * tail.radius + 0.6 * arc
     else:
@@ -121,11 +123,12 @@ def _cap(tail: Tail, phase: float, end: float, outward: float) -> tuple[Array, A
 
     Sheared sections: the straight tube's hemisphere, each of its sections displaced to P(s) too.
     """
+    radius = tail.radius * float(tail.narrowing(end))
     if tail.sections == "sheared":
         axes = np.eye(3) if outward > 0 else np.array([[-1.0, 0, 0], [0, 0, 1.0], [0, 1.0, 0]])
-        offset = tail.radius * sampled(half_sphere(axes[0], axes[1], axes[2], 1))
+        offset = radius * sampled(half_sphere(axes[0], axes[1], axes[2], 1))
         if tail.section is not None:
-            offset = _ribbon_cap(tail, offset / tail.radius, end, phase)
+            offset = _ribbon_cap(tail, offset / radius, end, phase)
         s = end + offset[..., 0]
         offset[..., 0] = 0.0
         return geometry.smooth_centreline(tail, s, phase).P + offset, s
@@ -135,8 +138,8 @@ def _cap(tail: Tail, phase: float, end: float, outward: float) -> tuple[Array, A
         axis, first, second = -axis, second, first
     directions = sampled(half_sphere(axis, first, second, 1))
     if tail.section is not None:
-        directions = _ribbon_cap(tail, directions, end, phase) / tail.radius
-    return curve.P + tail.radius * directions, np.full(directions.shape[:3], end)
+        directions = _ribbon_cap(tail, directions, end, phase) / radius
+    return curve.P + radius * directions, np.full(directions.shape[:3], end)
 
 
 def _ribbon_cap(tail: Tail, directions: Array, end: float, phase: float) -> Array:
@@ -144,7 +147,7 @@ def _ribbon_cap(tail: Tail, directions: Array, end: float, phase: float) -> Arra
     curve = geometry.smooth_centreline(tail, np.array(end), phase)
     first, second = geometry.section_axes(tail, curve)
     axes = np.stack([np.cross(first, second), first, second])
-    a, b = tail.half_axes
+    a, b = (axis * float(tail.narrowing(end)) for axis in tail.half_axes)
     return (directions @ axes.T * [min(a, b), a, b]) @ axes
 
 
@@ -171,7 +174,7 @@ def inner_pressures(tail: Tail, phase: float, s: Array) -> Array:
     """
     grid = np.linspace(0.0, tail.apparent_length, 1001)
     speed = np.linalg.norm(geometry.smooth_centreline(tail, grid, phase).P_s, axis=-1)
-    rate = speed * _flatness(tail, phase, grid) ** 1.5 / (35 * tail.radius)
+    rate = speed * _flatness(tail, phase, grid) ** 1.5 / (35 * tail.radius * tail.narrowing(grid))
     steps = 0.5 * (rate[1:] + rate[:-1]) * np.diff(grid)
     count = np.concatenate([[0.0], np.cumsum(steps)])
     number = round(float(count[-1]))

@@ -214,6 +214,10 @@ class Tail(ABC):
         """Half axes of the cross-section along the normal and the binormal: the radius if round."""
         return (self.radius, self.radius) if self.section is None else self.section
 
+    def narrowing(self, s: Any) -> Any:
+        """Return the half axes at s in terms of those at the root: 1 unless the tail is tapered."""
+        return 1.0 + 0.0 * np.asarray(s)
+
     def _check_filament(self) -> None:
         checks.positive("tail.radius", self.radius, "length")
         checks.number("tail.frequency", self.frequency, "a finite number")

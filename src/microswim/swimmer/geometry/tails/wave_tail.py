@@ -39,6 +39,9 @@ class WaveTail(PlacedTail, ABC):
     section
         Half axes (a, b) of an elliptic cross-section: a along the normal (away from the axis of a
         helix, in the plane of a plane wave), b along the binormal. Round by default.
+    radius_end
+        Radius of the filament at the tip, of a ribbon its mean half axis there; the radius between
+        goes with s. By default the same.
     frequency
         Motor frequency: revolutions or beats per time, of the tail relative to the body. A
         negative frequency reverses it.
@@ -74,6 +77,7 @@ class WaveTail(PlacedTail, ABC):
     length_measure: Literal["apparent", "arc"] = "apparent"
     amplitude_end: float | None = None
     section: tuple[float, float] | None = None
+    radius_end: float | None = None
 
     def __post_init__(self) -> None:
         checks.positive("tail.length", self.length, "length")
@@ -84,6 +88,8 @@ class WaveTail(PlacedTail, ABC):
         checks.choice("tail.length_measure", self.length_measure, ("apparent", "arc"))
         self._check_section()
         self._check_filament()
+        if self.radius_end is not None:
+            checks.positive("tail.radius_end", self.radius_end, "length")
         self._check_place()
         if self.amplitude_end is not None:
             allowed = "a length of zero or more"
@@ -131,10 +137,13 @@ class WaveTail(PlacedTail, ABC):
                 "lengthen the filament or reduce amplitude or waves",
             )
         room = min(float(self.room(b)) for b in self._amplitudes())
+        name = "tail.radius" if self.section is None else "tail.section"
         widest = float(max(self.half_axes))
+        if self.radius_end is not None and self.radius_end > self.radius:
+            name, widest = "tail.radius_end", widest * float(self.radius_end / self.radius)
         if room <= widest:
             raise SpecError(
-                "tail.radius" if self.section is None else "tail.section",
+                name,
                 widest,
                 f"less than {room:.6g}, the room that this wave leaves",
                 "thin the filament, lengthen the wave or lower it: this tail touches itself",
@@ -168,8 +177,11 @@ class WaveTail(PlacedTail, ABC):
 
     @property
     def is_plain(self) -> bool:
-        """Whether the wave is of one amplitude, the filament round and the tail at the joint."""
-        return self.amplitude_end is None and self.section is None and not self.is_placed
+        """Whether the wave is of one amplitude, the filament round, of one radius and at the
+        joint.
+        """
+        given = (self.amplitude_end, self.section, self.radius_end)
+        return all(value is None for value in given) and not self.is_placed
 
     @property
     def in_batches(self) -> bool:
@@ -258,6 +270,14 @@ class WaveTail(PlacedTail, ABC):
         slope = (end - self.amplitude) / self.apparent_length
         return self.amplitude + slope * s, slope + 0.0 * s
 
+    def narrowing(self, s: Any) -> Any:
+        """Return the half axes at s over those at the root, ``1 + (r_end/r - 1) s/L``."""
+        if self.radius_end is None:
+            return 1.0 + 0.0 * np.asarray(s)
+        along = s / self.apparent_length
+        along = np.where(np.real(along) < 0.0, 0.0, along)
+        return 1.0 + (self.radius_end / self.radius - 1.0) * along
+
     def envelope(self, s: Any) -> tuple[Any, Any]:
         """Return ``b_s(s) = min(1, s/s_0) (b + (b_end - b) s/L)`` and its derivative."""
         s = np.asarray(s)
@@ -330,7 +350,10 @@ def as_wave(tail: Tail) -> WaveTail:
     if not isinstance(tail, WaveTail):
         raise SpecError("tail.kind", tail.kind, "one with a wave here", "take a helix")
     if not tail.is_plain:
-        names = ("amplitude_end", "section", "position", "direction", "phase", "mean_curvature")
+        names = (
+            *("amplitude_end", "section", "radius_end", "position", "direction", "phase"),
+            "mean_curvature",
+        )
         name = next(name for name in names if getattr(tail, name, None) is not None)
         raise SpecError(
             f"tail.{name}: a round filament of one amplitude, at the joint, is wanted here; "

@@ -50,7 +50,7 @@ def test_a_straight_one_drags_as_its_pieces_do():
 
 @pytest.mark.parametrize("kind", KINDS)
 def test_the_tube_holds_what_its_sections_hold(kind):
-    """Volume pi r^2 dl, pi r^2 ds of sheared sections, and half a sphere at each end; it is resolved, and drags in between."""
+    """Volume pi r^2 dl, of sheared sections pi r^2 ds, and half a sphere at each end."""
     tail = kind(**WAVE, radius_end=0.02, ramp=0.0)
     resolution = get_level("standard").resolution
     volume = swimmer_surface(ms.NoBody(), tail, 0.4, resolution).extent[1]

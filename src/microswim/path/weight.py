@@ -56,7 +56,9 @@ def _of_one(tail: Tail, phases: Array) -> tuple[Array, Array]:
     for a, b in zip(tail.edges, tail.edges[1:]):
         s = length * (a + (b - a) * x)
         P, slope, _ = tail.centreline(s[None], np.asarray(phases)[:, None])
-        weight = area * tail.narrowing(s) ** 2 * length * (b - a) * w * np.linalg.norm(slope, axis=-1)
+        weight = (
+            area * tail.narrowing(s) ** 2 * length * (b - a) * w * np.linalg.norm(slope, axis=-1)
+        )
         volume += weight.sum(axis=1)
         moment += np.einsum("nk,nki->ni", weight, P)
     return volume, moment

@@ -25,7 +25,7 @@ def coarsened(surface: Triangles, most: int) -> Triangles:
 
 
 def _by_quadrics(surface: Triangles, most: int) -> Triangles | None:
-    """Edges collapsed by the quadrics of their faces [Garland, Heckbert 1997].
+    """Edges collapsed by the quadrics of their faces (Garland and Heckbert, Proc. SIGGRAPH 1997).
 
     What is left of the corners is moved to the nearest corners of the surface.
     """

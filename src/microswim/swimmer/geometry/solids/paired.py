@@ -157,7 +157,7 @@ def _length(corners: Array, middles: Array, side: int) -> float:
 
 
 def graded_cuts(long: float, size: float, layers: int, low: bool, high: bool) -> Array:
-    """Edges on [-1, 1] of pieces no longer than `size`, thinner towards sharp ends."""
+    """Return edges on [-1, 1] of pieces no longer than `size`, thinner towards sharp ends."""
     whole = np.linspace(0.0, 1.0, max(1, int(np.ceil(long / size - 0.15))) + 1)
     thin = np.array([size / long / 3.0**k for k in range(1, layers + 1)])
     thin = thin[thin < 0.4]

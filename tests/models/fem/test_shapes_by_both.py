@@ -1,0 +1,88 @@
+"""Ribbons and cylinders in a spherical vessel: boundary elements and finite elements share nothing.
+
+Not the formulas, not the mesh, not the way from flow to force.
+"""
+
+import numpy as np
+import pytest
+
+import microswim as ms
+from microswim.models.bem.levels import get_level
+from microswim.models.bem.patches.mesh import body_surface, swimmer_surface
+from microswim.models.bem.patches.surface import Surface, ellipsoid
+from microswim.models.bem.system import Layer, rigid_modes, solve_density, wrench_rows
+
+occ = pytest.importorskip("netgen.occ")
+
+pytestmark = pytest.mark.slow
+
+VESSEL = 1.2
+
+
+def by_boundary_elements(surface, centre, rule):
+    """Resistance of a still surface in the vessel, whose patches face the fluid inside."""
+    outer = ellipsoid((VESSEL,) * 3, 2, surface.order).controls[:, :, ::-1] + centre
+    controls = np.ascontiguousarray(np.concatenate([surface.controls, outer]))
+    own = np.arange(len(controls)) < surface.patches
+    both = Surface(
+        controls, np.zeros_like(controls), ~own & False, surface.order, vessel=~own, closed=True
+    )
+    modes = rigid_modes(both.nodes, centre) * own[:, None, None, None]
+    found = solve_density(Layer(both, 1.0, rule), modes)
+    R = wrench_rows(both, centre, own) @ found.density
+    return 0.5 * (R + R.T)
+
+
+def by_finite_elements(solid, centre, size):
+    import ngsolve as ngs
+
+    from microswim.models.fem.stokes import Stokes
+
+    solid.faces.name = "body"
+    for face in solid.faces:
+        face.maxh = size
+    outer = occ.Sphere(occ.Pnt(*centre), VESSEL)
+    outer.faces.name = "wall"
+    fluid = occ.OCCGeometry(outer - solid)
+    mesh = ngs.Mesh(fluid.GenerateMesh(maxh=0.5, grading=0.5, curvaturesafety=1.0))
+    mesh.Curve(3)
+    flow = Stokes(mesh, 3)
+    flow.factorise(1.0)
+    modes = flow.rigid_modes(np.asarray(centre))
+    R = np.array([flow.forces(flow.apply(flow.solve(mode)), modes, "body") for mode in modes]).T
+    return 0.5 * (R + R.T)
+
+
+def misfit(R, S):
+    scale = np.sqrt(np.diag(S))
+    return np.abs((R - S) / np.outer(scale, scale)).max()
+
+
+def test_a_ribbon_of_five_to_one_is_within_one_per_cent():
+    """A straight one, its ends halves of ellipsoids; wide along q."""
+    a, b, length = 0.15, 0.03, 0.6
+    tail = ms.PlaneWaveTail(length=length, amplitude=0.0, waves=1, section=(a, b))
+    level = get_level("standard")
+    surface = swimmer_surface(ms.NoBody(), tail, 0.0, level.resolution)
+    centre = (0.5 * length, 0.0, 0.0)
+    section = occ.Ellipse(occ.Axes(occ.Pnt(0, 0, 0), n=occ.X, h=occ.Y), a, b)
+    solid = occ.Face(occ.Wire(section)).Extrude(length * occ.X)
+    for end in (0.0, length):
+        solid += occ.Ellipsoid(occ.Axes(occ.Pnt(end, 0, 0), n=occ.X, h=occ.Y), b, a, b)
+    S = by_finite_elements(solid, centre, 0.06)
+    R = by_boundary_elements(surface, np.asarray(centre), level.rule)
+    assert misfit(R, S) < 0.01
+
+
+def test_a_cylinder_of_aspect_three_is_within_half_a_per_cent():
+    """Its edges rounded by a fifth of the radius."""
+    length, radius = 0.9, 0.15
+    body = ms.Cylinder(length=length, radius=radius)
+    level = get_level("standard")
+    surface = body_surface(body, level.resolution)
+    centre = (-0.5 * length, 0.0, 0.0)
+    solid = occ.Cylinder(occ.Pnt(-length, 0, 0), occ.X, r=radius, h=length)
+    solid = solid.MakeFillet(solid.edges, 0.2 * radius)
+    S = by_finite_elements(solid, centre, 0.1)
+    R = by_boundary_elements(surface, np.asarray(centre), level.rule)
+    assert misfit(R, S) < 0.005

@@ -65,8 +65,8 @@ def test_a_ribbon_of_five_to_one_is_within_one_per_cent():
     level = get_level("standard")
     surface = swimmer_surface(ms.NoBody(), tail, 0.0, level.resolution)
     centre = (0.5 * length, 0.0, 0.0)
-    section = occ.Ellipse(occ.Axes(occ.Pnt(0, 0, 0), n=occ.X, h=occ.Y), a, b)
-    solid = occ.Face(occ.Wire(section)).Extrude(length * occ.X)
+    plane = occ.WorkPlane(occ.Axes(occ.Pnt(0, 0, 0), n=occ.X, h=occ.Y))
+    solid = plane.Ellipse(a, b).Face().Extrude(length * occ.X)
     for end in (0.0, length):
         solid += occ.Ellipsoid(occ.Axes(occ.Pnt(end, 0, 0), n=occ.X, h=occ.Y), b, a, b)
     S = by_finite_elements(solid, centre, 0.06)

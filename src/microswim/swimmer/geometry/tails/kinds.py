@@ -8,10 +8,11 @@ from microswim.swimmer.geometry.tails.custom_tail import CustomTail
 from microswim.swimmer.geometry.tails.elastic.elastic_tail import ElasticTail
 from microswim.swimmer.geometry.tails.helical_tail import HelicalTail
 from microswim.swimmer.geometry.tails.no_tail import NoTail
+from microswim.swimmer.geometry.tails.plain_wave import as_wave
 from microswim.swimmer.geometry.tails.plane_wave_tail import PlaneWaveTail
 from microswim.swimmer.geometry.tails.several_tails import SeveralTails
 from microswim.swimmer.geometry.tails.tail import Tail
-from microswim.swimmer.geometry.tails.wave_tail import WaveTail, as_wave
+from microswim.swimmer.geometry.tails.wave_tail import WaveTail
 from microswim.swimmer.geometry.tails.waveforms.waveform_tail import WaveformTail
 
 __all__ = [

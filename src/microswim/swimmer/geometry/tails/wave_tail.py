@@ -15,7 +15,6 @@ import numpy as np
 from microswim import checks
 from microswim.errors import SpecError
 from microswim.swimmer.geometry.tails.placed_tail import PlacedTail
-from microswim.swimmer.geometry.tails.tail import Tail
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -335,28 +334,3 @@ class WaveTail(PlacedTail, ABC):
         P_s = np.stack([1 + 0 * c, db * c - b * k * d, out * (db * d + b * k * c)], axis=-1)
         P_phase = np.stack([0 * c, b * d, -out * b * c], axis=-1)
         return P, P_s, P_phase
-
-
-def as_wave(tail: Tail) -> WaveTail:
-    """Return the tail if it is a helix or a plane wave of one amplitude, its filament round.
-
-    Raises
-    ------
-    SpecError
-        If it has no amplitude and no wavenumber, is conical, not round or not at the joint.
-    """
-    if len(tail.each) > 1:
-        raise SpecError("tail: a single tail is wanted here; take model rft or bem for several")
-    if not isinstance(tail, WaveTail):
-        raise SpecError("tail.kind", tail.kind, "one with a wave here", "take a helix")
-    if not tail.is_plain:
-        names = (
-            *("amplitude_end", "section", "radius_end", "position", "direction", "phase"),
-            "mean_curvature",
-        )
-        name = next(name for name in names if getattr(tail, name, None) is not None)
-        raise SpecError(
-            f"tail.{name}: a round filament of one amplitude, at the joint, is wanted here; "
-            "leave it out, or take model rft or bem"
-        )
-    return tail

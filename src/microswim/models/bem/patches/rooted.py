@@ -25,14 +25,16 @@ from microswim.swimmer.geometry.solids.rooted_surface import RootedSurface
 from microswim.swimmer.geometry.solids.splitting import split
 from microswim.swimmer.geometry.solids.triangles import Triangles
 
-#: Least distance of a hole's sides in reaches of the joint, and in sides of a triangle.
-CLEAR, OPEN = 1.6, 0.5
+#: Distance within which triangles are left out, in reaches of the joint and in sides of a triangle;
+#: least distance of a hole's sides, in reaches; cosine of the angle that triangles may turn away.
+CLEAR, OPEN, FREE, FACING = 1.6, 0.5, 1.4, 0.1
 #: Radius of the circle in least distances of the sides, and in reaches of the joint.
-CIRCLE, ROUND = 0.6, 1.25
+CIRCLE, ROUND = 0.6, 1.2
 #: Longest side of flat triangles between roots, in distances of these.
 APART = 0.4
-#: Least sine of the angle between a side and the ray from the root; rounds in which holes grow.
-SEEN, ROUNDS = 0.15, 40
+#: Least sine of the angle between a side and the ray from the root; rounds in which holes grow, and
+#: distances that are tried.
+SEEN, ROUNDS, TRIES = 0.12, 40, 6
 
 Rings = Callable[[Joint, float], tuple[Array, Callable[[float, float], int]]]
 
@@ -99,25 +101,37 @@ def _hole(triangles: Triangles, joint: Joint, number: int) -> Hole:
     chart = _chart(joint)
     root, reach = chart.surface_point(joint.pole), _reach(joint).max()
     start = triangles.nearest_face(root)
-    allowed = triangles.sheet(start, 0.0)
+    allowed = triangles.sheet(start, chart.sheet.axes[0], FACING)
     corners = chart.sheet.laid(triangles.points)[triangles.faces][..., 1:] - chart.at
     side = np.sqrt(4.0 / np.sqrt(3.0) * np.linalg.norm(triangles.area_vectors[start]))
-    least = max(CLEAR * reach, OPEN * side)
-    faces = allowed & (_distance(corners) < least)
-    faces[start] = True
-    for _ in range(ROUNDS):
-        sides, sharp = triangles.border(faces)
-        wrong = _hidden(chart.sheet.laid(sides)[..., 1:] - chart.at, CLEAR * reach)
-        if not wrong.any():
-            return Hole(faces, sides, sharp)
-        more = triangles.across(faces, wrong) & allowed & ~faces
-        if not more.any():
-            break
-        faces |= more
+    away = _distance(corners)
+    for least in np.linspace(max(CLEAR * reach, OPEN * side), FREE * reach, TRIES):
+        faces = allowed & (away < least)
+        faces[start] = True
+        hole = _grown(triangles, faces, allowed, chart, FREE * reach)
+        if hole is not None:
+            return hole
     raise SpecError(
         f"tail[{number}]: its root on the surface from the file is too close to an edge or a bend; "
         "take a thinner filament, or set tail.position to a place farther from edges"
     )
+
+
+def _grown(
+    triangles: Triangles, faces: NDArray[np.bool_], allowed: NDArray[np.bool_],
+    chart: RootedSurface, least: float,
+) -> Hole | None:  # fmt: skip
+    """The hole of some faces and of those beyond sides that are not seen; none if there is none."""
+    for _ in range(ROUNDS):
+        sides, sharp = triangles.border(faces)
+        wrong = _hidden(chart.sheet.laid(sides)[..., 1:] - chart.at, least)
+        if not wrong.any():
+            return Hole(faces, sides, sharp)
+        more = triangles.across(faces, wrong) & allowed & ~faces
+        if not more.any():
+            return None
+        faces = faces | more
+    return None
 
 
 def _reach(joint: Joint) -> Array:

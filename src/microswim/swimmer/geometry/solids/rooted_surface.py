@@ -4,7 +4,7 @@ The faces that hang together smoothly with the one at the root, and face its way
 
     X(x, y) = O + x e_1 + y e_2 + h(x, y) N,
 
-N the normal of that face, h from the curved patches through the faces. A direction at the angle t
+N the mean normal there, h from the curved patches through the faces. A direction at the angle t
 from N is mapped to the plane distance L t from the root.
 """
 
@@ -26,6 +26,8 @@ from microswim.swimmer.geometry.solids.triangles import Indices, Triangles
 
 #: Cosine of the angle by which a sheet may turn away from its plane.
 LEAN = 0.3
+#: Half widths of the tail over which the plane's normal is the mean of the faces'.
+AROUND = 2.0
 #: Samples along a side of a patch; the nearest few start Newton's method; steps of it.
 SIDE, STARTS, STEPS = 5, 6, 7
 
@@ -108,9 +110,9 @@ class Sheet:
 
 
 @lru_cache(maxsize=64)
-def _sheet(surface: Triangles, face: int) -> Sheet:
-    kept = surface.sheet(face, LEAN)
-    normal = surface.area_vectors[face] / np.linalg.norm(surface.area_vectors[face])
+def _sheet(surface: Triangles, face: int, size: float) -> Sheet:
+    normal = surface.facing(face, AROUND * size)
+    kept = surface.sheet(face, normal, LEAN)
     first = np.eye(3)[np.argmin(np.abs(normal))]
     first = first - first @ normal * normal
     first /= np.linalg.norm(first)
@@ -122,9 +124,11 @@ def _sheet(surface: Triangles, face: int) -> Sheet:
     return Sheet(origin, axes, points, edges[..., 1:])
 
 
-def rooted(surface: Triangles, X: Array) -> tuple[Sheet, Array]:
-    """Return the sheet of a surface about a point of it, and that point in its plane (2,)."""
-    sheet = _sheet(surface, surface.nearest_face(X))
+def rooted(surface: Triangles, X: Array, size: float) -> tuple[Sheet, Array]:
+    """Return the sheet of a surface about a point of it for a tail of a half width, and that point
+    in its plane (2,).
+    """
+    sheet = _sheet(surface, surface.nearest_face(X), size)
     return sheet, sheet.laid(X)[1:]
 
 

@@ -146,7 +146,7 @@ class SurfaceFile(SolvedBody):
         return out
 
     def about(self, X: Array, size: float) -> Body:
-        return RootedSurface(self, *rooted(self._placed, X), ROOM * size)
+        return RootedSurface(self, *rooted(self._placed, X, size), ROOM * size)
 
     def surface_point(self, direction: Array) -> Array:
         raise TypeError(_SEEN)

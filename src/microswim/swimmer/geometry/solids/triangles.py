@@ -259,14 +259,23 @@ class Triangles:
         near = share[0, :, None] * a + share[1, :, None] * b + share[2, :, None] * c
         return int(np.argmin(np.sum((near - X) ** 2, axis=1)))
 
-    def sheet(self, start: int, least: float) -> NDArray[np.bool_]:
-        """Return the faces (m,) that hang together smoothly with a face and face its way.
+    def facing(self, start: int, reach: float) -> Array:
+        """Return the mean unit normal (3,) of the faces within a reach of a face, on its side."""
+        middle, normal = self.points[self.faces].mean(axis=1), _unit(self.area_vectors)
+        near = np.linalg.norm(middle - middle[start], axis=1) < reach
+        near &= normal @ normal[start] > 0.0
+        near[start] = True
+        return _unit(self.area_vectors[near].sum(axis=0))
 
-        least
-            Cosine of the angle by which their normals may differ from its.
+    def sheet(self, start: int, axis: Array, least: float) -> NDArray[np.bool_]:
+        """Return the faces (m,) that hang together smoothly with a face and face a way.
+
+        axis, least
+            The way (3,), and the cosine of the angle by which their normals may differ from it.
         """
         normal, beside = _unit(self.area_vectors), self.edges[1]
-        alike = normal @ normal[start] > least
+        alike = normal @ axis > least
+        alike[start] = True
         pairs = beside[alike[beside].all(axis=1) & ~self.is_sharp]
         part = self._components(pairs, len(self.faces))
         return alike & (part == part[start])

@@ -199,11 +199,11 @@ def test_right_handed_tail_is_the_mirror_image(rough):
 @pytest.mark.parametrize(
     ("tail", "body", "signs"),
     [
-        (ms.PlaneWaveTail(**BASE), None, ms.PlaneWaveTail.half_period_signs),
+        (ms.PlaneWaveTail(**BASE), None, ms.PlaneWaveTail(**BASE).half_period_signs),
         (
             ms.HelicalTail(**BASE),
             ms.Ellipsoid(semi_axes=(0.6, 0.5, 0.3)),
-            ms.HelicalTail.half_period_signs,
+            ms.HelicalTail(**BASE).half_period_signs,
         ),
     ],
     ids=["plane wave", "helix on an ellipsoid"],

@@ -106,6 +106,7 @@ def test_a_spec_says_a_soft_head():
     size = ["1 mm", "0.4 mm", "0.4 mm"]
     """
     robot = from_dict(toml(text, "soft"))
+    assert robot.magnet is not None
     assert robot.magnet.softness == pytest.approx(np.diag(CHI) * np.prod(SIZE) / MU_0, rel=1e-12)
     assert not robot.magnet.vector.any()
 
@@ -124,12 +125,6 @@ def test_a_spec_says_a_soft_head():
 def test_what_is_no_soft_magnet_is_refused(given, word):
     with pytest.raises(ms.SpecError, match=word):
         ms.Magnet(**{"volume": 1e-10, **given})
-
-
-def test_regimes_say_that_they_are_of_permanent_magnets():
-    robot = rod(field=ms.RotatingField(strength=4e-3, frequency=1.0))
-    with pytest.raises(ms.SpecError, match="susceptibility"):
-        ms.regimes(robot, [1.0], model="rft")
 
 
 def test_a_swimmer_prints_its_soft_magnet_and_the_frequency_of_its_field_alone():

@@ -10,6 +10,7 @@ from microswim.gait.turning.slipping import drift
 from microswim.gait.turning.soft_turning import SoftTurning
 from microswim.gait.turning.traced import curves_of
 from microswim.gait.turning.wobbling import closest_soft
+from microswim.swimmer.magnetism.drive import drive_of
 
 ALONG, ACROSS, B = 1.3, 6.1, 0.7
 
@@ -175,3 +176,41 @@ def test_a_cone_is_refused_in_one_sentence():
     )  # fmt: skip
     with pytest.raises(ms.SpecError, match=r"field.cone = 0.1: must be zero with a soft magnet"):
         ms.regimes(robot, [1.0], model="rft")
+
+
+def soft_helix(strength=5e-3, chi=2.5, frequency=0.1):
+    return ms.Swimmer(
+        body=ms.Sphere(radius=0.5e-3),
+        tail=ms.HelicalTail(length=1.5e-3, amplitude=2e-4, waves=2, radius=1e-4, frequency=0.0),
+        fluid=ms.Fluid(viscosity=0.34),
+        coefficients=ms.GrayHancock(),
+        magnet=ms.Magnet(susceptibility=(1.0, chi, 1.0), volume=1e-10),
+        field=ms.RotatingField(strength=strength, frequency=frequency),
+        units="SI",
+    )
+
+
+@pytest.mark.parametrize("name", ["step_out", "wobbling_onset", "speed_at_step_out"])
+def test_its_quantities_are_those_of_the_regimes_and_know_their_slopes(name):
+    robot = soft_helix()
+    gait = robot.gait("rft")
+    told = ms.regimes(robot, [0.01], gait=gait)
+    wanted = {"speed_at_step_out": abs(told.velocity_at_step_out)}
+    value = ms.observed(gait, name, drive=drive_of(robot))
+    assert value == pytest.approx(wanted.get(name, getattr(told, name, None)), rel=1e-9)
+    # the square of the field: d log / d log B = 2; and D goes with chi - 1
+    up = ms.observed(gait, name, drive=drive_of(soft_helix(chi=2.5 + 1e-3)))
+    assert (up - value) / value == pytest.approx(1e-3 / 1.5, rel=1e-2)
+    drive = drive_of(robot)
+    assert drive is not None
+    both = {"strength": drive.strength * (1 + 1e-20j)}
+    slope = np.imag(ms.observed(gait, name, drive=drive._replace(**both))) / 1e-20
+    assert slope == pytest.approx(2.0 * value, rel=1e-4)
+
+
+def test_its_driven_speed_is_that_of_the_regimes():
+    for frequency in (0.05, 5.0):
+        robot = soft_helix(frequency=frequency)
+        gait = robot.gait("rft")
+        told = abs(ms.regimes(robot, [frequency], gait=gait).velocity[0])
+        assert ms.observed(gait, "driven_speed", drive=drive_of(robot)) == pytest.approx(told)

@@ -5,7 +5,8 @@ A robot that follows is in a steady state (module `steady_turning`): b solves
     b . S b = sin(psi) |N b|      B |N b| = w      |b| = 1
 
 by Newton's method, which runs in complex numbers too. One that has stepped out slips; its path is
-followed and averaged (module `slipping`), and the derivative of that is a central difference.
+followed and averaged (module `slipping`), and the derivative of that is a central difference; so is
+that of a robot with a soft magnet.
 """
 
 from __future__ import annotations
@@ -16,11 +17,11 @@ import numpy as np
 
 from microswim.gait.gait import Gait
 from microswim.gait.turning.slipping import drift
-from microswim.gait.turning.steady_turning import SteadyTurning, cross
+from microswim.gait.turning.slopes import with_slopes
+from microswim.gait.turning.steady_turning import cross
 from microswim.gait.turning.step_out import Drive, check_free, mobility_of, steady
 
 STEPS = 12
-APART = 2e-3  #: relative step of a difference
 
 
 def driven_velocity(gait: Gait, drive: Drive) -> Any:
@@ -41,9 +42,9 @@ def driven_velocity(gait: Gait, drive: Drive) -> Any:
     """
     check_free(gait)
     states = steady(gait, drive).states(float(np.real(drive.rate)))
-    if states:
+    if states and drive.softness is None:
         return _followed(gait, drive, states[0].field)
-    return _slipped(gait, drive)
+    return with_slopes(_mean, gait, drive)
 
 
 def _followed(gait: Gait, drive: Drive, b: np.ndarray) -> Any:
@@ -65,26 +66,8 @@ def _followed(gait: Gait, drive: Drive, b: np.ndarray) -> Any:
     return drive.strength * (M[:3] @ cross(m) @ b) @ turn / np.sqrt(turn @ turn)
 
 
-def _slipped(gait: Gait, drive: Drive) -> Any:
-    """Return the mean of a path; where numbers are complex, with the slope along their imaginary
-    parts.
-    """
-    R = gait.resistance(0.0)
-    parts = [
-        R,
-        np.asarray(drive.moment),
-        *map(np.asarray, (drive.strength, drive.cone, drive.rate)),
-    ]
-    if not any(np.iscomplexobj(p) for p in parts):
-        return _mean(gait, parts)
-    sizes = [np.abs(np.imag(p)).max() / (np.abs(np.real(p)).max() or 1.0) for p in parts]
-    step = APART / max(max(sizes), 1e-300)
-    up, down = (_mean(gait, [np.real(p) + s * step * np.imag(p) for p in parts]) for s in (1, -1))
-    return _mean(gait, [np.real(p) for p in parts]) + 1j * (up - down) / (2.0 * step)
-
-
-def _mean(gait: Gait, parts: list[Any]) -> float:
-    R, moment, strength, cone, rate = parts
-    still = Gait(np.array([R]), np.zeros((1, 6)), np.zeros(1), rate=0.0, free=gait.free)
-    turning = SteadyTurning(mobility_of(still), moment, float(strength), float(cone))
-    return drift(turning, float(rate))[0]
+def _mean(gait: Gait, drive: Drive) -> np.ndarray:
+    """Return the mean velocity of a path, or of the state that is held."""
+    turning, rate = steady(gait, drive), float(drive.rate)
+    states = turning.states(rate) if drive.softness is not None else []
+    return np.array(float(states[0].velocity) if states else drift(turning, rate)[0])

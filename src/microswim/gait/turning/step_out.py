@@ -17,6 +17,8 @@ import numpy as np
 
 from microswim.errors import SpecError
 from microswim.gait.gait import Gait
+from microswim.gait.turning.slopes import with_slopes
+from microswim.gait.turning.soft_turning import SoftTurning
 from microswim.gait.turning.steady_turning import SteadyTurning, cross
 
 SCAN = 720  #: directions of the field that are looked at
@@ -36,12 +38,15 @@ class Drive(NamedTuple):
         Its angle (rad) out of the plane.
     rate
         With which it turns (rad per time), positive.
+    softness
+        Moment per field (3, 3) of a soft magnet, None of a permanent one.
     """
 
     moment: Any
     strength: Any
     cone: Any = 0.0
     rate: Any = np.nan
+    softness: Any = None
 
 
 def mobility_of(gait: Gait) -> np.ndarray:
@@ -56,6 +61,8 @@ def mobility_of(gait: Gait) -> np.ndarray:
 def steady(gait: Gait, drive: Drive) -> SteadyTurning:
     """Return all steady states, of the real parts."""
     M, m = np.real(mobility_of(gait)), np.real(drive.moment)
+    if drive.softness is not None:
+        return SoftTurning.of(M, np.real(drive.softness), float(np.real(drive.strength)))
     return SteadyTurning(M, m, float(np.real(drive.strength)), float(np.real(drive.cone)))
 
 
@@ -68,6 +75,8 @@ def fastest(gait: Gait, drive: Drive) -> tuple[Any, Any]:
         If a rotation is held.
     """
     check_free(gait)
+    if drive.softness is not None:
+        return tuple(with_slopes(_of_a_soft_one, gait, drive)[:2])
     M, m = mobility_of(gait), np.asarray(drive.moment)
     N, lean = M[3:] @ cross(m), np.sin(drive.cone)
     b = _of_the_largest(N, lean, steady(gait, drive))
@@ -88,6 +97,8 @@ def onset(gait: Gait, drive: Drive) -> Any:
     check_free(gait)
     if np.real(drive.cone):
         return np.nan
+    if drive.softness is not None:
+        return with_slopes(_of_a_soft_one, gait, drive)[2]
     M = mobility_of(gait)
     N = M[3:] @ cross(np.asarray(drive.moment))
     S = (N + N.T) / 2.0
@@ -99,6 +110,14 @@ def onset(gait: Gait, drive: Drive) -> Any:
         b, value = b - step[:3], value - step[3]
     turn = N @ b
     return drive.strength * np.sqrt(turn @ turn)
+
+
+def _of_a_soft_one(gait: Gait, drive: Drive) -> np.ndarray:
+    """Return step-out, the velocity there, and the onset of wobbling."""
+    states = steady(gait, drive)
+    at_most = states.at_step_out
+    velocity = np.nan if at_most is None else float(at_most.velocity)
+    return np.array([states.step_out, velocity, states.wobbling_onset])
 
 
 def check_free(gait: Gait) -> None:

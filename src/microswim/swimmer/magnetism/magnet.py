@@ -202,13 +202,13 @@ class Magnet:
         """Moment per field (3, 3), body frame; zero of a permanent magnet."""
         if self.susceptibility is None:
             return np.zeros((3, 3))
-        chi = np.array(self.susceptibility, float)
-        return (np.diag(chi) if chi.ndim == 1 else chi) * (float(self.piece) / MU_0)
+        chi = np.array(self.susceptibility)
+        return (np.diag(chi) if chi.ndim == 1 else chi) * (self.piece / MU_0)
 
     @property
     def magnetic(self) -> np.ndarray:
         """Moment without a field, then moment per field row by row (12,), body frame."""
-        return np.concatenate([np.real(self.vector), self.softness.ravel()])
+        return np.concatenate([np.real(self.vector), np.real(self.softness).ravel()])
 
     def _unit(self) -> tuple[Any, Any, Any]:
         if isinstance(self.direction, tuple):

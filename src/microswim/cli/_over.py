@@ -165,7 +165,7 @@ def _plain(said: str, text: str, kind: str, units: str) -> float:
 
 
 def map_starts(
-    given: Given, texts: tuple[str, ...], time: float, model: str, out: Path | None, as_json: bool
+    given: Given, texts: tuple[str, ...], time: float, model: Any, out: Path | None, as_json: bool
 ) -> None:
     """Follow the paths of a map of starts; print how they end, and write map and picture."""
     from collections import Counter

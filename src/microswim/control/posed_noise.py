@@ -19,7 +19,7 @@ SMALL = 1e-4  #: of a length and a radian, of the random difference
 
 
 def displaced(
-    poses: Any, free: Array, values: Array, energy: float, dt: float, random: np.random.Generator
+    poses: Any, free: Any, values: Array, energy: float, dt: float, random: np.random.Generator
 ) -> Array:
     """Return states (n, 8) after the thermal displacements of a time dt.
 
@@ -50,13 +50,13 @@ def displaced(
     return np.where(reaches[:, None], values, after)
 
 
-def _mobility(poses: Any, free: Array, y: Array) -> Array:
+def _mobility(poses: Any, free: Any, y: Array) -> Array:
     """Return M over what is free."""
     R = poses.at(y[:3], y[3:7], y[7])[0]
     return np.linalg.inv(R[np.ix_(free, free)])
 
 
-def _divergence(poses: Any, free: Array, y: Array, way: Array, unit: Array) -> Array:
+def _divergence(poses: Any, free: Any, y: Array, way: Array, unit: Array) -> Array:
     """Return a sample of ``div M``: M at two poses a random way apart, times that way."""
     found = 0.0
     for sense in (-1.0, 1.0):

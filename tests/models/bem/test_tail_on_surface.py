@@ -121,3 +121,9 @@ def test_few_triangles_keep_the_normals_and_the_volume_of_many():
         assert coarse.curved_volume == pytest.approx(volume, rel=3e-3)
         assert len(patches(coarse)[0]) < 0.65 * len(coarse.faces)
         assert not patches(coarse)[2].any()
+
+
+def test_a_cube_is_not_thinned_to_what_is_no_cube(tmp_path):
+    body = from_file(tmp_path, trimesh.creation.box((1.0, 1.0, 1.0)))
+    assert body.triangles is not None
+    assert coarsened(body.triangles, 6).volume == pytest.approx(1.0, rel=1e-6)

@@ -7,6 +7,9 @@ import numpy as np
 from microswim.numerics.array import Array
 from microswim.swimmer.geometry.solids.triangles import Indices, Triangles
 
+#: Share of the volume with which a shape is lost: no such triangles are taken.
+LOST = 0.05
+
 
 def coarsened(surface: Triangles, most: int) -> Triangles:
     """Return the surface with at most `most` triangles, as far as its shape lets it.
@@ -17,11 +20,11 @@ def coarsened(surface: Triangles, most: int) -> Triangles:
     if len(surface.faces) <= most:
         return surface
     made = [_onto_corners(surface, most), _by_quadrics(surface, most)]
-    fits = [c for c in made if c is not None and 8 <= len(c.faces) <= most]
-    fits = fits or [c for c in made if c is not None and len(c.faces) < len(surface.faces)]
-    return min(
-        fits, key=lambda c: abs(c.curved_volume / surface.curved_volume - 1.0), default=surface
-    )
+    whole = surface.curved_volume
+    made = [c for c in made if c is not None and abs(c.curved_volume / whole - 1.0) < LOST]
+    fits = [c for c in made if 8 <= len(c.faces) <= most]
+    fits = fits or [c for c in made if len(c.faces) < len(surface.faces)]
+    return min(fits, key=lambda c: abs(c.curved_volume / whole - 1.0), default=surface)
 
 
 def _by_quadrics(surface: Triangles, most: int) -> Triangles | None:

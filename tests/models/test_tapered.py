@@ -1,5 +1,7 @@
 """Filaments that taper: rft and boundary elements."""
 
+from typing import Any
+
 import numpy as np
 import pytest
 from scipy.integrate import quad
@@ -9,8 +11,8 @@ from microswim.models.bem.levels import get_level
 from microswim.models.bem.patches.mesh import swimmer_surface
 from microswim.models.bem.solution import solve
 
-WAVE = {"length": 1.5, "amplitude": 0.1, "waves": 1.5, "radius": 0.05}
-KINDS = [ms.HelicalTail, ms.PlaneWaveTail]
+WAVE: dict[str, Any] = {"length": 1.5, "amplitude": 0.1, "waves": 1.5, "radius": 0.05}
+KINDS: Any = [ms.HelicalTail, ms.PlaneWaveTail]
 
 
 def swimmer(tail, **more):

@@ -1,5 +1,7 @@
 """Tails that grow out of a body from a surface file, by boundary elements."""
 
+from typing import Any
+
 import numpy as np
 import pytest
 
@@ -14,7 +16,7 @@ from microswim.swimmer.geometry.solids.triangles import Triangles
 
 trimesh = pytest.importorskip("trimesh")
 
-SHORT = {"length": 0.8, "amplitude": 0.06, "waves": 1, "radius": 0.06}
+SHORT: dict[str, Any] = {"length": 0.8, "amplitude": 0.06, "waves": 1, "radius": 0.06}
 
 
 def from_file(folder, mesh, **more):

@@ -116,7 +116,7 @@ def _sheet(surface: Triangles, face: int, size: float) -> Sheet:
     first = np.eye(3)[np.argmin(np.abs(normal))]
     first = first - first @ normal * normal
     first /= np.linalg.norm(first)
-    axes = np.stack([normal, first, np.cross(normal, first)])
+    axes = np.asarray(np.stack([normal, first, np.cross(normal, first)]), float)
     origin = surface.points[surface.faces[face]].mean(axis=0)
     corners, middles, _ = patches(surface, kept)
     points = (np.concatenate([corners, middles], axis=1) - origin) @ axes.T

@@ -6,6 +6,8 @@ from collections.abc import Iterable, Mapping
 from dataclasses import fields
 from typing import TYPE_CHECKING, Any
 
+import numpy as np
+
 from microswim.errors import SpecError, nearest
 from microswim.swimmer.parts import part_of, replaced, with_part, without_number
 
@@ -66,7 +68,8 @@ def lifted(swimmer: Swimmer, values: Mapping[str, Any]) -> Swimmer:
     numbers = swimmer.numbers if values else {}
     for path, value in values.items():
         if path not in numbers:
-            raise SpecError(path, value, "a number of this swimmer", nearest(path, numbers))
+            given = value if np.ndim(value) == 0 else "many values"
+            raise SpecError(path, given, "a number of this swimmer", nearest(path, numbers))
         part, name = path.split(".", 1)
         name, *index = name.replace("]", "").split("[")
         owner = part_of(swimmer, part)
@@ -97,8 +100,16 @@ def both_of_the_wave(tail: Any) -> dict[str, Any]:
 
 
 def in_terms_of(swimmer: Any, names: Iterable[str]) -> Any:
-    """Return the swimmer with its wave said by the one of `waves` and `wavelength` in `names`."""
+    """Return the same swimmer in the words of `names`: its wave by the one of `waves` and
+    `wavelength` that is among them, the direction of its magnet by an angle.
+    """
     for name in names:
-        if name in ALTERNATIVES and name not in swimmer.numbers:
-            return swimmer.with_({name: float(both_of_the_wave(swimmer.tail)[name])})
+        if name in swimmer.numbers:
+            continue
+        if name in ALTERNATIVES:
+            swimmer = swimmer.with_({name: float(both_of_the_wave(swimmer.tail)[name])})
+        elif name == "magnet.direction" and getattr(swimmer.magnet, "direction", None) is not None:
+            s, q, r = swimmer.magnet.direction
+            angles = {name: np.arctan2(np.hypot(q, r), s), "magnet.azimuth": np.arctan2(r, q)}
+            swimmer = swimmer.with_({k: float(v) for k, v in angles.items()})
     return swimmer

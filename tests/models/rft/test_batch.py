@@ -116,3 +116,11 @@ def test_threads_take_turns_and_a_forked_process_works_alone():
         check=False,
     )
     assert done.stdout.split() == ["1", "True"], done.stderr[-500:]
+
+
+def test_a_motor_that_stands_still_swims_at_no_speed():
+    """A magnetic robot's motor is at rest: NaN shut its designs out of every search."""
+    still = ms.Swimmer.preset("tabak/helix").with_({"tail.frequency": 0.0})
+    found = ms.evaluate(still, {"tail.amplitude": [0.1, 0.12]})
+    assert found["swimming_speed"].tolist() == [0.0, 0.0]
+    assert ms.summary(still.gait())["swimming_speed"] == 0.0

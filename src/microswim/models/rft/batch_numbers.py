@@ -28,7 +28,8 @@ def of_helices(swimmer: Swimmer, V: Any, power: Any, body: Any, rate: Any) -> di
     """Return results of rigid helices from phase 0: the lateral parts turn with the tail.
 
     In the frame of the tail the twist is constant, so the axis of the screw motion is along
-    ``W + sign rate e_s`` and the swimming speed ``U . (W + sign rate e_s) / |W + sign rate e_s|``.
+    ``W + sign rate e_s`` and the swimming speed ``U . (W + sign rate e_s) / |W + sign rate e_s|``;
+    ``|U|`` where nothing turns.
     """
     V, power = V[:, 0], power[:, 0]
     sign = swimmer.tail.sign
@@ -44,7 +45,8 @@ def of_helices(swimmer: Swimmer, V: Any, power: Any, body: Any, rate: Any) -> di
     spin[:, 0] += sign * rate
     size = np.linalg.norm(spin, axis=1)
     with np.errstate(invalid="ignore", divide="ignore"):
-        speed = np.abs(np.sum(W[:, :3] * spin, axis=1)) / size
+        along = np.abs(np.sum(W[:, :3] * spin, axis=1)) / size
+    speed = np.where(size == 0, np.linalg.norm(W[:, :3], axis=1), along)
     total = power * rate**2
     work = np.einsum("nj,nj,n->n", body[:, 0], W, W[:, 0])
     return _results(mean, amplitude, speed, total, work, rate)

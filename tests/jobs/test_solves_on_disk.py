@@ -71,6 +71,23 @@ def test_the_version_of_a_model_is_that_of_its_code():
     assert len({store.version(m) for m in ("rft", "bem", "fem")}) == 3
 
 
+def test_the_version_of_a_model_is_that_of_all_its_rooms(tmp_path, monkeypatch):
+    """A change in models/bem/patches left old solves current."""
+    import shutil
+    from pathlib import Path
+
+    models = tmp_path / "models"
+    shutil.copytree(Path(store.__file__).parents[1] / "models", models)
+    monkeypatch.setattr(store, "files", lambda package: models)
+    rooms = [p for p in models.rglob("*.py") if p.relative_to(models).parts[0] == "bem"]
+    assert {len(p.relative_to(models).parts) for p in rooms} >= {2, 3}
+    seen = {store.version.__wrapped__("bem")}
+    for path in (rooms[0], next(p for p in rooms if len(p.relative_to(models).parts) == 3)):
+        path.write_text(path.read_text() + "\nCHANGED = True\n")
+        seen.add(store.version.__wrapped__("bem"))
+    assert len(seen) == 3
+
+
 @pytest.mark.parametrize(
     "change",
     [

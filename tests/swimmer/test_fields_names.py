@@ -24,4 +24,3 @@ def test_a_vector_and_an_angle_say_the_same_direction_of_a_magnet():
     by_angle = in_terms_of(robot, ["magnet.direction"])
     assert by_angle.magnet.vector == pytest.approx(magnet.vector, rel=1e-12)
     assert "magnet.direction" in by_angle.numbers
-'''

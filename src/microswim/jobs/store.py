@@ -10,8 +10,10 @@ import ast
 import hashlib
 import re
 import sys
+from collections.abc import Iterator
 from functools import cache
 from importlib.resources import files
+from importlib.resources.abc import Traversable
 from pathlib import Path
 from typing import Any
 
@@ -58,11 +60,18 @@ def version(model: str) -> str:
     """Return a digest of a model's own code; comments and docstrings do not count."""
     whole = hashlib.sha256()
     above = files("microswim.models")
-    for folder in (above, above / model):
-        for file in sorted(folder.iterdir(), key=lambda f: f.name):
-            if file.name.endswith(".py"):
-                whole.update(ast.dump(_Bare().visit(ast.parse(file.read_text("utf-8")))).encode())
+    for file in (*_modules(above), *_modules(above / model, deep=True)):
+        whole.update(ast.dump(_Bare().visit(ast.parse(file.read_text("utf-8")))).encode())
     return whole.hexdigest()[:16]
+
+
+def _modules(folder: Traversable, deep: bool = False) -> Iterator[Traversable]:
+    """The modules of a folder, those of its folders too if `deep`, in order."""
+    for entry in sorted(folder.iterdir(), key=lambda f: f.name):
+        if entry.name.endswith(".py"):
+            yield entry
+        elif deep and entry.is_dir():
+            yield from _modules(entry, deep)
 
 
 class _Bare(ast.NodeTransformer):

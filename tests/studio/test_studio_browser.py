@@ -356,6 +356,7 @@ def test_a_mistake_is_a_notice_and_the_page_lives_on(page):
 def test_a_value_may_bring_its_unit_and_a_refused_design_is_greyed(page):
     page.select_option("#presets", "goto/C")
     page.wait_for_function("() => studio.store.design.name === 'goto/C'")
+    page.wait_for_selector(".map .legend")  # of its wavelength, where the one before has waves
     settled(page)
     box = 'input[aria-label="Length, value"]'
     page.fill(box, "0.006 mm")

@@ -48,10 +48,11 @@ export class SpeedMap {
       this.field = { x: stored.ask.x.field, y: stored.ask.y.field };
       this.output = stored.ask.output ?? this.output;
     }
-    store.on("rest", () => this.refresh());
+    // in this order: a new design has other numbers, and only then is a map of it asked
+    if (!store.snapshot) store.on("designs", () => this.forget());
     store.on("structure", () => this.options());
     store.on("tables", () => this.draw());
-    if (!store.snapshot) store.on("designs", () => this.forget());
+    store.on("rest", () => this.refresh());
     this.build();
   }
 

@@ -72,28 +72,6 @@ def _numbers(gait: Any) -> Rows:
     return rows
 
 
-def without_rounding(numbers: dict[str, Any]) -> dict[str, Any]:
-    """Return the numbers of a run, zero for what is rounding beside the largest of its kind.
-
-    A robot that swims in a plane circle has a swimming speed and a pitch of nothing.
-    """
-    mean, size = (_clean(numbers[n]) for n in ("mean_velocity", "velocity_amplitude"))
-    speed, rate = np.maximum(np.abs(mean), size).reshape(2, 3).max(axis=1)
-    turning = 2.0 * np.pi * abs(numbers["frequency"])
-    largest = {
-        "swimming_speed": speed,
-        "lateral_amplitude": speed,
-        "body_rate": rate,
-        "body_rate_hz": rate,
-        "body_turns_per_period": rate / turning if turning else 0.0,
-        "path_pitch": numbers["path_radius"] or 0.0,
-    }
-    still = {n: 0.0 for n, most in largest.items() if abs(numbers[n] or np.inf) <= NOISE * most}
-    if "swimming_speed" in still and "body_lengths_per_time" in numbers:
-        still["body_lengths_per_time"] = 0.0
-    return {**numbers, **still, "mean_velocity": mean.tolist()}
-
-
 def _clean(twist: Any) -> np.ndarray:
     """Return the real twist without what is rounding beside its largest component."""
     twist = np.real(twist).reshape(2, 3)

@@ -16,7 +16,6 @@ from typing import TYPE_CHECKING, Any
 
 from microswim import checks
 from microswim.gait.gait import DEGREES_OF_FREEDOM
-from microswim.gait.portrait import without_rounding
 from microswim.gait.quantities import QUANTITIES
 from microswim.gait.readable import quantity, significant, with_error
 from microswim.gait.turning.driven import DRIVEN
@@ -87,7 +86,7 @@ def numbers_table(numbers: dict[str, Any], name: str) -> Table:
     >>> table.rows[0][:2]
     ('swimming speed', '10.21 µm/s')
     """
-    off, numbers = numbers.get("expected_error") or {}, without_rounding(numbers)
+    off = numbers.get("expected_error") or {}
 
     def q(value: float, kind: str, of: str = "") -> str:
         return with_error(value, off.get(of), unit(numbers["units"], kind))

@@ -91,10 +91,10 @@ class MagnetField(FieldInSpace):
     def _source(self) -> Any:
         kinds = magpylib().magnet
         J = tuple(map(float, self.remanence * unit(self.direction)))
-        match self.shape:
-            case "sphere":
-                return kinds.Sphere(diameter=self.size[0], polarization=J)
-            case "cylinder":
+        match self.size:
+            case (diameter,):
+                return kinds.Sphere(diameter=diameter, polarization=J)
+            case (_, _):
                 return kinds.Cylinder(dimension=self.size, polarization=J)
         return kinds.Cuboid(dimension=self.size, polarization=J)
 
@@ -124,10 +124,11 @@ class MagnetField(FieldInSpace):
 
     def _distance(self, r: np.ndarray) -> np.ndarray:
         """Distance (n,) of places (n, 3) from the surface, negative inside."""
-        if self.shape == "sphere":
-            return np.linalg.norm(r, axis=-1) - self.size[0] / 2.0
-        if self.shape == "cylinder":
-            r = np.stack([np.hypot(r[:, 0], r[:, 1]), r[:, 2]], axis=-1)
+        match self.size:
+            case (diameter,):
+                return np.linalg.norm(r, axis=-1) - diameter / 2.0
+            case (_, _):
+                r = np.stack([np.hypot(r[:, 0], r[:, 1]), r[:, 2]], axis=-1)
         beyond = np.abs(r) - np.array(self.size) / 2.0  # of a cylinder: radially, along
         outside = np.linalg.norm(np.maximum(beyond, 0.0), axis=-1)
         return np.where(outside > 0.0, outside, beyond.max(axis=-1))

@@ -9,6 +9,8 @@ that shape as well, and then the interval reaches over all of them.
 
 from __future__ import annotations
 
+from typing import Any
+
 import numpy as np
 from scipy.ndimage import label
 
@@ -50,8 +52,8 @@ def reach(
     j = int(np.argmin(np.abs(grid.waves - here[WAVES])))
     alike[i, j] = True
     if errors[list(SHOWN)].max() < LARGE:
-        islands, _ = label(alike, structure=np.ones((3, 3)))
-        alike = islands == islands[i, j]
+        islands: Any = label(alike, structure=np.ones((3, 3)))
+        alike = islands[0] == islands[0][i, j]
     rows, columns = np.nonzero(alike)
     return {AMPLITUDE: _ends(grid.amplitude, rows), WAVES: _ends(grid.waves, columns)}
 

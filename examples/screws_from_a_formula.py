@@ -18,12 +18,12 @@ LENGTH, RADIUS, DEPTH, LEAD = 4.0, 0.5, 0.3, 2.0
 ALONG, AROUND = 41, 28
 
 
-def screw(starts, hand=1.0):
-    """Corners and triangles of r = R (1 + d cos n(theta - hand 2 pi s/lead)), its ends round."""
+def screw(starts):
+    """Corners and triangles of r = R (1 + d cos n(theta - 2 pi s/lead)), its ends round."""
     u = np.linspace(0.0, np.pi, ALONG)[:, None]
     theta = 2.0 * np.pi * np.arange(AROUND) / AROUND
     s = -0.5 * LENGTH * np.cos(u)
-    wave = np.cos(starts * (theta - hand * 2.0 * np.pi * s / LEAD))
+    wave = np.cos(starts * (theta - 2.0 * np.pi * s / LEAD))
     r = RADIUS * np.sin(u) ** 0.5 * (1.0 + DEPTH * np.sin(u) * wave)
     points = np.stack(np.broadcast_arrays(s, r * np.cos(theta), r * np.sin(theta)), axis=-1)
     i, j = np.meshgrid(np.arange(ALONG - 1), np.arange(AROUND), indexing="ij")
@@ -44,7 +44,8 @@ def advance(points, faces):
 
 def main():
     told = [advance(*screw(n)) for n in (1, 2, 3)]
-    mirror = advance(*screw(2, hand=-1.0))
+    points, faces = screw(2)
+    mirror = advance(points * [1.0, 1.0, -1.0], faces[:, ::-1])
     ahead, chirality = np.transpose(told)
     return {"starts": np.array([1, 2, 3]), "advance": ahead, "chirality": chirality,
             "advance of the mirror image": mirror[0], "surface": screw(2)}  # fmt: skip

@@ -93,7 +93,8 @@ def test_a_rigid_helix_without_body_stands_still_by_a_law(hand):
     swimmer = ALONE.with_({"tail.handedness": hand})
     found = ms.io.numbers(swimmer, swimmer.gait())
     turning = -swimmer.tail.sign * swimmer.tail.rate
-    assert found["mean_velocity"] == pytest.approx([0, 0, 0, turning, 0, 0], abs=1e-300)
+    assert found["mean_velocity"].pop(3) == pytest.approx(turning, rel=1e-14)
+    assert found["mean_velocity"] == [0.0] * 5
     assert found["swimming_speed"] == 0.0
     # The law itself, without the shortcut of the printed numbers.
     assert np.abs(swimmer.gait().mean_velocity[:3]).max() < 1e-15

@@ -97,6 +97,7 @@ def test_a_tilted_rod_jumps_where_the_torque_no_longer_rises():
     assert found.rate == 0.0
 
 
+@pytest.mark.slow  # the gallery's hook_flick asks the same of a cell
 def test_a_hook_buckles_when_the_helix_pushes_and_stands_more_when_it_pulls():
     helix = ms.ElasticTail(length=1.0, radius=0.01, bending=1.0, drive="rotate",
                            rest_radius=0.05, rest_pitch=-0.4)  # fmt: skip

@@ -53,7 +53,7 @@ class MagnetField(FieldInSpace):
     >>> import microswim as ms
     >>> cube = ms.MagnetField(remanence=1.3, size=(0.02, 0.02, 0.02), position=(0, 0, -0.05))
     >>> (1e3 * cube.at(0.0)).round(2)  # mT
-    array([ 0.  ,  0.  , 13.25])
+    array([ 0.  ,  0.  , 13.17])
     """
 
     kind: ClassVar[str] = "magnet"

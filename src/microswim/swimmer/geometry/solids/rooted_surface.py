@@ -15,7 +15,6 @@ from functools import cached_property, lru_cache
 from typing import Any, ClassVar
 
 import numpy as np
-from scipy.spatial import KDTree
 
 from microswim.errors import SpecError
 from microswim.numerics.array import Array
@@ -66,7 +65,9 @@ class Sheet:
         return (self.origin + self._heights(flat) @ self.axes).reshape(*plane.shape[:-1], 3)
 
     @cached_property
-    def _samples(self) -> tuple[KDTree, Array, Array]:
+    def _samples(self) -> tuple[Any, Array, Array]:
+        from scipy.spatial import KDTree  # only tails on such bodies wait for it
+
         x = np.linspace(-0.9, 0.9, SIDE)
         u, v = (a.ravel() for a in np.meshgrid(x, x, indexing="ij"))
         at = eight_shapes(u, v) @ self.points

@@ -69,7 +69,7 @@ def split(one, level="standard", repeats=5):
         lambda: swimmer_surface(one.body, one.tail, 0.0, chosen.resolution), repeats
     )
     layer = Layer(surface, 100.0, chosen.rule)
-    assembly, A = timed(layer.matrix, repeats)
+    assembly, A = timed(layer.rows, repeats)
     A[-1, -1] = 1.0
     single = A.astype(np.float32)
     whole, gait = timed(lambda: one.gait(model="bem", level=chosen), repeats)

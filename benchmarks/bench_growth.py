@@ -22,7 +22,7 @@ import numpy as np
 from clock import least
 
 import microswim as ms
-from microswim.jobs import references
+from microswim.jobs import processes, references
 from microswim.models.rft import gait as rft
 from microswim.models.rft import plane_wave as planarwave
 from microswim.models.rft import segment as kernels
@@ -59,7 +59,7 @@ def designs(swimmer):
 def workers():
     """Wall seconds of 24 coarse boundary-element gaits, workers started and warm included."""
     swimmers = [HELIX.with_({"tail.waves": w}) for w in np.linspace(1.5, 3.5, 24)]
-    for count in range(1, references.cores() + 1):
+    for count in range(1, processes.cores() + 1):
         best = np.inf
         for _ in range(2):
             start = time.perf_counter()

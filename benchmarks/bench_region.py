@@ -46,9 +46,7 @@ def measured(kind):
     usual = ms.Swimmer.preset(f"tabak/{kind}")  # Lighthill's law, the default
     plain = replace(usual, coefficients=ms.GrayHancock())
     other = replace(plain, coefficients=ms.Cox())
-    fitted = replace(
-        plain, region=ms.calibrate_region(other, REGION, "rft", solves=100, workers=0).region
-    )
+    fitted = ms.calibrate_region(other, REGION, "rft", solves=100, workers=0).swimmer
     rng = np.random.default_rng(0)
     many = {name: rng.uniform(*bounds, DESIGNS) for name, bounds in REGION.items()}
     out = {}
@@ -74,6 +72,7 @@ def main():
         for what, t in parts.items():
             shown = ", ".join(f"{name} {value:.2f}" for name, value in t.items())
             print(f"{kind}, {what}: {shown}")
+    RESULTS.parent.mkdir(exist_ok=True)
     RESULTS.write_text(json.dumps(results, indent=1) + "\n", encoding="utf-8")
 
 

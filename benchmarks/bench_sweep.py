@@ -13,13 +13,15 @@ import os
 import resource
 import tempfile
 import time
+from functools import partial
 from pathlib import Path
 
 import numpy as np
 
 import microswim as ms
-from microswim.studies.sweeps.engines import Task, Worker
-from microswim.studies.sweeps.rows import Job
+from microswim.jobs.worker import Worker
+from microswim.studies.sweeps.engines import Task
+from microswim.studies.sweeps.rows import Job, solve_rows
 from microswim.studies.sweeps.space import Space
 
 BASE = "tabak/helix"
@@ -52,6 +54,16 @@ def surrogate(count):
     }
 
 
+def answer(worker, task):
+    """Wait for the rows of a task."""
+    worker.ask(task.columns)
+    what = "ready"
+    while what == "ready":
+        _, what, value = worker.heard.get()
+    if what != "done":
+        raise SystemExit(f"the worker {what}: {value}")
+
+
 def reference(count, level, workers):
     """Boundary-element designs in processes, against the same solves in one warm process."""
     swimmer = ms.Swimmer.preset(BASE)
@@ -60,12 +72,12 @@ def reference(count, level, workers):
         "tail.waves": np.linspace(1.5, 3.5, min(10, count)),
     }
     job, space = Job(swimmer, "bem", {"level": level}), Space.of(over, 64)
-    worker = Worker(job)
-    worker.solve(Task(space, 0, 1))
+    worker = Worker(partial(solve_rows, job))
+    answer(worker, Task(space, 0, 1))
     some = np.linspace(0, space.size - 1, min(20, space.size)).astype(int)
     begun = time.perf_counter()
     for i in some:
-        worker.solve(Task(space, int(i), int(i) + 1))
+        answer(worker, Task(space, int(i), int(i) + 1))
     alone = (time.perf_counter() - begun) / len(some) * space.size
     worker.stop()
     with tempfile.TemporaryDirectory() as folder:

@@ -37,8 +37,9 @@ class View:
 
         Examples
         --------
-        >>> import microswim as ms
-        >>> file = ms.Swimmer.preset("tabak/helix").view().save("helix.html")
+        >>> import tempfile, microswim as ms
+        >>> view = ms.Swimmer.preset("tabak/helix").view()
+        >>> file = view.save(tempfile.mkdtemp() + "/helix.html")
         >>> file.read_text()[:15]
         '<!doctype html>'
         """

@@ -62,12 +62,7 @@ def path(found: xr.Dataset) -> Figure:
         above, side, time = figure.subplots(1, 3, width_ratios=[1.0, 1.0, 1.1])
         in_tube = found.attrs.get("boundary") == "tube"
         planes = ((0, 2), (1, 2)) if in_tube else ((0, 1), (0, 2))
-        for axes, (i, j), name in ((above, planes[0], "a"), (side, planes[1], "b")):
-            _plane(axes, factor * places, i, j)
-            for k, which in ((i, "x"), (j, "y")):
-                label = readable(places, "xyz"[k], length)[1]
-                axes.set(**{f"{which}label": label.replace(" (length)", "")})
-            letter(axes, name)
+        _planes((above, side), places, planes, length)
         if in_tube:
             _tube(above, side, factor * float(found.attrs["tube_radius"]))
         elif "gap" in found:  # the wall is the plane z = 0
@@ -75,6 +70,17 @@ def path(found: xr.Dataset) -> Figure:
         _in_time(time, found, places)
         letter(time, "c")
         return figure
+
+
+def _planes(both: Any, places: np.ndarray, planes: Any, length: str) -> None:
+    """The paths in two planes, (a) and (b), with the names of their axes."""
+    factor, _ = readable(places, "", length)
+    for axes, (i, j), name in zip(both, planes, "ab", strict=True):
+        _plane(axes, factor * places, i, j)
+        for k, which in ((i, "x"), (j, "y")):
+            label = readable(places, "xyz"[k], length)[1]
+            axes.set(**{f"{which}label": label.replace(" (length)", "")})
+        letter(axes, name)
 
 
 def _plane(axes: Axes, places: np.ndarray, i: int, j: int) -> None:
@@ -158,16 +164,10 @@ def group_path(found: xr.Dataset) -> Figure:
     """
     places = found.position.transpose("swimmer", "time", "axis").values
     length, units = found.position.attrs["units"], found.attrs["units"]
-    factor, _ = readable(places, "", length)
     with look():
         figure = blank(WIDE, 3.0)
         above, side, time = figure.subplots(1, 3, width_ratios=[1.0, 1.0, 1.1])
-        for axes, (i, j), name in ((above, (0, 1), "a"), (side, (0, 2), "b")):
-            _plane(axes, factor * places, i, j)
-            for k, which in ((i, "x"), (j, "y")):
-                label = readable(places, "xyz"[k], length)[1]
-                axes.set(**{f"{which}label": label.replace(" (length)", "")})
-            letter(axes, name)
+        _planes((above, side), places, ((0, 1), (0, 2)), length)
         per, label_t = readable(found.time.values, "time", unit(units, "time"))
         _apart(time, per * found.time.values, places, length)
         time.set(xlabel=label_t)

@@ -6,6 +6,8 @@ import numpy as np
 import pytest
 
 import microswim as ms
+from microswim.calibration.poses.layout import shape_of
+from microswim.calibration.poses.solved import FEW
 
 WALLED = {"wall.distance": 1.0}
 
@@ -43,3 +45,17 @@ def test_a_channel_that_is_too_narrow_is_refused():
     narrow = {"channel.diameter": 0.9, "channel.length": 10.0}
     with pytest.raises(ms.SpecError, match=r"channel\.diameter"):
         ms.Swimmer.preset("tabak/helix", narrow).gait()
+
+
+def test_a_pose_is_solved_at_its_own_phase_though_others_would_reach_into_the_wall():
+    """A path asks for poses of one phase each, with the tail close to the wall."""
+    robot = ms.Swimmer.preset("tabak/helix")
+    shape = shape_of(robot, 0.01)
+    heights = [(shape.touch(-0.5, psi), psi) for psi in np.linspace(0.0, 6.0, 25)]
+    (low, psi), (high, _) = min(heights), max(heights)
+    assert high > low + 0.05
+    azimuth = -robot.tail.sign * psi
+    walled = replace(robot, wall=ms.Wall(0.5 * (low + high), tilt=-0.5, azimuth=azimuth))
+    with pytest.raises(ms.SpecError, match=r"wall\.distance"):
+        walled.gait("rft")
+    assert np.isfinite(walled.gait("bem", level=FEW).resistance(0.0)).all()

@@ -252,7 +252,8 @@ class Swimmer(Shown):
         if self.tail.settles and model == "rft":  # its theory is that of the elastic tail too
             model = "elastic"
         doors.check_options(model, options)
-        clearance.check(self)
+        if model not in ("bem", "fem"):  # these look at what they solve, at the phases they solve
+            clearance.check(self)
         if self.tail.settles and model not in ("auto", "elastic"):
             return self.settled.gait(model, **options)
         if model == "rft" and self.region is not None and not options:

@@ -162,7 +162,7 @@ def _chunk(
         rate = np.broadcast_to(many.tail.rate, (n,))
     if swimmer.region is not None:
         good &= wave_nodes(p).sum(axis=1) <= MOST_NODES
-        return _calibrated(swimmer, arrays, good, rate, seconds)
+        return _calibrated(swimmer, arrays, p, good, rate, seconds)
     if swimmer.tail.is_planar:
         good &= (shapes(p)[1] <= STEEPEST) & (wave_nodes(p).sum(axis=1) <= MOST_NODES)
     if swimmer.tail.is_rigid:
@@ -173,7 +173,7 @@ def _chunk(
     def solved(rows: np.ndarray, phase: np.ndarray) -> tuple[Any, Any]:
         return solved_waves(swimmer, p[rows], body[rows], phase, tolerance, seconds)
 
-    return of_waves(solved, good, body, rate, seconds)
+    return of_waves(solved, shapes(p)[1], good, body, rate, seconds)
 
 
 def _solved_helices(
@@ -201,7 +201,7 @@ def _ramp_counts(waves: Any, bk: Any, ramp: Any, digits: float, good: Any) -> np
 
 
 def _calibrated(
-    swimmer: Swimmer, arrays: dict, good: np.ndarray, rate: Any, seconds: float
+    swimmer: Swimmer, arrays: dict, p: Any, good: np.ndarray, rate: Any, seconds: float
 ) -> dict[str, Any]:
     """Results of a surrogate that carries a region calibration."""
     region, free, n = swimmer.region, np.array(swimmer.motion.mask), len(good)
@@ -214,7 +214,7 @@ def _calibrated(
         return [x[:, first :: 1 + first] for x in every]
 
     if not swimmer.tail.is_rigid:
-        return of_waves(solved, good, None, rate, seconds)
+        return of_waves(solved, shapes(p)[1], good, None, rate, seconds)
     V, power, work = np.full((n, 1, 6), np.nan), *np.full((2, n, 1), np.nan)
     if good.any():
         V[good], power[good], work[good] = solved(np.flatnonzero(good), np.zeros(1))

@@ -73,23 +73,34 @@ def blank(n: int) -> dict[str, np.ndarray]:
     return {name: np.full((n, 6) if "velocity" in name else n, np.nan) for name in OUTPUTS}
 
 
-def of_plane_waves(
-    V: Any, series: Any, power: Any, rate: Any, body: Any, work: Any = None
-) -> dict[str, Any]:
-    """Return results of plane waves from half a period and the series, per unit rate.
+def half_beats(V: np.ndarray) -> tuple[np.ndarray, ...]:
+    """Return what twists (n, m, 6) at m phases over half a period, per unit rate, say.
 
     The motion is planar: heading ``int W_r dphi``, displacement ``int R(heading) U dphi``, whose
     mean over the half period is along s, as the other half is its mirror image in q.
+
+    Returns
+    -------
+    tuple
+        Whether the beat is resolved (n,), mean and half of peak to peak of each velocity (n, 6),
+        and the mean speed ahead (n,).
     """
-    m = V.shape[1]
-    mean = series[0] * rate[:, None]
-    amplitude = half_range(series) * np.abs(rate)[:, None]
-    heading = _integral_of(series[..., 5], m)
+    series = beat_series(V)
+    heading = _integral_of(series[..., 5], V.shape[1])
     ahead = np.cos(heading) * V[..., 0] - np.sin(heading) * V[..., 1]
-    speed = np.abs(ahead.mean(axis=1) * rate)
+    return resolved(series), series[0], half_range(series), np.abs(ahead.mean(axis=1))
+
+
+def of_plane_waves(
+    V: Any, beats: Any, power: Any, rate: Any, body: Any, work: Any = None
+) -> dict[str, Any]:
+    """Return results of plane waves from half a period, per unit rate, and its `half_beats`."""
+    mean, amplitude, speed = beats
+    size = np.abs(rate)
     total = power.mean(axis=1) * rate**2
-    drag = np.einsum("nj,nmj,nm->nm", body[:, 0], V, V[..., 0]) if work is None else work
-    return _results(mean, amplitude, speed, total, drag.mean(axis=1) * rate**2, rate)
+    drag = np.einsum("nmj,nj,nm->nm", V, body[:, 0], V[..., 0]) if work is None else work
+    moved = mean * rate[:, None], amplitude * size[:, None], speed * size
+    return _results(*moved, total, drag.mean(axis=1) * rate**2, rate)
 
 
 def _integral_of(series: np.ndarray, m: int) -> np.ndarray:

@@ -6,7 +6,7 @@ from typing import Any
 
 import numpy as np
 
-from microswim.models.rft.batch_numbers import beat_series, blank, of_plane_waves, resolved
+from microswim.models.rft.batch_numbers import blank, of_plane_waves
 from microswim.models.rft.gait import MOST_PHASES
 from microswim.models.rft.plane_wave import SEGMENT
 from microswim.models.rft.segment import (
@@ -17,32 +17,34 @@ from microswim.models.rft.segment import (
     WAVENUMBER,
     node_numbers,
 )
-from microswim.numerics.compiling.compiled import pays, settled
+from microswim.numerics.compiling.compiled import pays
 from microswim.numerics.quadrature import panels
 from microswim.swimmer.swimmer import Swimmer
 
 CHUNK = 2048  #: designs whose twists at all phases stay in the processor's cache
-PHASES = 16  #: over half a period; more where these do not resolve the beat
+PHASES = 16  #: over half a period of a gentle wave
+#: Amplitude times wavenumber from which on more phases are likely to resolve the beat at once.
+STEEPER = ((0.45, 24), (1.1, 32))
 MARGIN = 1.0  #: digits of the quadrature beyond the tolerance
 
 
-def of_waves(solved: Any, good: np.ndarray, body: Any, rate: Any, seconds: float) -> dict[str, Any]:
+def of_waves(
+    solved: Any, bk: np.ndarray, good: np.ndarray, body: Any, rate: Any, seconds: float
+) -> dict[str, Any]:
     """Return results of plane waves, at as many phases as each takes.
 
     NaN where even the most do not do. ``solved(rows, phase)`` gives twists, tail powers and,
-    without `body`, drag times speed.
+    without `body`, drag times speed; `bk` is amplitude times wavenumber.
     """
-    out, rows = blank(len(good)), np.flatnonzero(good)
-    for some in np.array_split(rows, max(1, -(-len(rows) // CHUNK))):
-        phases, found = PHASES, solved(some, np.pi * np.arange(PHASES) / PHASES)
+    out, loops = blank(len(good)), loops_for(seconds)
+    for some, phases in _chunks(bk, good):
+        found = solved(some, np.pi * np.arange(phases) / phases)
         while len(some):
-            series = beat_series(found[0])
-            fine = resolved(series)
+            fine, *beats = loops.half_beats(found[0])
             V, power, *work = (x[fine] for x in found)
             done = some[fine]
             drag = None if body is None else body[done]
-            with settled(pays(seconds)):
-                results = of_plane_waves(V, series[:, fine], power, rate[done], drag, *work)
+            results = of_plane_waves(V, [x[fine] for x in beats], power, rate[done], drag, *work)
             for name, value in results.items():
                 out[name][done] = value
             some = some[~fine]
@@ -52,6 +54,17 @@ def of_waves(solved: Any, good: np.ndarray, body: Any, rate: Any, seconds: float
             found = [_interleaved(a[~fine], b) for a, b in zip(found, between)]
             phases *= 2
     return out
+
+
+def _chunks(bk: np.ndarray, good: np.ndarray) -> Any:
+    """Rows of designs that are good, with the number of phases at which to begin."""
+    first = np.select(
+        [bk > least for least, _ in STEEPER[::-1]], [m for _, m in STEEPER[::-1]], PHASES
+    )
+    for phases in np.unique(first[good]).tolist():
+        rows = np.flatnonzero(good & (first == phases))
+        for some in np.array_split(rows, -(-len(rows) // CHUNK)):
+            yield some, phases
 
 
 def _interleaved(a: np.ndarray, b: np.ndarray) -> np.ndarray:
@@ -77,7 +90,7 @@ def _groups(p: np.ndarray, tolerance: float) -> Any:
     digits = min(1.0, (MARGIN - np.log10(tolerance)) / 12.0)
     need = wave_nodes(p)
     need = np.where(need > 0, np.ceil(6 + (need - 6) * digits), 0).astype(np.int64)
-    rung = np.where(need > 64, 64, 8)  # few distinct rules: making one takes longer than a design
+    rung = np.where(need > 64, 32, 8)  # few distinct rules: making one takes longer than a design
     need = rung * -(-need // rung)
     keys = need[:, 0] << 32 | need[:, 1]
     for key in np.unique(keys):

@@ -12,16 +12,18 @@ from typing import Any
 
 import numpy as np
 
+from microswim.models.rft.half_beats import half_beats as half_beats
 from microswim.models.rft.helix import MOST_ON_RAMP, add_constant_part, add_ramp
-from microswim.models.rft.plane_wave import add_wave, fill_nodes
+from microswim.models.rft.plane_wave import add_in_plane, fill_nodes
 from microswim.models.rft.segment import HELIX, PLANE_WAVE, TIP, add_tip
 from microswim.numerics.compiling.compiled import prange
 from microswim.numerics.compiling.cores import loop
 from microswim.numerics.quadrature import gauss
-from microswim.numerics.solve6 import solve, solve_lanes
+from microswim.numerics.solve6 import solve_lanes
 
 LANES = 16  #: designs whose 6x6 systems are solved side by side
 BLOCK = 8  #: designs that share scratch arrays
+IN_PLANE = np.array([True, True, False, False, False, True])  #: motions of a plane wave
 
 
 @cache
@@ -81,32 +83,37 @@ def solve_waves(
 ) -> Any:
     """Return twists and tail powers ``F_p . V + G`` per unit rate of many plane waves, in parallel.
 
-    `p` (n, 11), `body` (n, 6, 6). Returns V (n, m, 6) and the powers (n, m) over the m phases.
+    `p` (n, 11), `body` (n, 6, 6) without coupling of the plane to what is out of it, where nothing
+    drives. Returns V (n, m, 6) and the powers (n, m) over the m phases.
     """
-    return _waves.over(len(p) * phases.size // 16)(arc, p, body, phases, free, ramp_rule, rule)
+    turns = np.stack([phases, np.cos(phases), np.sin(phases)], axis=-1)
+    many, in_plane = len(p) * phases.size // 16, free & IN_PLANE
+    return _waves.over(many)(arc, p, body, turns, in_plane, ramp_rule, rule)
 
 
-@loop()
-def _waves(arc: bool, p: Any, body: Any, phases: Any, free: Any, ramp_rule: Any, rule: Any) -> Any:
-    n, m = p.shape[0], phases.size
+@loop(error_model="numpy")
+def _waves(arc: bool, p: Any, body: Any, turns: Any, free: Any, ramp_rule: Any, rule: Any) -> Any:
+    n, m = p.shape[0], len(turns)
     V = np.empty((n, m, 6))
     power = np.empty((n, m))
     for block in prange((n + BLOCK - 1) // BLOCK):
-        R, F = np.empty((6, 6)), np.empty(6)
+        F, A, U, work = np.empty((6, m)), np.empty((6, 6, m)), np.empty((6, m)), np.empty((2, m))
         nodes = np.empty((6, ramp_rule[0].size + rule[0].size))
         for d in range(block * BLOCK, min(n, (block + 1) * BLOCK)):
             fill_nodes(nodes, p[d], ramp_rule, rule)
+            F[:] = 0.0
+            for i in range(6):
+                for l in range(i + 1):
+                    A[i, l] = body[d, i, l]
+            for j in range(m):
+                R, force = A[:, :, j], F[:, j]
+                power[d, j] = add_in_plane(R, force, p[d], nodes, turns[j], arc)
+                if p[d, TIP] != 0:
+                    power[d, j] += add_tip(PLANE_WAVE, R, force, p[d], turns[j, 0])
+            U[:] = -F
+            solve_lanes(A, U, free, work)
             for j in range(m):
                 for i in range(6):
-                    F[i] = 0.0
-                    for l in range(i + 1):
-                        R[i, l] = body[d, i, l]
-                G = add_wave(R, F, p[d], nodes, phases[j], arc)
-                G += add_tip(PLANE_WAVE, R, F, p[d], phases[j])
-                for i in range(6):
-                    V[d, j, i] = -F[i]
-                solve(R, V[d, j], free)
-                for i in range(6):
-                    G += F[i] * V[d, j, i]
-                power[d, j] = G
+                    V[d, j, i] = U[i, j]
+                    power[d, j] += F[i, j] * U[i, j]
     return V, power

@@ -31,7 +31,6 @@ from microswim.models.rft.segment import (
     OFFSET,
     PLANE_WAVE,
     RAMP,
-    SPIN,
     WAVENUMBER,
     add_tip,
     cosine_sine,
@@ -81,55 +80,68 @@ def fill_rest(nodes: Any, p: Any, rule: Any) -> None:
 
 
 @compiled(fastmath=FAST, error_model="numpy")
-def add_wave(R: Any, F: Any, p: Any, nodes: Any, phase: float, arc: bool) -> Any:
-    """Add ``B_t`` (lower triangle) and ``F_p`` at one phase; returns G."""
-    k, spin, local = p[WAVENUMBER], p[SPIN], (p[C_N], p[C_T] - p[C_N], p[C_R])
-    C, S = np.cos(phase), np.sin(phase)
+def add_in_plane(R: Any, F: Any, p: Any, nodes: Any, turn: Any, arc: bool) -> Any:
+    """Add what moves and resists in the plane to ``B_t`` (lower triangle) and ``F_p``; returns
+    G.
+
+    `turn` is the phase with its cosine and sine.
+    """
+    k, local, C, S = p[WAVENUMBER], (p[C_N], p[C_T] - p[C_N], p[C_R]), turn[1], turn[2]
     z = p.dtype.type(0)  # a number: where the sums are arrays, each becomes one of its own
-    r00, r10, r11, r22, r32, r33, r42, r43, r44 = z, z, z, z, z, z, z, z, z
-    r50, r51, r55, f0, f1, f3, f4, f5, G = z, z, z, z, z, z, z, z, z
+    r00, r10, r11, r50, r51, r55, f0, f1, f5, G = z, z, z, z, z, z, z, z, z, z
     for i in range(nodes.shape[1]):
         x, a = nodes[0, i], nodes[2, i]
         c, d = nodes[4, i] * C + nodes[5, i] * S, nodes[5, i] * C - nodes[4, i] * S
         y, t, u = in_plane(a, nodes[3, i], k, c, d)
-        n, D, w = resistances(nodes[1, i], 1.0 + t * t, arc, local)
+        n, D, _ = resistances(nodes[1, i], 1.0 + t * t, arc, local)
         m = x * t - y
-        nx, ny, Dm = n * x, n * y, D * m
+        Dt, Dm, nx, ny = D * t, D * m, n * x, n * y
+        along, across = Dt * u, n * u + Dt * t * u
         r00 += D + n
-        r10 += D * t
-        r11 += D * t * t + n
-        r22 += n
-        r32 += ny
-        r33 += ny * y + w
-        r42 -= nx
-        r43 += w * t - nx * y
-        r44 += w * t * t + nx * x
+        r10 += Dt
+        r11 += Dt * t + n
         r50 += Dm - ny
         r51 += Dm * t + nx
         r55 += Dm * m + nx * x + ny * y
-        along = D * t * u
-        across = n * u + along * t
         f0 += along
         f1 += across
-        f3 += w * spin
-        f4 += w * t * spin
         f5 += x * across - y * along
-        G += across * u + w * spin * spin
+        G += across * u
     R[0, 0] += r00
     R[1, 0] += r10
     R[1, 1] += r11
+    R[5, 0] += r50
+    R[5, 1] += r51
+    R[5, 5] += r55
+    F[0] += f0
+    F[1] += f1
+    F[5] += f5
+    return G
+
+
+@compiled(fastmath=FAST, error_model="numpy")
+def add_out_of_plane(R: Any, p: Any, nodes: Any, turn: Any, arc: bool) -> None:
+    """Add what resists motion out of the plane to ``B_t`` (lower triangle); nothing drives it."""
+    k, local, C, S = p[WAVENUMBER], (p[C_N], p[C_T] - p[C_N], p[C_R]), turn[1], turn[2]
+    z = p.dtype.type(0)
+    r22, r32, r33, r42, r43, r44 = z, z, z, z, z, z
+    for i in range(nodes.shape[1]):
+        x = nodes[0, i]
+        c, d = nodes[4, i] * C + nodes[5, i] * S, nodes[5, i] * C - nodes[4, i] * S
+        y, t, _ = in_plane(nodes[2, i], nodes[3, i], k, c, d)
+        n, _, w = resistances(nodes[1, i], 1.0 + t * t, arc, local)
+        r22 += n
+        r32 += n * y
+        r33 += n * y * y + w
+        r42 -= n * x
+        r43 += w * t - n * x * y
+        r44 += w * t * t + n * x * x
     R[2, 2] += r22
     R[3, 2] += r32
     R[3, 3] += r33
     R[4, 2] += r42
     R[4, 3] += r43
     R[4, 4] += r44
-    R[5, 0] += r50
-    R[5, 1] += r51
-    R[5, 5] += r55
-    for i, f in ((0, f0), (1, f1), (3, f3), (4, f4), (5, f5)):
-        F[i] += f
-    return G
 
 
 @compiled()
@@ -142,7 +154,9 @@ def in_a_row(arc: bool, p: Any, phases: Any, ramp_rule: Any, rule: Any) -> Any:
     nodes = np.empty((6, ramp_rule[0].size + rule[0].size), dtype=p.dtype)
     fill_nodes(nodes, p, ramp_rule, rule)
     for j in range(m):
-        G[j] = add_wave(R[j], F[j], p, nodes, phases[j], arc)
+        turn = phases[j], np.cos(phases[j]), np.sin(phases[j])
+        G[j] = add_in_plane(R[j], F[j], p, nodes, turn, arc)
+        add_out_of_plane(R[j], p, nodes, turn, arc)
         G[j] += add_tip(PLANE_WAVE, R[j], F[j], p, phases[j])
         for i in range(6):
             for n in range(i):
@@ -171,7 +185,10 @@ def side_by_side(arc: bool, p: Any, phases: Any, ramp_rule: Any, rule: Any) -> A
     for part in np.split(nodes, range(width, nodes.shape[1], width), axis=1):
         own = (m, part.shape[1], *each)
         R_part, F_part = (np.zeros((*s, *own), dtype=p.dtype) for s in ((6, 6), (6,)))
-        G_part = add_wave.written(R_part, F_part, p, part[:, None, None], at[:, None], arc)
+        turn = at[:, None], np.cos(at[:, None]), np.sin(at[:, None])
+        here = p, part[:, None, None], turn, arc
+        G_part = add_in_plane.written(R_part, F_part, *here)
+        add_out_of_plane.written(R_part, *here)
         R, F, G = R + R_part.sum(axis=3), F + F_part.sum(axis=2), G + G_part.sum(axis=1)
     G = G + add_tip.written(PLANE_WAVE, R, F, p, at)
     upper = np.triu_indices(6, 1)

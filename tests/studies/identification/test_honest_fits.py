@@ -9,9 +9,14 @@ from click.testing import CliRunner
 from scipy.stats import binom
 
 import microswim as ms
+from microswim.calibration.unknowns import resolve
 from microswim.cli import main
-from microswim.studies.identification.fitting import fit, honesty
+from microswim.studies.identification.fitting import honesty, outcome
+from microswim.studies.identification.fitting.descent import least
+from microswim.studies.identification.fitting.first_guesses import initial_poses, shown
+from microswim.studies.identification.fitting.problem import PathProblem
 from microswim.studies.identification.paths import path_of
+from microswim.swimmer.drag.coefficients import Unchosen
 
 TRUE_WAVE = {"tail.amplitude": 0.14, "tail.waves": 1.6, "tail.frequency": 1.3}
 START = {"tail.amplitude": 0.147, "tail.waves": 1.55, "tail.frequency": 1.302}
@@ -101,7 +106,7 @@ def test_a_scaled_gait_has_the_one_velocity_larger():
 def test_the_error_of_the_model_is_in_the_intervals(monkeypatch, counted):
     """Truth by gaits whose velocities are off as the model's error says; without it they miss."""
     errors = np.array([0.1, 0.1, 0.0, 0.0, 0.0, 0.1])
-    monkeypatch.setattr(fit, "model_errors", lambda own: errors)
+    monkeypatch.setattr(outcome, "model_errors", lambda own: errors)
     swimmer, trials = ms.Swimmer.preset("tabak/plane_wave"), 16 if counted else 8
     truth, hits = np.array(list(TRUE_WAVE.values())), np.zeros(3)
     for seed in range(trials):
@@ -119,6 +124,40 @@ def test_the_error_of_the_model_is_in_the_intervals(monkeypatch, counted):
         assert hits.min() < binom.ppf(0.001, trials, 0.95)
 
 
+def test_first_guesses_are_those_of_the_swimmers_own_model():
+    """A design that the atlas covers by the atlas, one beyond it by the law; as gait by gait."""
+    swimmer = replace(ms.Swimmer.preset("tabak/helix"), coefficients=Unchosen())
+    waves = np.array([2.6, 4.9])
+    speed, swing, turn, spin = shown(swimmer, {"tail.waves": waves})
+    for i, model in enumerate(("atlas", "rft")):
+        gait = swimmer.with_({"tail.waves": waves[i]}).gait("auto")
+        assert gait.model == model
+        assert speed[i] == pytest.approx(ms.screw(gait).speed, rel=1e-3)
+        assert swing[i] == pytest.approx(gait.velocity_amplitude[1], rel=1e-2)
+        assert turn[i] == pytest.approx(gait.velocity_amplitude[5], rel=1e-2)
+        assert spin[i] == pytest.approx(gait.mean_velocity[3], rel=1e-3)
+
+
+def test_what_the_error_of_the_model_explains_is_not_held_against_a_design():
+    """A fit held at the truth: chi-squared is that of the noise, and one for each deviation."""
+    known = ms.Swimmer.preset("tabak/helix")
+    errors, t = np.array([0.1, 0.0, 0.0, 0.06, 0.0, 0.0]), np.linspace(0.0, 9.0, 90)
+    gait, rng = known.gait("rft"), np.random.default_rng(0)
+    for k in (0, 3):
+        gait = honesty.scaled(gait, k, errors[k] / 2.0)
+    x, q = path_of(known, gait, t, 0.3)
+    track = ms.Track(time=t, position=x + 1e-4 * rng.normal(size=x.shape), quaternion=q)
+    names = ("tail.amplitude", "tail.frequency")
+    problem = PathProblem(known, track, resolve(known, names), 1e-2, 1e-4)
+    design = np.array([0.1, 1.0])
+    design[1] *= problem.wobble_ratio(design)  # a fit's frequency is that of the wobble
+    done = least(problem, initial_poses(problem, design, count=1)[0])
+    n = x.size  # the attitudes have no noise here
+    assert done.fun @ done.fun > 2.0 * n
+    left = honesty.unexplained(problem, done, 1.0, errors)
+    assert n - 5.0 * np.sqrt(2.0 * n) < left < n + 5.0 * np.sqrt(2.0 * n)
+
+
 def test_large_errors_of_the_model_reach_over_designs_that_move_alike(monkeypatch):
     """A track by another law of drag: its number of waves lies far from the fit's, and within."""
     known = ms.Swimmer.preset("tabak/plane_wave")
@@ -126,7 +165,7 @@ def test_large_errors_of_the_model_reach_over_designs_that_move_alike(monkeypatc
     made = replace(known.with_(truth), coefficients=ms.Cox())
     track = wave_track(3, gait=made.gait("rft"), noise=0.001)
     errors = np.array([0.36, 0.65, 0.0, 0.0, 0.0, 0.38])
-    monkeypatch.setattr(fit, "model_errors", lambda own: errors)
+    monkeypatch.setattr(outcome, "model_errors", lambda own: errors)
     found = ms.identify_swimmer(known, track)
     waves = found.values[1]
     assert abs(waves - truth["tail.waves"]) > 0.3

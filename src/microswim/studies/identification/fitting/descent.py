@@ -13,6 +13,8 @@ from microswim.studies.identification.fitting.first_guesses import WAVES
 from microswim.studies.identification.fitting.problem import CURVATURE, FREQUENCY, PathProblem
 
 LEAST = 1e-3  #: of the spec's own value, where what is unknown is a positive number
+ALIKE = 1e-3  #: of its values, within which a fit is another once more
+MOST = 24  #: different fits that are followed
 
 
 def least(
@@ -44,6 +46,15 @@ def least(
             )  # fmt: skip
     except (MicroswimError, np.linalg.LinAlgError, ValueError):
         return None
+
+
+def apart(problem: PathProblem, fits: list[Any]) -> list[Any]:
+    """Return the fits of different designs, the best of each; fits are sorted by their cost."""
+    n, found = len(problem.unknowns), []
+    for done in fits:
+        if not any(np.allclose(done.x[:n], other.x[:n], rtol=ALIKE, atol=0.0) for other in found):
+            found.append(done)
+    return found[:MOST]
 
 
 def lowest(problem: PathProblem) -> np.ndarray:

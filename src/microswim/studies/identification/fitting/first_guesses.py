@@ -14,6 +14,8 @@ from typing import Any
 import numpy as np
 from scipy.interpolate import CubicSpline, RectBivariateSpline
 
+from microswim.calibration.atlas.choice import not_atlas
+from microswim.calibration.atlas.everywhere import everywhere
 from microswim.errors import MicroswimError
 from microswim.gait.screw import screw
 from microswim.models.rft.batch import evaluate
@@ -111,6 +113,17 @@ def shown(
     """Return swimming speed, amplitudes of u_q and w_r, and mean w_s of designs."""
     if not swimmer.tail.in_batches:
         return _one_by_one(swimmer, axes)
+    found = np.array(_side_by_side(swimmer, axes))
+    by_atlas = None if not_atlas(swimmer) else everywhere(swimmer)
+    if by_atlas is not None:
+        better = np.array(_side_by_side(by_atlas, axes))
+        found = np.where(np.isfinite(better).all(axis=0), better, found)
+    speed, swing, turn, spin = found
+    return speed, swing, turn, spin
+
+
+def _side_by_side(swimmer: Swimmer, axes: dict[str, np.ndarray]) -> tuple[np.ndarray, ...]:
+    """`shown` of designs by one batch; NaN where it does not cover them."""
     found = evaluate(swimmer, axes, tolerance=1e-3)
     swing = found["velocity_amplitude"]
     return found["swimming_speed"], swing[:, 1], swing[:, 5], found["mean_velocity"][:, 3]

@@ -7,7 +7,6 @@ pose and phase.
 
 from __future__ import annotations
 
-import warnings
 from collections.abc import Callable, Iterable
 from dataclasses import replace
 from functools import partial
@@ -16,19 +15,11 @@ from typing import Any
 import numpy as np
 
 from microswim import checks
-from microswim.calibration.calibrate import lift
 from microswim.calibration.unknowns import resolve
 from microswim.errors import MicroswimError
 from microswim.numerics.compiling.compiled import settled
 from microswim.studies.identification.films.track import Track
-from microswim.studies.identification.fitting.branches import (
-    AS_WELL,
-    Branch,
-    branch_of,
-    holds,
-    ranked,
-)
-from microswim.studies.identification.fitting.descent import least, lowest
+from microswim.studies.identification.fitting.descent import apart, least, lowest
 from microswim.studies.identification.fitting.first_guesses import (
     AMPLITUDE,
     WAVES,
@@ -38,9 +29,10 @@ from microswim.studies.identification.fitting.first_guesses import (
     first_guesses,
     initial_poses,
 )
-from microswim.studies.identification.fitting.honesty import check_shown, left_over, model_errors
+from microswim.studies.identification.fitting.honesty import check_shown, left_over
+from microswim.studies.identification.fitting.outcome import outcome
 from microswim.studies.identification.fitting.problem import CURVATURE, FREQUENCY, PathProblem
-from microswim.studies.identification.result import Identification, remarks
+from microswim.studies.identification.result import Identification
 from microswim.swimmer.swimmer import Swimmer
 
 SHAPE = (AMPLITUDE, WAVES, FREQUENCY)
@@ -178,7 +170,7 @@ def identified(
         raise MicroswimError("no first guess led to a path like the track; give start values")
     fits.sort(key=_cost)
     if problem.weighs:
-        problem, fits = weighed_anew(problem, fits, sigma, sigma_attitude)
+        problem, fits = weighed_anew(problem, fits, sigma, sigma_attitude, model_error)
     return outcome(problem, fits, model_error, grid)
 
 
@@ -222,11 +214,13 @@ def _cost(done: Any) -> float:
 
 
 def weighed_anew(
-    problem: PathProblem, fits: list[Any], sigma: float | None, sigma_attitude: float | None
-) -> tuple[PathProblem, list[Any]]:
+    problem: PathProblem, fits: list[Any], sigma: float | None, sigma_attitude: float | None,
+    model_error: bool,
+) -> tuple[PathProblem, list[Any]]:  # fmt: skip
     """Return the problem with the noise that the best fit leaves, and its fits.
 
-    Positions and attitudes have noises of their own; what is not given is what was left over.
+    Positions and attitudes have noises of their own; what is not given is what was left over. Fits
+    that are far off are followed where the model itself may be off.
     """
     left, count = fits[0].fun, problem.track.position.size
     free = np.sqrt(left.size / max(left.size - fits[0].x.size, 1))
@@ -236,7 +230,8 @@ def weighed_anew(
     if not (noise > 0 and turn > 0):
         return problem, fits
     known = replace(problem, sigma=noise, sigma_attitude=turn)
-    again = [least(known, done.x) for done in fits if done.cost < FAR * fits[0].cost]
+    near = [done for done in fits if done.cost < FAR * fits[0].cost]
+    again = [least(known, done.x) for done in (apart(known, fits) if model_error else near)]
     return known, sorted((done for done in again if done), key=_cost)
 
 
@@ -263,83 +258,3 @@ def fit(
         best.append(least(problem, z))
     best = [done for done in best if done is not None]
     return [min(best, key=_cost)] if best else []
-
-
-def _swimmer_of(problem: PathProblem, values: np.ndarray) -> Swimmer:
-    return lift(problem.swimmer, problem.unknowns, [float(v) for v in values]).with_({})
-
-
-def _errors(problem: PathProblem, done: Any) -> np.ndarray | None:
-    """Relative errors to expect of the model at the design of a fit."""
-    with warnings.catch_warnings():
-        warnings.simplefilter("ignore")  # of laws beyond their range: that is in the errors
-        return model_errors(_swimmer_of(problem, problem.physical(done.x)).gait("auto"))
-
-
-def _about_model(problem: PathProblem, branch: Branch) -> tuple[str, ...]:
-    """What the model's own error does to the interval of a branch, where it matters."""
-    if branch.errors is None:
-        return (
-            f"the error of model {problem.own_model} is not known for this swimmer: the intervals "
-            "hold for noise alone",
-        )
-    if branch.by_model < 1.0:
-        return ()
-    return (
-        f"the error of model {problem.own_model} (up to {branch.errors.max():.2g} of a velocity) "
-        f"is {branch.by_model:.2g} times the noise in these intervals; a calibration narrows them",
-    )
-
-
-def _branches(
-    problem: PathProblem, fits: list[Any], spread: float, model_error: bool, grid: Grid | None
-) -> list[Branch]:
-    """The designs that fit as well as the best, each once."""
-    found: list[Branch] = []
-    for done in fits:
-        behind = 2.0 * (done.cost - fits[0].cost) / max(spread**2, 1e-300)
-        values = problem.physical(done.x)
-        if behind > AS_WELL or any(holds(branch, values) for branch in found):
-            continue
-        errors = _errors(problem, done) if model_error else None
-        found.append(branch_of(problem, done, spread, behind, errors, grid=grid))
-    return found
-
-
-def outcome(
-    problem: PathProblem, fits: list[Any], model_error: bool, grid: Grid | None = None
-) -> Identification:
-    """Return everything there is to say about the fits, the best of them first."""
-    best = fits[0]
-    degrees = best.fun.size - best.x.size
-    spread = np.sqrt(2.0 * best.cost / max(degrees, 1)) if problem.sigma is None else 1.0
-    withheld = left_over(problem, problem.path(best.x))
-    branches = (branch_of(problem, best, spread, 0.0, None, tried=False),)
-    if not withheld:
-        branches = ranked(problem, _branches(problem, fits, spread, model_error, grid))
-    first = branches[0]
-    path = problem.path(first.parameters)
-    misfit = None if problem.sigma is None else 2.0 * best.cost / degrees
-    said = remarks(problem.names, first.directions, first.covariance, len(branches) - 1, misfit)
-    if model_error and not withheld:
-        said += _about_model(problem, first)
-    several = "several designs fit alike: each has its interval, the track does not tell which"
-    blind = ~np.isfinite(np.diag(first.covariance))
-    own = [u.value(problem.swimmer.numbers) for u in problem.unknowns]
-    values = np.where(blind, own, first.values)
-    why = withheld or (several if len(branches) > 1 else "")
-    return Identification(
-        swimmer=_swimmer_of(problem, values),
-        names=problem.names,
-        values=values,
-        covariance=first.covariance,
-        residual=float(np.sqrt(np.mean((path - problem.track.position) ** 2))),
-        degrees=degrees,
-        directions=first.directions,
-        warnings=said if not why else (*said, why),
-        path=path,
-        branches=() if withheld else branches,
-        alternatives=tuple(branch.values for branch in branches[1:]),
-        withheld=why,
-        model=problem.own_model,
-    )

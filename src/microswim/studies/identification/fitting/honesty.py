@@ -91,6 +91,22 @@ def scaled(gait: Gait, k: int, share: float) -> Gait:
     return Gait.from_samples(R, F, gait.activity(phase), model=gait.model, **free)
 
 
+def moved_by_model(
+    problem: PathProblem, z: np.ndarray, spread: float, errors: np.ndarray
+) -> np.ndarray:
+    """Return by how much each velocity, larger by one deviation of its error, moves the path.
+
+    The errors are those of 19 of 20: two deviations. Shape (residuals, velocities), in the noise.
+    """
+    gait, here = problem.gait(z[: len(problem.unknowns)]), problem.residuals(z)
+    moved = [np.zeros((here.size, 0))]
+    for k in np.flatnonzero(errors > 0):
+        share = min(float(errors[k]) / 2.0, 0.5)
+        d = (problem.residuals_of(scaled(gait, int(k), share), z) - here) / spread
+        moved.append(d[:, None])
+    return np.concatenate(moved, axis=1)
+
+
 def covariance_of_model(
     problem: PathProblem, z: np.ndarray, own: np.ndarray, nuisance: np.ndarray, spread: float,
     errors: np.ndarray,
@@ -98,16 +114,26 @@ def covariance_of_model(
     """Return the covariance of the values by errors of the model's velocities, independent of each
     other.
 
-    A velocity larger by a share moves the path by d; the values that make up for it move by
-    ``-own^+ d``, pose and phase projected out. The errors are those of 19 of 20: two deviations.
+    A velocity larger by a deviation moves the path by d; the values that make up for it move by
+    ``-own^+ d``, pose and phase projected out.
     """
-    n = len(problem.unknowns)
-    gait, here = problem.gait(z[:n]), problem.residuals(z)
-    moved = []
-    for k in np.flatnonzero(errors > 0):
-        share = min(float(errors[k]) / 2.0, 0.5)
-        d = (problem.residuals_of(scaled(gait, int(k), share), z) - here) / spread
-        moved.append(-np.linalg.lstsq(own, d - nuisance @ (nuisance.T @ d), rcond=1e-6)[0])
-    if not moved:
-        return np.zeros((n, n))
-    return np.transpose(moved) @ np.array(moved)
+    d = moved_by_model(problem, z, spread, errors)
+    moved = np.linalg.lstsq(own, d - nuisance @ (nuisance.T @ d), rcond=1e-6)[0]
+    return moved @ moved.T
+
+
+def unexplained(problem: PathProblem, done: Any, spread: float, errors: np.ndarray | None) -> float:
+    """Return chi-squared of a fit once its velocities may be off by the errors of the model.
+
+    With a deviations of each, ``min |r + J x + D a|^2 + |a|^2`` over all parameters x and a: the
+    fit as it is where no error is known.
+    """
+    r = done.fun / spread
+    if errors is None:
+        return float(r @ r)
+    J, d = problem.jacobian(done.x), moved_by_model(problem, done.x, spread, errors)
+    U, s, _ = np.linalg.svd(J / np.maximum(np.linalg.norm(J, axis=0), 1e-300), full_matrices=False)
+    U = U[:, s > 1e-8 * s[0]]
+    r, d = (v - U @ (U.T @ v) for v in (r, d))
+    a = -np.linalg.solve(np.eye(d.shape[1]) + d.T @ d, d.T @ r)
+    return float(np.sum((r + d @ a) ** 2) + a @ a)

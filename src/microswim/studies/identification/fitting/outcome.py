@@ -1,0 +1,115 @@
+"""What fits say together: the designs that the track leaves open, with the error of the model.
+
+Of two fits the one that lies closer need not be the true one where the model itself is off: each is
+given the velocities that its errors allow before they are compared, see `unexplained`.
+"""
+
+from __future__ import annotations
+
+import warnings
+from typing import Any
+
+import numpy as np
+
+from microswim.calibration.calibrate import lift
+from microswim.studies.identification.fitting.branches import (
+    AS_WELL,
+    Branch,
+    branch_of,
+    holds,
+    ranked,
+)
+from microswim.studies.identification.fitting.descent import apart
+from microswim.studies.identification.fitting.first_guesses import Grid
+from microswim.studies.identification.fitting.honesty import left_over, model_errors, unexplained
+from microswim.studies.identification.fitting.problem import PathProblem
+from microswim.studies.identification.result import Identification, remarks
+from microswim.swimmer.swimmer import Swimmer
+
+
+def _swimmer_of(problem: PathProblem, values: np.ndarray) -> Swimmer:
+    return lift(problem.swimmer, problem.unknowns, [float(v) for v in values]).with_({})
+
+
+def _errors(problem: PathProblem, done: Any) -> np.ndarray | None:
+    """Relative errors to expect of the model at the design of a fit."""
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore")  # of laws beyond their range: that is in the errors
+        return model_errors(_swimmer_of(problem, problem.physical(done.x)).gait("auto"))
+
+
+def _about_model(problem: PathProblem, branch: Branch) -> tuple[str, ...]:
+    """What the model's own error does to the interval of a branch, where it matters."""
+    if branch.errors is None:
+        return (
+            f"the error of model {problem.own_model} is not known for this swimmer: the intervals "
+            "hold for noise alone",
+        )
+    if branch.by_model < 1.0:
+        return ()
+    return (
+        f"the error of model {problem.own_model} (up to {branch.errors.max():.2g} of a velocity) "
+        f"is {branch.by_model:.2g} times the noise in these intervals; a calibration narrows them",
+    )
+
+
+def _branches(
+    problem: PathProblem, fits: list[Any], spread: float, model_error: bool, grid: Grid | None
+) -> list[Branch]:
+    """The designs that fit as well as the best, each once; the model's error allowed for."""
+    spread = max(spread, 1e-300)
+    compared = []
+    for done in apart(problem, fits) if model_error else fits:
+        errors = _errors(problem, done) if model_error else None
+        compared.append((unexplained(problem, done, spread, errors), done, errors))
+    compared.sort(key=_left)
+    found: list[Branch] = []
+    for left, done, errors in compared:
+        behind, values = left - compared[0][0], problem.physical(done.x)
+        if behind > AS_WELL or any(holds(branch, values) for branch in found):
+            continue
+        found.append(branch_of(problem, done, spread, behind, errors, grid=grid))
+    return found
+
+
+def _left(compared: tuple[float, Any, Any]) -> float:
+    return compared[0]
+
+
+def outcome(
+    problem: PathProblem, fits: list[Any], model_error: bool, grid: Grid | None = None
+) -> Identification:
+    """Return everything there is to say about the fits, the best of them first."""
+    best = fits[0]
+    degrees = best.fun.size - best.x.size
+    spread = np.sqrt(2.0 * best.cost / max(degrees, 1)) if problem.sigma is None else 1.0
+    withheld = left_over(problem, problem.path(best.x))
+    branches = (branch_of(problem, best, spread, 0.0, None, tried=False),)
+    if not withheld:
+        branches = ranked(problem, _branches(problem, fits, spread, model_error, grid))
+    first = branches[0]
+    path = problem.path(first.parameters)
+    misfit = None if problem.sigma is None else 2.0 * best.cost / degrees
+    said = remarks(problem.names, first.directions, first.covariance, len(branches) - 1, misfit)
+    if model_error and not withheld:
+        said += _about_model(problem, first)
+    several = "several designs fit alike: each has its interval, the track does not tell which"
+    blind = ~np.isfinite(np.diag(first.covariance))
+    own = [u.value(problem.swimmer.numbers) for u in problem.unknowns]
+    values = np.where(blind, own, first.values)
+    why = withheld or (several if len(branches) > 1 else "")
+    return Identification(
+        swimmer=_swimmer_of(problem, values),
+        names=problem.names,
+        values=values,
+        covariance=first.covariance,
+        residual=float(np.sqrt(np.mean((path - problem.track.position) ** 2))),
+        degrees=degrees,
+        directions=first.directions,
+        warnings=said if not why else (*said, why),
+        path=path,
+        branches=() if withheld else branches,
+        alternatives=tuple(branch.values for branch in branches[1:]),
+        withheld=why,
+        model=problem.own_model,
+    )

@@ -16,12 +16,18 @@ import numpy as np
 
 from microswim.control.stepper import Stepper
 from microswim.errors import SpecError
+from microswim.swimmer.magnetism.applied_field import unit
 from microswim.swimmer.magnetism.field_in_space import CoilField, DipoleField
+from microswim.swimmer.magnetism.finite_magnet import MagnetField
 from microswim.swimmer.magnetism.grid import GridCoil
 from microswim.swimmer.magnetism.magnet import MU_0
+from microswim.swimmer.magnetism.outside import magpylib
 from microswim.swimmer.magnetism.winding import Winding
 
 MOST_NUMBERS = 2_000_000  #: of a grid, in a source file
+#: Nodes on the faces of a magnet, along an edge and round a cylinder: 1e-9 of B where it is half of
+#: half an edge away, half of its radius.
+NODES, ROUND = 24, 64
 
 DECLARED = """
 /* What makes the field: {about}. */
@@ -56,14 +62,12 @@ class Actuators:
         """Declaration in the header, nothing where the model has none."""
         if not self.names:
             return ""
-        listed = ", ".join(f"{n} [{u}]" for n, u in zip(self.names, self.units))
+        listed = ", ".join(n + f" [{u}]" * bool(u) for n, u in zip(self.names, self.units))
         return DECLARED.format(about=listed, count=len(self.names))
 
 
 def actuators_of(stepper: Stepper) -> Actuators:
     """Return what makes the field of a stepper's swimmer; of a field in formulas, nothing.
-
-    Nothing either of what magpylib makes: field and gradient are then inputs.
 
     Raises
     ------
@@ -72,10 +76,10 @@ def actuators_of(stepper: Stepper) -> Actuators:
     """
     field = stepper.swimmer.field if stepper.swimmer is not None else None
     if isinstance(field, DipoleField):
-        return _magnet(field)
-    if isinstance(field, CoilField) and not isinstance(field.coils[0], Winding):
-        return _coils(field)
-    return Actuators()
+        return _magnet(*field.pose(0.0))
+    if isinstance(field, MagnetField):
+        return _finite(field)
+    return _coils(field) if isinstance(field, CoilField) else Actuators()
 
 
 def _text(*names: str) -> str:
@@ -83,8 +87,7 @@ def _text(*names: str) -> str:
     return "".join((folder / f"{name}.c.in").read_text("utf-8") for name in names)
 
 
-def _magnet(field: DipoleField) -> Actuators:
-    place, moment = field.pose(0.0)
+def _magnet(place: Any, moment: Any) -> Actuators:
     code = _text("multipoles", "magnet", "actuate").replace("@sources@\n", "")
     return Actuators(
         names=tuple(f"magnet_{n}" for n in ("x", "y", "z", "mx", "my", "mz")),
@@ -95,11 +98,40 @@ def _magnet(field: DipoleField) -> Actuators:
     )
 
 
+def _finite(field: MagnetField) -> Actuators:
+    """Return a magnet of finite size by its place and attitude; a sphere is a dipole outside."""
+    if len(field.size) == 1:
+        return _magnet(field.position, field.moment)
+    shape = "cylinder" if len(field.size) == 2 else "block"
+    half = np.array([field.size[0], field.size[0], field.size[1]] if len(field.size) == 2
+                    else field.size) / 2.0  # fmt: skip
+    nodes, weights = np.polynomial.legendre.leggauss(NODES)
+    told = {"nodes": str(NODES), "round": str(ROUND), "shape": _text(shape)}
+    told |= {"node_values": _numbers(nodes), "weight_values": _numbers(weights)}
+    told |= {
+        "half": _numbers(half),
+        "polarisation": _numbers(field.remanence * unit(field.direction)),
+    }
+    code = re.sub(r"@(nodes|round|shape|\w+_values|half|polarisation)@", lambda m: told[m[1]],
+                  _text("body_magnet"))  # fmt: skip
+    return Actuators(
+        names=tuple(f"magnet_{n}" for n in ("x", "y", "z", "qw", "qx", "qy", "qz")),
+        units=("m",) * 3 + ("",) * 4,
+        abouts=("place of the magnet, lab frame",) * 3
+        + ("quaternion of the magnet, from its pose in the specification",) * 4,
+        start=(*field.position, 1.0, 0.0, 0.0, 0.0),
+        code=code + _text("actuate"),
+    )
+
+
 def _coils(field: CoilField) -> Actuators:
     coils: Any = field.coils
     if isinstance(coils[0], GridCoil):
         code = _text("grid", "actuate")
         code = code.replace("@degree@", str(coils[0].degree)).replace("@splines@", _grids(coils))
+    elif isinstance(coils[0], Winding):
+        code = _text("loops", "actuate").replace("@sources@", _loops(coils))
+        code = code.replace("@vacuum@", repr(float(magpylib().mu_0) / (2.0 * np.pi)))
     else:
         code = _text("multipoles", "coils", "actuate").replace("@sources@", _sources(coils))
     names = _distinct([coil.name for coil in coils])
@@ -137,6 +169,18 @@ def _sources(coils: Any) -> str:
             rows.append(f"    {{{counts}, {at}, {name}}}")
     listed = ",\n".join(rows)
     return "\n".join([*tables, f"static const multipoles SOURCES[] = {{\n{listed}}};\n"])
+
+
+def _loops(coils: Any) -> str:
+    """Loops of all windings as C."""
+    rows = [
+        f"    {{{i}, {_numbers((radius, turns))}, {{{_numbers(place)}}}, "
+        f"{{{_numbers(unit(coil.axis))}}}}}"
+        for i, coil in enumerate(coils)
+        for radius, turns, place in coil.loops
+    ]
+    listed = ",\n".join(rows)
+    return f"static const loop LOOPS[] = {{\n{listed}}};\n"
 
 
 def _grids(coils: Any) -> str:

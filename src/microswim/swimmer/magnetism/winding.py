@@ -45,19 +45,32 @@ class Winding:
     thickness: float
     turns: float
 
-    @cached_property
-    def _loops(self) -> list[Any]:
+    @property
+    def loops(self) -> list[tuple[float, float, Array]]:
+        """Radius (m), turns and centre (3,) of each loop, the centre in the lab frame."""
         z, along = _nodes(ALONG if self.length else 1)
         x, through = _nodes(THROUGH if self.thickness else 1)
-        loop = magpylib().current.Circle
+        centre, axis = np.array(self.position), unit(self.axis)
         return [
-            loop(
-                diameter=self.diameter + self.thickness * x[j],
-                current=self.turns * along[i] * through[j],
-                position=(0.0, 0.0, self.length * z[i] / 2.0),
+            (
+                (self.diameter + self.thickness * x[j]) / 2.0,
+                self.turns * along[i] * through[j],
+                centre + self.length * z[i] / 2.0 * axis,
             )
             for i in range(len(z))
             for j in range(len(x))
+        ]
+
+    @cached_property
+    def _loops(self) -> list[Any]:
+        loop, axis = magpylib().current.Circle, unit(self.axis)
+        return [
+            loop(
+                diameter=2.0 * radius,
+                current=turns,
+                position=(0.0, 0.0, (place - np.array(self.position)) @ axis),
+            )
+            for radius, turns, place in self.loops
         ]
 
     def _own(self, places: Array) -> Array:

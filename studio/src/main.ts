@@ -256,14 +256,14 @@ function tick(now: number): void {
     const time = view.paused ? 0 : (passed * view.pace * 2 * Math.PI) / rate;
     if (replay && time) replay.advance((passed * view.pace * replay.end) / (replay.made.numbers.turns as number));
     for (const actor of actors) {
-      const drive = driver.driveOf(actor.answer.gait);
+      const drive = driver.driveOf(actor.answer);
       if (replay) actor.along(replay);
-      else if (time) actor.advance(time, drive, driver.magnetic ? driver.fastest : Math.abs(actor.answer.gait.rate) || 1);
+      else if (time && !driver.waits(actor.answer, actor.pose)) actor.advance(time, drive, driver.magnetic ? driver.fastest : Math.abs(actor.answer.gait.rate) || 1);
       actor.draw(drive, view.arrows, 1 / stage.scale);
       actor.around.look(stage.controls.target, stage.reach);
     }
     if (time && !replay && actors.some((actor) => actor.touches)) halt();
-    if (time && !replay) driver.watch(actors[store.active].pose);
+    if (time && !replay && !driver.waits(actors[store.active].answer, actors[store.active].pose)) driver.watch(actors[store.active].pose);
     flow.update(actors[store.active].pose.phase, time || 0);
     frame(false);
     transport.measure(stage.pixel);

@@ -60,7 +60,7 @@ def test_the_pull_is_the_slope_of_the_energy():
         B = turn.T @ field.at(0.0, place)
         return -B @ magnet.softness @ B / 2.0
 
-    force, torque = magnetic_wrench(magnet.magnetic, field, 0.0, x, Q)
+    force, torque = magnetic_wrench(magnet.magnetic, field.at(0.0, x), field.gradient(0.0, x), Q)
     h = 1e-5
     slope = [(energy(x + h * e) - energy(x - h * e)) / (2 * h) for e in np.eye(3)]
     assert force == pytest.approx(-np.array(slope), rel=1e-5)

@@ -23,10 +23,11 @@ from microswim.spec.describe import to_tables
 from microswim.spec.file import from_dict
 from microswim.spec.tables import FIELDS
 from microswim.spec.toml import to_toml
-from microswim.studio import answers, page
+from microswim.studio import answers, magnet, nearby_field, page
 from microswim.studio import bounds as around
 from microswim.studio import spec_tables as tables
 from microswim.studio.app import LARGEST_BODY, create_app
+from microswim.studio.brought import surfaces as brought
 from microswim.studio.hosts import LOCAL, is_known, name_of
 from microswim.studio.judge import flow
 from microswim.studio.judge import jobs as work
@@ -684,23 +685,73 @@ def test_the_usual_map_is_a_map_about_the_design(waves):
     assert any(v for v in made["values"]["swimming_speed"])
 
 
-def test_what_the_page_does_not_drive_is_said():
-    """A field that depends on place, or a soft head: the page moves neither, and says who does."""
-    robot = ms.Swimmer(
-        body=ms.Sphere(radius=5e-4),
-        tail=ms.HelicalTail(length=2e-3, amplitude=2e-4, waves=2, radius=1e-4),
-        fluid=ms.Fluid(viscosity=0.34),
-        magnet=ms.Magnet(moment=(1e-6, 3e-6, 0.0)),
-        field=ms.DipoleField(moment=(0, 5, 0), position=(0.05, 0, 0)),
-        units="SI",
-    )
-    turning = dataclasses.replace(robot, field=ms.RotatingField(strength=1e-3, frequency=1.0))
+PLACED = ms.Swimmer(
+    body=ms.Sphere(radius=5e-4),
+    tail=ms.HelicalTail(length=2e-3, amplitude=2e-4, waves=2, radius=1e-4),
+    fluid=ms.Fluid(viscosity=0.34),
+    magnet=ms.Magnet(moment=(1e-6, 3e-6, 0.0)),
+    field=ms.DipoleField(moment=(0, 5, 0), position=(0.05, 0, 0)),
+    units="SI",
+)
+
+
+def test_the_page_has_the_field_where_its_own_sliders_do_not_describe_it():
+    turning = dataclasses.replace(PLACED, field=ms.RotatingField(strength=1e-3, frequency=1.0))
     soft = ms.Magnet(susceptibility=(2.0, 1.0, 1.0), volume=1e-10)
-    for one, told in (
-        (robot, 'kind "dipole"'),
-        (dataclasses.replace(turning, magnet=soft), "soft magnet"),
-        (turning, None),
+    inside = dataclasses.replace(PLACED.field, position=(0.0, 0.0, 0.0))
+    for one, own in (
+        (PLACED, True),
+        (dataclasses.replace(turning, magnet=soft), True),
+        (turning, False),
+        (dataclasses.replace(PLACED, field=inside), False),
     ):
-        said = answers.describe(one, one.gait("rft"))["remarks"]
-        found = [line for line in said if "does not drive" in line]
-        assert [told in line for line in found] == ([True] if told else [])
+        told = answers.describe(one, one.gait("rft"))
+        assert (told["magnet"]["own"] is not None) == own
+        assert (told["magnet"]["softness"] is not None) == (one.magnet is soft)
+        unknown = [line for line in told["remarks"] if "not known about the place" in line]
+        assert len(unknown) == (one.field is inside)
+    with pytest.raises(ms.SpecError, match="place"):
+        magnet.asked({"tables": {}, "time": 0.0, "place": [0.0, "x", 0.0]})
+
+
+@pytest.mark.parametrize(
+    "field",
+    [
+        ms.DipoleField(moment=(0, 5, 0), position=(0.05, 0, 0), frequency=2.0),
+        ms.DipoleField(moment=(0, 5, 1), position=(0.05, 0, 0.01), velocity=(0.02, 0, 0)),
+        ms.MagnetField(remanence=1.3, size=(0.02, 0.02, 0.02), position=(0, 0, -0.05), frequency=3),
+        ms.OscillatingField(strength=5e-3, frequency=3.0, direction=(0, 1, 1)),
+    ],
+)
+def test_the_field_about_a_place_agrees_with_the_field_between_its_nodes(field):
+    start, place = 0.3, np.array([1e-3, -2e-3, 5e-4])
+    made = nearby_field.nearby(field, start, place, 3e-3)
+    random = np.random.default_rng(3)
+    places = place + random.uniform(-1, 1, (20, 3)) * (made["half"] or 1.0)
+    for time in start + random.uniform(0, 1, 4) * (made["span"] or 10.0):
+        B, J = nearby_field.at(made, time, places)
+        true = np.broadcast_to(field.at(time, places), B.shape)
+        assert np.abs(B - true).max() < 4e-4 * np.abs(true).max()
+        assert (
+            np.abs(J - field.gradient(time, places)).max()
+            <= 1e-3 * np.abs(field.gradient(time, places)).max()
+        )
+
+
+def test_a_spec_of_this_machine_brings_the_file_of_its_field(tmp_path, monkeypatch):
+    monkeypatch.setenv("XDG_CACHE_HOME", str(tmp_path / "cache"))
+    rows = [
+        f"{x},{y},{z},{x},{-y},0"
+        for x in (-0.01, 0, 0.01, 0.02)
+        for y in (-0.01, 0, 0.01, 0.02)
+        for z in (-0.01, 0, 0.01, 0.02)
+    ]
+    grid = tmp_path / "grid.csv"
+    grid.write_text("\n".join(["x (m),y (m),z (m),Bx (T),By (T),Bz (T)", *rows]))
+    given = canonical(dataclasses.replace(PLACED, field=ms.UniformField(strength=1.0)))
+    given["field"] = {"kind": "coils", "file": str(grid)}
+    with pytest.raises(ms.SpecError, match="microswim studio SPEC"):
+        answers.solve(given)
+    told = answers.solve(brought.admitted(given))
+    _, J = nearby_field.at(told["magnet"]["own"], 0.0, [[0.0, 0.0, 0.0]])
+    assert np.allclose(J[0], np.diag([1.0, -1.0, 0.0]), atol=1e-9)

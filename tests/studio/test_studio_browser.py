@@ -467,6 +467,51 @@ def test_the_magnet_and_the_field_of_a_spec_drive_it_and_its_regime_is_told(
     fresh.close()
 
 
+def test_a_field_that_depends_on_place_drives_it_as_a_path_has_it(browser, server, tmp_path):
+    """Torque and force of a magnet's field, asked anew as the robot comes near it."""
+    robot = ms.Swimmer(
+        body=ms.Sphere(radius=5e-4),
+        tail=ms.HelicalTail(length=2e-3, amplitude=2e-4, waves=2, radius=1e-4, frequency=0.0),
+        fluid=ms.Fluid(viscosity=0.34),
+        motion=ms.Motion(free="all"),
+        magnet=ms.Magnet(moment=(1e-6, 3e-6, 0.0)),
+        field=ms.DipoleField(moment=(0, 8, 0), position=(0.05, 0, 0), velocity=(-0.01, 0, 0)),
+        units="SI",
+    )
+    spec = tmp_path / "robot.toml"
+    spec.write_text(robot.to_toml())
+    fresh = opened(browser, server)
+    fresh.set_input_files("#file", spec)
+    fresh.wait_for_function("() => studio.store.design.answer.magnet.own !== null")
+    fresh.click("#tab-drive")
+    fresh.click("#drive-field")
+    fresh.evaluate("() => { studio.view.paused = true; }")
+    asked, x = fresh.evaluate(
+        """async () => { const { driver } = studio, a = studio.actors()[0];
+        driver.restart(); a.restart();
+        let asked = 0;
+        for (let i = 0; i < 400; i++) {
+          while (driver.waits(a.answer, a.pose)) {
+            asked += 1; await new Promise((r) => setTimeout(r, 20));
+          }
+          a.advance(5e-3, driver.driveOf(a.answer), driver.fastest); driver.watch(a.pose);
+        }
+        return [asked, a.pose.x]; }"""
+    )
+    gait = (
+        robot.gait("atlas")
+        if fresh.evaluate("() => studio.store.design.answer.gait.model") == "atlas"
+        else robot.gait()
+    )
+    found = ms.path(robot, 2.0, gait=gait)
+    end = found.position.values[-1]
+    assert asked  # the field goes on being known
+    assert np.allclose(x, end, atol=5e-4 * np.linalg.norm(end))
+    assert "mT here" in fresh.inner_text("#step")
+    fresh.screenshot(path=tmp_path / "placed.png")
+    fresh.close()
+
+
 def test_what_one_takes_away(page, browser, tmp_path):
     page.evaluate("() => { const a = studio.actors()[0]; a.restart(); a.begin(); "
                   "a.advance(2, studio.driver.drive, studio.driver.fastest); }")  # fmt: skip

@@ -57,7 +57,8 @@ def follow(
         place, q, phase = y[:3], y[3:7] / np.linalg.norm(y[3:7]), y[7]
         Q = rotation_matrix(q)
         force, torque, flow = load(time)
-        pull, turn = magnetic_wrench(magnetic, field, time, place, Q)
+        B, J = field.at(time, place), field.gradient(time, place)
+        pull, turn = magnetic_wrench(magnetic, B, J, Q)
         wrench = np.concatenate([Q.T @ (force + pull), Q.T @ torque + turn])
         turning = rate(time)
         V = np.real(gait.velocity(phase, turning, wrench))
@@ -99,9 +100,10 @@ def follow_loads(
 
     def change(time: float, y: Array) -> Array:
         place, q = y[:3].copy(), y[3:7] / np.linalg.norm(y[3:7])
-        pull, _ = magnetic_wrench(loads.magnetic, field, time, place, rotation_matrix(q))
-        B = np.array([field.at(time, place), np.zeros(3), np.zeros(3)])
-        here = loads._replace(force=loads.force + pull, field=B)
+        B, J = field.at(time, place), field.gradient(time, place)
+        pull, _ = magnetic_wrench(loads.magnetic, B, J, rotation_matrix(q))
+        waves = np.array([B, np.zeros(3), np.zeros(3)])
+        here = loads._replace(force=loads.force + pull, field=waves)
         phase = phase0 + loads.rate * (time - t[0])
         gap = velocity.dispatcher(table, here, time, place, q, phase, kick, out, work)
         if gap <= 0.0:
@@ -118,21 +120,20 @@ def follow_loads(
     return y[:, :3], q / np.linalg.norm(q, axis=1, keepdims=True), y[:, 7:]
 
 
-def magnetic_wrench(
-    magnetic: Array, field: AppliedField, time: float, place: Array, Q: Array
-) -> tuple[Array, Array]:
+def magnetic_wrench(magnetic: Array, B: Array, J: Array, Q: Array) -> tuple[Array, Array]:
     """Return the force (lab frame) and the torque (body frame) of a field on a magnet.
 
     Parameters
     ----------
     magnetic
         m_0, then C row by row (12,), body frame.
-    field, time, place, Q
-        Field, when and where, and the rotation matrix body to lab (3, 3).
+    B, J, Q
+        Field (3,) and its gradient ``dB_i/dx_j`` (3, 3) there, lab frame; rotation matrix body to
+        lab (3, 3).
     """
-    B = Q.T @ field.at(time, place)
-    moment = magnetic[:3] + magnetic[3:].reshape(3, 3) @ B
-    return field.gradient(time, place).T @ (Q @ moment), np.cross(moment, B)
+    own = Q.T @ B
+    moment = magnetic[:3] + magnetic[3:].reshape(3, 3) @ own
+    return J.T @ (Q @ moment), np.cross(moment, own)
 
 
 def _integrated(

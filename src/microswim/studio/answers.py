@@ -26,13 +26,11 @@ from microswim.models.rft.batch import evaluate, expected_errors, is_regular
 from microswim.numerics.plain import plain
 from microswim.spec.toml import to_toml
 from microswim.studio import bounds as around
-from microswim.studio import budget
+from microswim.studio import budget, magnet
 from microswim.studio.brought import surfaces as dropped
 from microswim.studio.drawing import shape
 from microswim.studio.spec_tables import canonical, swimmer_of, units_of
 from microswim.swimmer.geometry.tails.kinds import WaveTail
-from microswim.swimmer.magnetism.applied_field import RotatingField
-from microswim.swimmer.magnetism.magnet import vector_of
 from microswim.swimmer.surroundings import clearance
 from microswim.swimmer.swimmer import Swimmer
 
@@ -105,12 +103,13 @@ def surrogate(swimmer: Swimmer) -> Gait:
 
 def describe(swimmer: Swimmer, gait: Gait) -> dict[str, Any]:
     """Return the shape, gait and readings of a swimmer, ready for JSON."""
+    magnetic = magnet.of(swimmer)
     return {
         "units": {k: v[0] for k, v in units_of(swimmer).items()},
         "dimensional": swimmer.units == "SI",
         "shape": shape(swimmer),
         "around": around.scene(swimmer),
-        "magnet": _magnet(swimmer),
+        "magnet": magnetic,
         "gait": {
             "model": gait.model,
             "rate": float(gait.rate),
@@ -120,31 +119,10 @@ def describe(swimmer: Swimmer, gait: Gait) -> dict[str, Any]:
             "body": _body_series(gait),
         },
         "readings": readings(swimmer, gait),
-        "remarks": [*gait.info.get("remarks", ()), *_not_driven(swimmer)],
+        "remarks": [*gait.info.get("remarks", ()), *magnetic["remarks"]],
         **trust(swimmer, gait),
         "region": swimmer.region is not None,
     }
-
-
-def _magnet(swimmer: Swimmer) -> dict[str, Any]:
-    """The moment in the body's axes, and strength and turns per time of a rotating field."""
-    field = swimmer.field if isinstance(swimmer.field, RotatingField) else None
-    return {
-        "moment": None if swimmer.magnet is None else list(vector_of(swimmer.magnet)),
-        "field": None if field is None else float(field.strength),
-        "frequency": None if field is None else abs(float(field.frequency)),
-    }
-
-
-def _not_driven(swimmer: Swimmer) -> list[str]:
-    """What acts on the magnet by the spec and does not move it on the page."""
-    if swimmer.magnet is None or swimmer.field is None:
-        return []
-    soft = swimmer.magnet.susceptibility is not None
-    if isinstance(swimmer.field, RotatingField) and not soft:
-        return []
-    what = "a soft magnet" if soft else f'a field of kind "{swimmer.field.kind}"'
-    return [f"the page does not drive {what}: microswim path follows the swimmer in it"]
 
 
 def trust(swimmer: Swimmer, gait: Gait) -> dict[str, Any]:

@@ -28,7 +28,7 @@ from microswim import checks
 from microswim.errors import MicroswimError, SpecError
 from microswim.models.rft.warm_up import warm_up
 from microswim.spec import presets
-from microswim.studio import answers, page
+from microswim.studio import answers, magnet, page
 from microswim.studio import spec_tables as tables
 from microswim.studio.brought import films, scenes
 from microswim.studio.brought import surfaces as dropped
@@ -111,6 +111,7 @@ def create_app(
         Route("/api/spec", post(_spec, as_text=True), methods=["POST"]),
         Route("/api/scene", post(scenes.read, as_text=True), methods=["POST"]),
         Route("/api/solve", post(_solve), methods=["POST"]),
+        Route("/api/field", post(magnet.asked), methods=["POST"]),
         Route("/api/exchange", post(_exchange), methods=["POST"]),
         Route("/api/map", post(_map), methods=["POST"]),
         Route("/api/optimum", post(_optimum), methods=["POST"]),

@@ -1,9 +1,11 @@
-// What drives the swimmer: its motor, or a rotating magnetic field on the moment of its magnet.
+// What drives the swimmer: its motor, a rotating magnetic field on the moment of its magnet, or the field of its spec.
 
 import { digits, el, withPrefix } from "../state/dom";
-import { cross, dot, rotate, spinMobility, type Drive, type Pose, type Vec } from "../state/motion";
+import { cross, dot, load, momentIn, rotate, spinMobility, turnMobility, twist, type Drive, type Pose, type Vec } from "../state/motion";
 import type { Store } from "../state/store";
+import type { Answer } from "../state/types";
 import { called, words } from "../state/words";
+import { Own } from "./own";
 
 const HISTORY = 240;
 /** T, of a spec that names no field */
@@ -34,9 +36,30 @@ export class Driver {
   measured = 0;
 
   constructor(private store: Store, private changed: () => void, private trust: () => HTMLElement) {
-    store.on("structure", () => this.calibrate());
+    store.on("structure", () => this.renew(true));
+    store.on("answer", () => this.renew(false));
     for (const event of ["answer", "designs"] as const) store.on(event, () => this.sure.replaceChildren(this.trust()));
     this.build();
+  }
+
+  /** fields of specs that the sliders of a rotating one do not describe */
+  readonly specs = new Own();
+  private built = false;
+
+  /** Whether such a field of the spec drives the active design. */
+  get bySpec(): boolean {
+    return Boolean(this.store.design) && this.specs.has(this.store.design.answer);
+  }
+
+  /** Other sliders where another kind of field drives it. */
+  private renew(anew: boolean): void {
+    const other = this.built !== this.bySpec;
+    if (other) {
+      this.shows = [];
+      this.build();
+    }
+    if (anew || other) this.calibrate();
+    if (other) this.changed();
   }
 
   /** Magnet and field of the spec; without a magnet one across the body that steps out at the motor's own frequency. */
@@ -78,24 +101,67 @@ export class Driver {
   }
 
   get drive(): Drive {
-    const { gait } = this.store.design.answer;
-    if (!this.magnetic) return { rate: gait.rate, moment: null, field: () => [0, 0, 0] };
-    return { rate: 0, moment: this.moment.map((m) => m * this.B) as Vec, field: (t) => this.field(t) };
+    return this.driveOf(this.store.design.answer);
   }
 
-  driveOf(gait: { rate: number }): Drive {
-    return this.magnetic ? this.drive : { rate: gait.rate, moment: null, field: () => [0, 0, 0] };
+  driveOf(answer: Answer): Drive {
+    const { rate } = answer.gait;
+    if (!this.magnetic) return { rate, magnet: null, field: () => ({ B: [0, 0, 0], J: null }), known: null };
+    if (!this.specs.has(answer)) {
+      return { rate: 0, magnet: { moment: this.moment, softness: null }, field: (t) => ({ B: this.field(t).map((b) => b * this.B) as Vec, J: null }), known: null };
+    }
+    const [more, larger] = [10 ** this.strength, 10 ** this.size];
+    const { moment, softness } = answer.magnet;
+    return {
+      rate, magnet: { moment: moment!.map((m) => m * larger) as Vec, softness: softness && softness.map((c) => c * larger) },
+      field: (t, x) => {
+        const { B, J } = this.specs.felt(answer, t, x);
+        return { B: B.map((b) => b * more) as Vec, J: J && J.map((j) => j * more) };
+      },
+      known: answer.magnet.own!.half === null && answer.magnet.own!.span === null ? null : (t, x) => this.specs.knows(answer, t, x),
+    };
+  }
+
+  /** Rate (rad per time) at which the field of the spec can turn the swimmer, at its start. */
+  private get pull(): number {
+    const { answer } = this.store.design;
+    const { magnet, field } = this.driveOf(answer);
+    const B = Math.hypot(...field(0, [0, 0, 0]).B);
+    const soft = magnet!.softness ? Math.hypot(...magnet!.softness) * B : 0;
+    return (Math.hypot(...magnet!.moment) + soft) * B * turnMobility(answer.gait);
+  }
+
+  /** Rate of turns in each of which the field's gradient drags the swimmer over two of its lengths, at its start. */
+  private get drift(): number {
+    const { answer } = this.store.design;
+    const { gait, shape } = answer;
+    const wrench = load(this.driveOf(answer), [0, 0, 0], [1, 0, 0, 0], 0)!;
+    const size = Math.hypot(...wrench.slice(0, 3)) * twist(gait, 0, 0, [1, 0, 0, 0, 0, 0])[0];
+    return (Math.PI * size) / (shape.length + 2 * shape.semi_axes[0]);
   }
 
   /** Fastest angle rate there is, which the time step must resolve. */
   get fastest(): number {
     const { gait } = this.store.design.answer;
-    return this.magnetic ? Math.max(Math.abs(this.rate), this.stepOut) : Math.abs(gait.rate) || 1;
+    if (!this.magnetic) return Math.abs(gait.rate) || 1;
+    if (this.bySpec) return Math.max(Math.abs(gait.rate), this.specs.rate(this.store.design.answer), this.pull) || 1;
+    return Math.max(Math.abs(this.rate), this.stepOut);
   }
 
   /** Rate whose periods the eye follows: the field's, unless it hardly turns. */
   get shownRate(): number {
+    const { answer } = this.store.design;
+    if (this.bySpec) return Math.max(Math.abs(answer.gait.rate), this.specs.rate(answer)) || Math.max(this.pull / 100, this.drift) || 1;
     return Math.max(Math.abs(this.rate), this.stepOut / 200) || 1;
+  }
+
+  /** Whether the field is not known yet where the swimmer has come to. */
+  waits(answer: Answer, pose: Pose): boolean {
+    const why = this.magnetic && !answer.gait.one_pose ? this.specs.waits(answer, pose, this.store.snapshot === null) : "";
+    if (!why) return false;
+    this.state.className = "trust open";
+    this.state.lastChild!.textContent = why;
+    return true;
   }
 
   get heading(): Vec {
@@ -121,15 +187,16 @@ export class Driver {
     const modes: [string, string][] = [["motor", "Motor"], ["field", "Magnetic field"]];
     const buttons = modes.map(([mode, text]) =>
       el("button", { id: `drive-${mode}`, "aria-pressed": String((mode === "field") === this.magnetic), onclick: () => this.choose(mode === "field") }, text));
+    this.built = this.bySpec;
     const sliders = el("div", { hidden: !this.magnetic },
-      el("div", { class: "hero" }, el("div", { class: "caption" }, "Speed along the field's axis"), this.figure),
-      this.state, this.sure, this.chart,
-      this.slider("Field frequency", "share", 0, 2, () => this.frequency(this.rate)),
-      this.slider("Field strength", "strength", -1, 1, () => this.said(this.B, "T")),
-      this.slider("Moment of the magnet", "size", -1, 1, () => this.said(Math.hypot(...this.moment), "A m²")),
-      this.slider("Heading, sideways", "azimuth", -180, 180, () => `${Math.round(this.azimuth)}°`),
-      this.slider("Heading, up", "elevation", -80, 80, () => `${Math.round(this.elevation)}°`),
-      el("p", { class: "fine" }, "Arrow keys steer, + and − change the frequency. The tail is rigid; without a [magnet] in the spec the moment lies across the body."));
+      el("div", { class: "hero" }, el("div", { class: "caption" }, this.built ? "Speed" : "Speed along the field's axis"), this.figure),
+      this.state, this.sure, ...(this.built ? [] : [this.chart, this.slider("Field frequency", "share", 0, 2, () => this.frequency(this.rate))]),
+      this.slider(this.built ? "Field, times" : "Field strength", "strength", -1, 1, () => this.built ? digits(10 ** this.strength, 2) : this.said(this.B, "T")),
+      this.slider(this.built ? "Magnet, times" : "Moment of the magnet", "size", -1, 1, () => this.built ? digits(10 ** this.size, 2) : this.said(Math.hypot(...this.moment), "A m²")),
+      ...(this.built ? [el("p", { class: "fine" }, "The field is that of the spec at the swimmer's place: torque m × B, force from its gradient. The motor turns as the spec says.")] : [
+        this.slider("Heading, sideways", "azimuth", -180, 180, () => `${Math.round(this.azimuth)}°`),
+        this.slider("Heading, up", "elevation", -80, 80, () => `${Math.round(this.elevation)}°`),
+        el("p", { class: "fine" }, "Arrow keys steer, + and − change the frequency. The tail is rigid; without a [magnet] in the spec the moment lies across the body.")]));
     this.node.replaceChildren(el("div", { class: "segments" }, ...buttons), sliders,
       el("p", { class: "fine", hidden: this.magnetic }, "The motor turns the tail against the body. Choose the field to drive a rigid, magnetised swimmer from outside and see it step out."));
   }
@@ -191,10 +258,11 @@ export class Driver {
     this.turned = [];
     this.leans = [];
     this.went = [];
+    for (const design of this.store.designs) this.specs.restart(design.answer);
   }
 
   key(name: string): boolean {
-    if (!this.magnetic) return false;
+    if (!this.magnetic || this.bySpec) return false;
     const turn: Record<string, [("azimuth" | "elevation" | "share"), number]> = {
       ArrowLeft: ["azimuth", -5], ArrowRight: ["azimuth", 5], ArrowUp: ["elevation", 5], ArrowDown: ["elevation", -5],
       "+": ["share", 0.05], "=": ["share", 0.05], "-": ["share", -0.05],
@@ -217,6 +285,7 @@ export class Driver {
       this.figure.replaceChildren("–");
       return;
     }
+    if (this.bySpec) return this.feel(pose);
     const d = this.heading;
     const moment = rotate(pose.q, this.own);
     const m = moment.map((v, i) => v - dot(moment, d) * d[i]) as Vec; // across the field's axis
@@ -246,6 +315,30 @@ export class Driver {
       : follows ? `${this.regime()}: turns at ${this.frequency(this.rate)}`
       : `Stepped out: turns at ${this.frequency(this.measured)} of ${this.frequency(this.rate)}`;
     this.plot();
+  }
+
+  /** Speed in the field of the spec, and what the field is and does where the swimmer is. */
+  private feel(pose: Pose): void {
+    const { answer } = this.store.design;
+    const { dimensional, gait } = answer;
+    const { magnet, field } = this.drive;
+    const wrench = load(this.drive, pose.x, pose.q, pose.time)!;
+    this.turned.push([pose.time, 0]);
+    this.went.push([...pose.x]);
+    if (this.turned.length > HISTORY) this.turned.shift();
+    if (this.went.length > this.turned.length) this.went.splice(0, this.went.length - this.turned.length);
+    const passed = pose.time - this.turned[0][0];
+    const speed = passed > 0 ? Math.hypot(...pose.x.map((v, i) => v - this.went[0][i])) / passed : Math.hypot(...twist(gait, pose.phase, gait.rate, wrench).slice(0, 3));
+    const [n, unit] = dimensional ? withPrefix(speed, called("swimming_speed").unit) : [digits(speed), ""];
+    this.figure.replaceChildren(n, el("small", {}, unit));
+    const { B } = field(pose.time, pose.x);
+    const b = rotate(pose.q, B, true);
+    const m = momentIn(magnet!, b);
+    const off = (180 / Math.PI) * Math.acos(Math.min(1, Math.max(-1, dot(m, b) / (Math.hypot(...m) * Math.hypot(...b) || 1))));
+    const force = Math.hypot(...wrench.slice(0, 3));
+    this.state.className = "trust good";
+    this.state.lastChild!.textContent = `Field ${this.said(Math.hypot(...B), "T")} here, ${Math.round(off)}° off the moment`
+      + (force > 0 ? `; its gradient pulls with ${this.said(force, "N")}` : "");
   }
 
   /** How it turns in step, by the mean angle between its axis and the field's. */

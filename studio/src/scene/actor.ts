@@ -4,7 +4,7 @@ import * as THREE from "three";
 import { Line2 } from "three/examples/jsm/lines/Line2.js";
 import { LineGeometry } from "three/examples/jsm/lines/LineGeometry.js";
 import { LineMaterial } from "three/examples/jsm/lines/LineMaterial.js";
-import { bodyWrench, rotate, start, stay, step, twist, type Drive, type Pose } from "../state/motion";
+import { bodyWrench, load, momentIn, rotate, start, stay, step, twist, type Drive, type Pose } from "../state/motion";
 import { Bounds } from "./bounds";
 import { Hull } from "./hull";
 import { TailMesh } from "./tube";
@@ -29,6 +29,9 @@ export function look(i: number): Look {
   return { body, tail, path };
 }
 
+/** arrows along a side of the square of those of the field */
+const LATTICE = 5;
+
 /** Colours of the arrows. */
 export const ARROWS: Record<string, string> = { thrust: "#5fd0a0", drag: "#ff8a70", velocity: "#ffffff", field: "#6fa8ff", moment: "#e58cff" };
 
@@ -51,6 +54,7 @@ export class Actor {
   private rows: Rows | null = null;
   private trail: number[] = [];
   private arrows: Record<string, THREE.Group> = {};
+  private lattice: THREE.Group[] = [];
   private since = 0;
   private colour: THREE.Color;
 
@@ -75,7 +79,7 @@ export class Actor {
   dispose(): void {
     this.around.dispose();
     this.hull.dispose();
-    this.scene.remove(this.root, this.path, this.home, ...Object.values(this.arrows));
+    this.scene.remove(this.root, this.path, this.home, ...Object.values(this.arrows), ...this.lattice);
   }
 
   update(answer: Answer): void {
@@ -162,6 +166,7 @@ export class Actor {
     }
     const steps = Math.min(4000, Math.max(1, Math.ceil((Math.abs(time) * fastest * 48) / (2 * Math.PI))));
     for (let i = 0; i < steps; i++) {
+      if (drive.known && !drive.known(this.pose.time, this.pose.x)) break; // of the field no more is known yet
       step(this.answer.gait, drive, this.pose, time / steps);
       this.since += Math.abs((time / steps) * fastest);
       if (this.since >= (2 * Math.PI) / 24) {
@@ -220,15 +225,36 @@ export class Actor {
   private magnetise(drive: Drive, size: number): void {
     const { x, q, time } = this.pose;
     const at = [x[0] + this.offset.x, x[1] + this.offset.y, x[2] + this.offset.z];
-    const reach = drive.moment ? Math.max(0.3 * size, 1.7 * Math.max(...this.answer.shape.semi_axes)) : 0;
-    aim(this.arrows.field, at, drive.field(time), reach);
-    aim(this.arrows.moment, at, rotate(q, drive.moment ?? [0, 0, 0]), 0.8 * reach);
+    const reach = drive.magnet ? Math.max(0.3 * size, 1.7 * Math.max(...this.answer.shape.semi_axes)) : 0;
+    const { B } = drive.field(time, x);
+    const moment = drive.magnet ? momentIn(drive.magnet, rotate(q, B, true)) : [0, 0, 0];
+    aim(this.arrows.field, at, B, reach);
+    aim(this.arrows.moment, at, rotate(q, moment), 0.8 * reach);
+    this.surround(drive, size, Math.hypot(...B));
+  }
+
+  /** Arrows of the field about it, as long as it is strong, where it depends on place. */
+  private surround(drive: Drive, size: number, here: number): void {
+    const { x, time } = this.pose;
+    if (drive.known && !this.lattice.length) {
+      for (let i = 0; i < LATTICE ** 2; i++) this.lattice.push(arrow(ARROWS.field));
+      this.scene.add(...this.lattice);
+    }
+    const step = 0.3 * size;
+    this.lattice.forEach((one, n) => {
+      const [i, j] = [n % LATTICE, Math.floor(n / LATTICE)].map((k) => k - (LATTICE - 1) / 2);
+      const place = [x[0] + i * step, x[1] + j * step, x[2]];
+      one.visible = false;
+      if (!drive.known || (i === 0 && j === 0) || !drive.known(time, place)) return;
+      const { B } = drive.field(time, place);
+      aim(one, place.map((c, k) => c + this.offset.getComponent(k)), B, (0.55 * step * Math.hypot(...B)) / (here || 1));
+    });
   }
 
   /** Arrows: drag on the body, thrust on the tail (to one scale), velocity of the body. */
   private point(drive: Drive, size: number): void {
     const { gait, shape } = this.answer;
-    const wrench = drive.moment ? [0, 0, 0, ...torqueOf(drive, this.pose)] : null;
+    const wrench = load(drive, this.pose.x, this.pose.q, this.pose.time);
     const V = twist(gait, this.pose.phase, drive.rate, wrench);
     const F = bodyWrench(gait, this.pose.phase, drive.rate, V);
     const { q, x } = this.pose;
@@ -246,12 +272,6 @@ export class Actor {
     const back = F ? [-F[0], -F[1], -F[2]] : [0, 0, 0];
     aim(this.arrows.thrust, place(middle, -up), lab(back), force > 0 ? reach : 0);
   }
-}
-
-function torqueOf(drive: Drive, pose: Pose): number[] {
-  const B = rotate(pose.q, drive.field(pose.time), true);
-  const m = drive.moment!;
-  return [m[1] * B[2] - m[2] * B[1], m[2] * B[0] - m[0] * B[2], m[0] * B[1] - m[1] * B[0]];
 }
 
 function arrow(colour: string): THREE.Group {

@@ -1,6 +1,7 @@
 // The physics that the page does by itself: R(phi) V + F_p(phi) rate = W, and the pose in time.
 // Rows of a series: [mean, cos 1, sin 1, cos 2, ...]; 21 columns lower triangle of R, 6 of F_p.
 
+import type { Felt } from "./nearby";
 import type { GaitData } from "./types";
 
 export type Vec = [number, number, number];
@@ -94,19 +95,36 @@ export const cross = (a: readonly number[], b: readonly number[]): Vec => [
 
 export const dot = (a: readonly number[], b: readonly number[]): number => a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
 
-/** What drives the swimmer: its motor, or a field B(t) on a moment fixed in the body. */
+/** What drives the swimmer: its motor, and a field B(t, x) on a magnet in the body. */
 export interface Drive {
   rate: number;
-  moment: Vec | null;
-  field: (time: number) => Vec;
+  /** moment without a field, and moment per field row by row, body frame */
+  magnet: { moment: Vec; softness: number[] | null } | null;
+  field: (time: number, x: readonly number[]) => Felt;
+  /** whether the field is known at a place, of one that depends on it; null: the same everywhere */
+  known: ((time: number, x: readonly number[]) => boolean) | null;
 }
 
-function slope(gait: GaitData, drive: Drive, q: Quat, phase: number, time: number): [Vec, Quat] {
-  let wrench: number[] | null = null;
-  if (drive.moment) {
-    const torque = cross(drive.moment, rotate(q, drive.field(time), true));
-    wrench = [0, 0, 0, ...torque];
-  }
+/** Moment of the magnet in the body's axes in a field b seen from there. */
+export function momentIn(magnet: NonNullable<Drive["magnet"]>, b: readonly number[]): Vec {
+  const { moment, softness: C } = magnet;
+  return C ? (moment.map((m, i) => m + C[3 * i] * b[0] + C[3 * i + 1] * b[1] + C[3 * i + 2] * b[2]) as Vec) : moment;
+}
+
+/** Force J' m and torque m x B of the field, body frame. */
+export function load(drive: Drive, x: readonly number[], q: Quat, time: number): number[] | null {
+  if (!drive.magnet) return null;
+  const { B, J } = drive.field(time, x);
+  const b = rotate(q, B, true);
+  const m = momentIn(drive.magnet, b);
+  const torque = cross(m, b);
+  if (!J) return [0, 0, 0, ...torque];
+  const p = rotate(q, m);
+  return [...rotate(q, [0, 1, 2].map((j) => J[j] * p[0] + J[3 + j] * p[1] + J[6 + j] * p[2]), true), ...torque];
+}
+
+function slope(gait: GaitData, drive: Drive, x: readonly number[], q: Quat, phase: number, time: number): [Vec, Quat] {
+  const wrench = load(drive, x, q, time);
   const V = twist(gait, phase, drive.rate, wrench);
   const [w, a, b, c] = q;
   const [p, r, s] = [V[3] / 2, V[4] / 2, V[5] / 2];
@@ -126,17 +144,23 @@ export function stay(pose: Pose, rate: number, h: number): void {
 export function step(gait: GaitData, drive: Drive, pose: Pose, h: number): void {
   const add = <T extends number[]>(u: T, v: number[], f: number): T => u.map((e, i) => e + f * v[i]) as T;
   const { x, q, phase: p, time: t } = pose;
-  const [x1, q1] = slope(gait, drive, q, p, t);
+  const [x1, q1] = slope(gait, drive, x, q, p, t);
   const half = p + (h / 2) * drive.rate;
-  const [x2, q2] = slope(gait, drive, add(q, q1, h / 2), half, t + h / 2);
-  const [x3, q3] = slope(gait, drive, add(q, q2, h / 2), half, t + h / 2);
-  const [x4, q4] = slope(gait, drive, add(q, q3, h), p + h * drive.rate, t + h);
+  const [x2, q2] = slope(gait, drive, add(x, x1, h / 2), add(q, q1, h / 2), half, t + h / 2);
+  const [x3, q3] = slope(gait, drive, add(x, x2, h / 2), add(q, q2, h / 2), half, t + h / 2);
+  const [x4, q4] = slope(gait, drive, add(x, x3, h), add(q, q3, h), p + h * drive.rate, t + h);
   for (let i = 0; i < 3; i++) x[i] += (h / 6) * (x1[i] + 2 * x2[i] + 2 * x3[i] + x4[i]);
   for (let i = 0; i < 4; i++) q[i] += (h / 6) * (q1[i] + 2 * q2[i] + 2 * q3[i] + q4[i]);
   const size = Math.hypot(...q);
   for (let i = 0; i < 4; i++) q[i] /= size;
   pose.phase = p + h * drive.rate;
   pose.time = t + h;
+}
+
+/** Largest rate of turning per torque about an axis of the body. */
+export function turnMobility(gait: GaitData): number {
+  const about = (i: number): number => twist(gait, 0, 0, [0, 1, 2, 3, 4, 5].map((k) => (k === i ? 1 : 0)))[i];
+  return Math.max(about(3), about(4), about(5));
 }
 
 /** Rotational mobility about s of the rigid swimmer: rate of turning per torque. */

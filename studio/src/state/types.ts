@@ -1,5 +1,6 @@
 // What travels between server and page; see src/microswim/studio/answers.py.
 
+import type { Nearby } from "./nearby";
 import type { Words } from "./words";
 
 export type Value = string | number | boolean | Value[];
@@ -59,6 +60,17 @@ export interface Around {
   open?: boolean;
 }
 
+export interface Magnet {
+  /** in the body, without a field; and moment per field row by row, of a soft magnet */
+  moment: [number, number, number] | null;
+  softness: number[] | null;
+  /** strength and turns per time of a rotating field */
+  field: number | null;
+  frequency: number | null;
+  /** the field about the start, where it is more than one that turns a hard magnet */
+  own: Nearby | null;
+}
+
 export interface GaitData {
   model: string;
   rate: number;
@@ -76,8 +88,7 @@ export interface Answer {
   dimensional: boolean;
   shape: Shape;
   around: Around | null;
-  /** moment in the body, strength and turns per time of a rotating field, where the spec has them */
-  magnet: { moment: [number, number, number] | null; field: number | null; frequency: number | null };
+  magnet: Magnet;
   gait: GaitData;
   readings: Readings;
   /** of u_s, relative; null: not known; and how it is known */

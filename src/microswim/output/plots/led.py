@@ -76,4 +76,6 @@ def _sent(axes: Any, found: Any, per: float, units: str) -> None:
         axes.plot(per * found.time[:first], factor * values, color=colour, lw=0.8, label=label_k)
     axes.set(ylabel=label)
     if found.currents is None:
-        axes.legend(ncols=3)
+        low, high = axes.get_ylim()
+        axes.set_ylim(low, high + 0.45 * (high - low))  # room for the legend
+        axes.legend(ncols=3, loc="upper center")

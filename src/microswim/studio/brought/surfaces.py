@@ -1,4 +1,5 @@
-"""Surface files dropped onto the page: kept in the user's cache under their digest.
+"""Surface files dropped onto the page, and files of a spec of this machine, a field's as well:
+kept in the user's cache under their digest.
 
 The page names such a file in its spec by ``dropped/<digest>/<name>``. Whoever has the digest has
 had the file, so that nothing is kept about anyone, and a link to a design holds on this machine.
@@ -18,21 +19,24 @@ from microswim.swimmer.geometry.solids.reading import FORMATS
 
 LARGEST = 16 << 20  #: bytes of a file
 MOST_FILES = 40
-TOKEN = re.compile(r"dropped/([0-9a-f]{64})/([\w-]{1,60}\.(?:stl|ply|obj))")
+#: Endings of the files that a table may name.
+ENDINGS: dict[str, tuple[str, ...]] = {"body": FORMATS, "field": (".yaml", ".yml", ".csv", ".toml")}
+TOKEN = re.compile(r"dropped/([0-9a-f]{64})/([\w-]{1,60}(\.\w{3,4}))")
 
 
-def keep(name: str, content: bytes) -> str:
-    """Return what a spec names a surface file by, once it is kept.
+def keep(name: str, content: bytes, part: str = "body") -> str:
+    """Return what a spec names a surface file by, or that of a field, once it is kept.
 
     Raises
     ------
     SpecError
-        If it is not called as a surface file is.
+        If it is not called as such a file is.
     MicroswimError
         If there is no place to keep it.
     """
-    if not content or not name.lower().endswith(FORMATS):
-        raise SpecError("file", name[:80], "an STL, PLY or OBJ file with something in it")
+    if not content or not name.lower().endswith(ENDINGS[part]):
+        kinds = ", ".join(ending[1:].upper() for ending in ENDINGS[part])
+        raise SpecError("file", name[:80], f"one of {kinds} with something in it")
     stem, _, ending = name.rpartition(".")
     plain = re.sub(r"[^\w-]", "_", stem, flags=re.ASCII)[:60] or "surface"
     folder = _folder()
@@ -43,12 +47,21 @@ def keep(name: str, content: bytes) -> str:
 
 
 def admitted(tables: dict[str, Any]) -> dict[str, Any]:
-    """Return tables of a spec of this machine: its surface is kept as if it had been dropped."""
-    body = tables.get("body")
-    if not isinstance(body, dict) or "file" not in body or TOKEN.fullmatch(str(body["file"])):
-        return tables
-    place = Path(str(body["file"]))
-    return {**tables, "body": {**body, "file": keep(place.name, place.read_bytes())}}
+    """Return tables of a spec of this machine: its files are kept as if they had been dropped."""
+    return tables | {part: _admitted(part, tables[part]) for part in ENDINGS if part in tables}
+
+
+def _admitted(part: str, table: Any) -> Any:
+    if not isinstance(table, dict) or "file" not in table or _kept(part, table["file"]):
+        return table
+    place = Path(str(table["file"]))
+    return {**table, "file": keep(place.name, place.read_bytes(), part)}
+
+
+def _kept(part: str, file: Any) -> re.Match[str] | None:
+    """Match of what names a kept file that this table may have."""
+    token = TOKEN.fullmatch(str(file))
+    return token if token and token[3] in ENDINGS.get(part, ()) else None
 
 
 def located(tables: dict[str, Any]) -> dict[str, Any]:
@@ -67,9 +80,10 @@ def _located(name: str, table: Any) -> Any:
         return [_located(f"{name}[{n}]", one) for n, one in enumerate(table)]
     if not isinstance(table, dict) or "file" not in table:
         return table
-    token = TOKEN.fullmatch(str(table["file"]))
-    if name != "body" or token is None:
-        raise SpecError(f"{name}.file: the studio reads no file that a spec names; drop it here")
+    token = _kept(name, table["file"])
+    if token is None:
+        way = "start it with the spec, microswim studio SPEC" if name == "field" else "drop it here"
+        raise SpecError(f"{name}.file: the studio reads no file that a spec names; {way}")
     return {**table, "file": str(place_of(token[0]))}
 
 
@@ -84,7 +98,7 @@ def place_of(token: str) -> Path:
     _, digest, name = token.split("/")
     place = _folder() / digest / name
     if not place.is_file():
-        raise SpecError("body.file", name, "a file that is still kept", "drop it here again")
+        raise SpecError("file", name, "a file that is still kept", "bring it here again")
     return place
 
 

@@ -98,7 +98,12 @@ def place_of(token: str) -> Path:
     _, digest, name = token.split("/")
     place = _folder() / digest / name
     if not place.is_file():
-        raise SpecError("file", name, "a file that is still kept", "bring it here again")
+        raise SpecError(
+            "file",
+            name,
+            "a file that is still kept",
+            "drop it here again, or start the studio with its spec",
+        )
     return place
 
 

@@ -17,6 +17,11 @@ RINGS = """() => {
   const mesh = actor.sqr.children[0].children[0];
   return [[...mesh.geometry.attributes.position.array], actor.pose.phase, mesh.rotation.x];
 }"""
+THINNER = """() => {
+  const tables = structuredClone(studio.store.design.tables);
+  tables.tail.radius_end = 0.02;
+  return studio.store.take("thinner", tables);
+}"""
 LENGTH = "() => studio.actors()[0].sqr.children.length"
 
 
@@ -53,6 +58,19 @@ def test_the_tail_on_the_stage_is_that_of_the_package(page, name):
     true = tail.centreline(s, phase)[0]
     assert np.abs(on_tail - true).max() < 2e-3 * float(tail.apparent_length)
     page.evaluate("() => { studio.view.paused = false; }")
+
+
+def test_a_filament_that_tapers_is_drawn_thinner_to_its_tip(page):
+    put(page, "tabak/helix-sbt")
+    page.evaluate(THINNER)
+    page.wait_for_function("() => studio.store.design.name === 'thinner'")
+    page.wait_for_function("() => studio.store.design.latest.idle")
+    points = np.reshape(page.evaluate(RINGS)[0], (-1, AROUND, 3))[:-5, :-1]
+    radius = np.linalg.norm(points - points.mean(axis=1, keepdims=True), axis=-1).mean(axis=1)
+    tail = ms.Swimmer.preset("tabak/helix-sbt").with_({"tail.radius_end": 0.02}).tail
+    s = np.linspace(0.0, tail.apparent_length, len(radius))
+    assert radius == pytest.approx(float(tail.radius) * tail.narrowing(s), rel=0.02)
+    assert page.get_by_label("Radius at the tip, value").count() == 1
 
 
 def test_a_body_alone_has_no_tail_on_the_stage_and_no_map(page):

@@ -35,7 +35,7 @@ BLOCKS = (("force by velocity", 0, 0, "N s/m"), ("torque by velocity", 3, 0, "N 
     type=click.Choice(["coarse", "standard", "fine"]),
     default="standard",
     show_default=True,
-    help="Resolution; the expected error is the difference from the next coarser one.",
+    help="Resolution; the command says how far off the answer may be at it.",
 )
 @click.option("--set", "changes", metavar="FIELD=VALUE", multiple=True,
               help="Override a field of the spec (repeatable).")  # fmt: skip
@@ -114,7 +114,7 @@ def _print(found: Mobility, name: str) -> None:
     click.echo(f"  surface {found.surface_area:.6g}{unit['length']}{power[0] if si else ''}, "
                f"volume {found.volume:.6g}{unit['length']}{power[1] if si else ''}")  # fmt: skip
     click.echo(f"  expected error {100 * found.expected_error:.2g} % of sqrt(R_ii R_jj): "
-               "the difference from the next coarser level")  # fmt: skip
+               f"{found.how}")  # fmt: skip
     for remark in found.remarks:
         click.echo(f"  note: {remark}")
     click.echo(f"  {found.unknowns:,} unknowns, solved in {found.seconds:.3g} s")

@@ -58,6 +58,7 @@ def filament(tail: Tail) -> dict[str, Any]:
         "wavenumber": 0.0 if wave is None else float(wave.wavenumber),
         "ramp": 0.0 if wave is None else float(wave.ramp),
         "radius": float(own.radius),
+        "narrowing": float(np.asarray(own.narrowing(own.apparent_length))),
         "section": None if own.section is None else [float(a) for a in own.section],
         "sign": float(own.sign),
         "sheared": own.sections == "sheared",

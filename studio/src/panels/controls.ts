@@ -16,7 +16,7 @@ const TITLES: [string, string, boolean][] = [
   ["motion", "Motion", false],
 ];
 const FIRST: Record<string, string[]> = {
-  tail: ["kind", "handedness", "length", "amplitude", "waves", "wavelength", "frequency", "radius", "ramp"],
+  tail: ["kind", "handedness", "length", "amplitude", "waves", "wavelength", "frequency", "radius", "radius_end", "ramp"],
   wall: ["distance", "tilt", "azimuth"],
   channel: ["shape", "diameter", "length", "ends", "tilt", "position"],
 };

@@ -69,7 +69,8 @@ class Tube {
       normal = normal.addScaledVector(tangent, -normal.dot(tangent)).normalize();
       binormal.crossVectors(tangent, normal);
       const lift = i < rings ? 0 : ((i - rings + 1) / CAP) * (Math.PI / 2);
-      this.ring(i, here, normal, binormal, tangent, half, lift);
+      const thin = 1 + ((shape.narrowing - 1) * Math.min(i, rings - 1)) / (rings - 1);
+      this.ring(i, here, normal, binormal, tangent, half.map((a) => a * thin), lift);
     }
     for (const name of ["position", "normal"]) this.geometry.attributes[name].needsUpdate = true;
     this.geometry.computeBoundingSphere();

@@ -39,6 +39,8 @@ export interface Filament {
   wavenumber: number;
   ramp: number;
   radius: number;
+  /** radius at the tip over that at the root */
+  narrowing: number;
   /** half axes of a cross-section that is not round */
   section: [number, number] | null;
   sign: number;

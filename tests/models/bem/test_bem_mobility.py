@@ -68,6 +68,20 @@ def test_a_cube_of_twelve_triangles_is_cut_finely_at_its_edges(tmp_path):
     assert (diagonal(made) < 2 * less - some).all()
 
 
+@pytest.mark.parametrize(
+    "mesh",
+    [trimesh.creation.box((1.0, 2.0, 0.5)), trimesh.creation.cylinder(0.5, 2.0, sections=32)],
+    ids=["box", "cylinder"],
+)
+def test_what_sharp_edges_cost_is_told_neither_too_small_nor_much_too_large(mesh, tmp_path):
+    """Against the next finer level, which is five times as good at edges."""
+    made, finer = (found(mesh, tmp_path, level=n) for n in ("coarse", "standard"))
+    root = np.sqrt(np.diag(finer.resistance))
+    off = (np.abs(made.resistance - finer.resistance) / np.outer(root, root)).max()
+    assert off < made.expected_error < 2.0 * off
+    assert finer.expected_error < 0.5 * made.expected_error
+
+
 def test_errors_fall_with_the_triangles_at_second_order_at_least(tmp_path):
     """Of curved patches with one node each: what the level adds is left out."""
     off = [

@@ -76,8 +76,7 @@ def surface_of(triangles: Triangles, level: str = "standard") -> tuple[Surface, 
         raise SpecError("level", level, "coarse, standard or fine")
     wanted = LEVELS[level]
     for _ in range(4):
-        size = 1.5 * float(np.sqrt(triangles.area / wanted.patches))
-        facets = facets_of(triangles, size, wanted.layers)
+        facets = _cut(triangles, wanted)
         count = _count(facets)
         if 3 * count <= wanted.unknowns:
             break
@@ -91,14 +90,45 @@ def surface_of(triangles: Triangles, level: str = "standard") -> tuple[Surface, 
     return still(sampled(facets), order), triangles
 
 
-def coarser(triangles: Triangles, level: str) -> Surface:
-    """Return a surface of a level below and of half the triangles: the difference is the error."""
+#: Change of the volume up to which fewer triangles are still the shape, and the shares tried.
+KEPT, SHARES = 3e-3, (0.5, 0.75, 0.875)
+
+
+def fewer(triangles: Triangles, level: str, order: int) -> Surface | None:
+    """Return a level's surface on fewer triangles, None where all faces are flat and few do.
+
+    On half of them if those keep the volume, else on more: what that changes bounds what the
+    triangles leave out of a curved shape.
+    """
+    if not triangles.is_curved:
+        return None
+    made = triangles
+    for share in SHARES:
+        made = coarsened(triangles, int(share * len(triangles.faces)))
+        if abs(made.curved_volume / triangles.curved_volume - 1.0) < KEPT:
+            break
+    return still(sampled(_cut(made, LEVELS[level])), order)
+
+
+def recut(triangles: Triangles, level: str, order: int) -> tuple[Surface, float] | None:
+    """Return other cuts towards the sharp edges, and the error over what they change.
+
+    None where no edge is sharp. From level to level that error falls to a fifth or so; coarse,
+    which has no level below, is compared with the cuts of the next finer one.
+    """
+    if not triangles.is_sharp.any():
+        return None
     names = list(LEVELS)
-    below = names[max(0, names.index(level) - 1)]
-    surface, _ = surface_of(coarsened(triangles, len(triangles.faces) // 2), below)
-    if level != below:
-        return surface
-    return Surface(surface.controls, surface.motion, surface.on_tail, 1)
+    at = names.index(level)
+    facets = _cut(triangles, LEVELS[names[at - 1 if at else 1]])
+    if 3 * order**2 * _count(facets) > LEVELS["standard"].unknowns:
+        order = 1
+    return still(sampled(facets), order), 0.25 if at else 1.4
+
+
+def _cut(triangles: Triangles, wanted: Fineness) -> list[Facet]:
+    size = 1.5 * float(np.sqrt(triangles.area / wanted.patches))
+    return facets_of(triangles, size, wanted.layers)
 
 
 def _count(facets: list[Facet]) -> int:

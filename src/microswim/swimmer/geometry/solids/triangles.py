@@ -100,6 +100,17 @@ class Triangles:
         one, other = normal[self.edges[1]].transpose(1, 0, 2)
         return np.einsum("ij,ij->i", one, other) < np.cos(SHARP)
 
+    @cached_property
+    def is_curved(self) -> bool:
+        """Whether some faces meet smoothly at an angle, so that the surface between bends."""
+        return bool((self._turn > FLAT)[~self.is_sharp].any())
+
+    @cached_property
+    def _turn(self) -> Array:
+        """Sine of the angle between the faces beside each edge, (e,)."""
+        one, other = _unit(self.area_vectors)[self.edges[1]].transpose(1, 0, 2)
+        return np.linalg.norm(np.cross(one, other), axis=1)
+
     def _turns_sharply(self) -> NDArray[np.bool_]:
         """Edges at whose ends the normals of both faces, those of the finer surface, differ."""
         edges, beside, _ = self.edges
@@ -158,10 +169,8 @@ class Triangles:
 
     def _flat_areas(self) -> Array:
         """Area of the flat that each face belongs to."""
-        normal = _unit(self.area_vectors)
-        beside = self.edges[1]
-        turn = np.linalg.norm(np.cross(normal[beside[:, 0]], normal[beside[:, 1]]), axis=1)
-        flat = self._components(beside[(turn < FLAT) & ~self.is_sharp], len(self.faces))
+        alike = self.edges[1][(self._turn < FLAT) & ~self.is_sharp]
+        flat = self._components(alike, len(self.faces))
         area = np.linalg.norm(self.area_vectors, axis=1)
         return np.bincount(flat, area)[flat].astype(float)
 

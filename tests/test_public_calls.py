@@ -289,6 +289,7 @@ FUNCTIONS = {
     },
     "screw": {"gait": GAIT, "steps": 256},
     "summary": {"gait": GAIT},
+    "expected_error": {"swimmer": HELIX, "gait": GAIT},
     "observed": {"gait": GAIT, "quantity": "velocity.us", "phase": 0.0, "body_length": 1.0},
     "warm_up": {},
     "stability": {"swimmer": HELIX, "load": "tip"},

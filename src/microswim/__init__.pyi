@@ -1,6 +1,7 @@
 # The public face: every public name, once. `microswim.X` imports its module on first use.
 
 from . import data as data
+from .calibration.atlas.expected import expected_error as expected_error
 from .calibration.calibrate import calibrate as calibrate
 from .calibration.calibration import Calibration as Calibration
 from .calibration.coefficients import CoefficientCalibration as CoefficientCalibration

@@ -11,7 +11,7 @@ from microswim.errors import SpecError
 from microswim.output.io.stl import write_stl
 from microswim.studio import answers
 from microswim.studio.app import create_app
-from microswim.studio.brought import films
+from microswim.studio.brought import examples, films
 from microswim.studio.brought import surfaces as dropped
 from microswim.studio.spec_tables import swimmer_of
 
@@ -136,6 +136,35 @@ def test_a_traced_beat_is_the_tail_of_a_swimmer(app):
     made = answers.solve(told["tables"])
     assert made["shape"]["tails"][0]["line"]
     assert made["readings"]["forward_velocity"] > 0
+
+
+def test_the_beat_of_the_menu_is_that_of_the_sperm_it_was_traced_from():
+    told = films.read("beat.csv", examples.content("files/beat.csv"), {"tables": HELIX})
+    sperm = ms.Swimmer.preset(examples.SPERM).tail
+    np.testing.assert_allclose(told["tables"]["tail"]["modes"], sperm.modes, atol=1e-4)
+
+
+def test_the_robot_of_the_menu_is_its_preset(app):
+    _, told = drop(app, "/api/surface", examples.content("files/robot.stl"), name="robot.stl")
+    robot = ms.Swimmer.preset(examples.ROBOT)
+    across = 2.0 * (robot.tail.amplitude + robot.tail.radius)
+    assert told["size"][0] > 1e3 * (robot.tail.length + 2.0 * robot.body.semi_axes3[0])
+    assert told["size"][1] == pytest.approx(
+        1e3 * max(across, 2.0 * robot.body.semi_axes3[1]), rel=0.1
+    )
+
+
+def test_the_tracks_of_the_menu_are_read_without_a_question(app):
+    _, _, listed = call(app, "GET", "/api/presets", kind="")
+    assert listed["files"] == examples.names()
+    status, _, text = call(app, "GET", "/api/files/tracks.csv", kind="")
+    assert (status, text.encode()) == (200, examples.content("files/tracks.csv"))
+    told = films.read("tracks.csv", examples.content("files/tracks.csv"), {"tables": HELIX})
+    assert len(told["cells"]) == examples.CELLS
+    assert all(cell["numbers"]["speed"] for cell in told["cells"])
+    status, _, said = call(app, "GET", "/api/files/passwd", kind="")
+    assert status == 422
+    assert "files/beat.csv" in said["error"]
 
 
 @pytest.mark.parametrize("name", ["a.png", "a.csv"])

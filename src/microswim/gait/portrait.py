@@ -44,9 +44,17 @@ def of_gait(gait: Any) -> tuple[str, Rows]:
     free = "all velocities free" if all(gait.free) else f"{sum(gait.free)} of 6 velocities free"
     title = f"Gait by {gait.model}, {gait.units}, {free}"
     try:
-        return title, _numbers(gait)
+        return title, [*_numbers(gait), *_trust(gait)]
     except MicroswimError as error:
         return title, [("moves", f"not: {error}")]
+
+
+def _trust(gait: Any) -> Rows:
+    """Where its coefficients come from, and who says how wrong its numbers may be."""
+    names = ("calibrated", "but")
+    said = zip(names, gait.info.get("calibration", ()))
+    origin = [(name, line.removeprefix("calibrated ")) for name, line in said]
+    return [*origin, ("wrong by", "ms.expected_error(swimmer, gait) tells")]
 
 
 def _numbers(gait: Any) -> Rows:

@@ -30,7 +30,7 @@ from microswim.models.rft.warm_up import warm_up
 from microswim.spec import presets
 from microswim.studio import answers, magnet, page
 from microswim.studio import spec_tables as tables
-from microswim.studio.brought import films, scenes
+from microswim.studio.brought import examples, films, scenes
 from microswim.studio.brought import surfaces as dropped
 from microswim.studio.budget import Budget
 from microswim.studio.exchange import exchanged
@@ -108,6 +108,7 @@ def create_app(
         Route("/api/start", get(beginning)),
         Route("/api/status", get(lambda _: dict(state))),
         Route("/api/presets", get(_presets)),
+        Route("/api/files/{name}", get(_example)),
         Route("/api/spec", post(_spec, as_text=True), methods=["POST"]),
         Route("/api/scene", post(scenes.read, as_text=True), methods=["POST"]),
         Route("/api/solve", post(_solve), methods=["POST"]),
@@ -265,7 +266,13 @@ async def _answered(request: Request, answer: Callable[[Any], Any], ask: Any) ->
 
 def _presets(_: Any) -> Any:
     shown = presets.names()
-    return {"specs": {n: presets.read(n) for n in shown}, "scenes": scenes.shipped()}
+    specs = {n: presets.read(n) for n in shown}
+    return {"specs": specs, "scenes": scenes.shipped(), "files": examples.names()}
+
+
+def _example(request: Request) -> Response:
+    made = examples.content(f"files/{request.path_params['name']}")
+    return Response(made, media_type="application/octet-stream", headers=SAFE)
 
 
 def _spec(text: str) -> Any:

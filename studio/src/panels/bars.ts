@@ -13,6 +13,8 @@ interface Presets {
   specs: Record<string, string>;
   /** two swimmers each */
   scenes: Record<string, string>;
+  /** files to read as if they were dropped */
+  files: string[];
 }
 
 export interface View {
@@ -60,7 +62,7 @@ export class TopBar {
     this.undo.onclick = () => store.undo();
     this.redo.onclick = () => store.redo();
     this.compare.onclick = () => this.toggle();
-    this.presets.addEventListener("change", () => void attempt(() => store.load(this.presets.value, this.specs[this.presets.value])));
+    this.presets.addEventListener("change", () => void attempt(() => this.take(this.presets.value)));
     const file = el("input", { type: "file", hidden: true, id: "file" });
     file.addEventListener("change", () => {
       if (file.files?.[0]) void this.drop?.read(file.files[0]);
@@ -79,9 +81,9 @@ export class TopBar {
       actions.append(this.undo, this.redo, this.compare, this.menu());
       this.node.append(brand, this.presets, load, file, el("span", { class: "grow" }), more, actions);
       void attempt(async () => {
-        const { specs, scenes } = await call<Presets>("/api/presets");
+        const { specs, scenes, files } = await call<Presets>("/api/presets");
         this.specs = { ...specs, ...scenes };
-        this.presets.append(el("option", { value: "", disabled: true, hidden: true }), ...families(Object.keys(this.specs)));
+        this.presets.append(el("option", { value: "", disabled: true, hidden: true }), ...families([...Object.keys(this.specs), ...files]));
         this.show();
       });
       store.on("designs", () => {
@@ -102,8 +104,17 @@ export class TopBar {
     const blank = this.presets.options[0];
     if (!blank) return;
     const shown = this.store.scene || design.name;
-    blank.textContent = shown;
+    blank.textContent = shown in this.specs ? "" : shown;
     this.presets.value = shown in this.specs ? shown : "";
+  }
+
+  /** A spec or a scene of the menu; or a file of it, read as if it were dropped. */
+  private async take(name: string): Promise<void> {
+    if (name in this.specs) return this.store.load(name, this.specs[name]);
+    this.show();
+    const answer = await fetch(`/api/${name}`);
+    if (!answer.ok) throw new Error(((await answer.json()) as { error: string }).error);
+    await this.drop?.read(new File([await answer.blob()], name.split("/")[1]));
   }
 
   private toggle(): void {

@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 
 import microswim as ms
+from microswim.calibration.atlas.expected import LEVELS
 from microswim.calibration.region import schema
 from microswim.calibration.region.text import _parts, digest, pack, unpack
 from microswim.numerics import archive
@@ -152,6 +153,16 @@ def test_expected_errors_are_never_claimed_outside():
         assert info["outside"]
         assert np.isnan(info["expected_error"])
         assert all(np.isnan(e) for e in info["expected_errors"].values())
+
+
+def test_no_region_is_nearer_to_the_truth_than_its_reference():
+    fitted = ms.calibrate_region(HELIX, REGION, "rft", solves=9, workers=0).swimmer
+    own = ms.expected_error(fitted, fitted.gait())["us"]
+    said = dataclasses.replace(fitted.calibration, reference="bem", level="coarse")
+    coarse = dataclasses.replace(fitted, calibration=said)
+    found = ms.expected_error(coarse, coarse.gait())
+    assert found["us"] == pytest.approx(own + LEVELS["coarse"])
+    assert "boundary elements (coarse)" in found["how"]
 
 
 def test_a_spec_file_with_a_damaged_region_is_one_sentence(made, tmp_path):

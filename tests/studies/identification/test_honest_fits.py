@@ -46,6 +46,10 @@ def test_a_beat_above_half_the_frame_rate_is_not_looked_for():
     track = wave_track(0, n=40, duration=40.0)
     with pytest.raises(ms.MicroswimError, match="above half the frame rate"):
         ms.identify_swimmer(ms.Swimmer.preset("tabak/plane_wave"), track)
+    cell = ms.Swimmer.preset("goto/C")
+    slow = ms.Track(time=track.time, position=1e-6 * track.position)
+    with pytest.raises(ms.MicroswimError, match=r"beat of the spec, [\d.]+ Hz, is .*, 487\.5 mHz"):
+        ms.identify_swimmer(cell, slow)
 
 
 def test_what_is_left_and_is_no_noise_withholds_the_interval():

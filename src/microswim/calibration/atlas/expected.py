@@ -6,6 +6,7 @@ from typing import Any
 
 import numpy as np
 
+from microswim import checks
 from microswim.calibration.atlas import coordinates
 from microswim.calibration.atlas.atlas import of
 from microswim.calibration.atlas.gait import gait as atlas_gait
@@ -52,6 +53,7 @@ VANISHED = 1e-9
 _ENTRY = (0, 1, 1, 2, 3, 3)
 
 
+@checks.given(swimmer=checks.swimmer, gait=checks.gait)
 def expected_error(swimmer: Swimmer, gait: Gait) -> dict[str, Any]:
     """Return the relative error to expect of each mean velocity of a gait.
 
@@ -68,12 +70,16 @@ def expected_error(swimmer: Swimmer, gait: Gait) -> dict[str, Any]:
         ``us`` to ``or``: within it lie 95 of 100 such designs, relative to the mean velocity, or
         to the amplitude where the velocity averages out; None where it is not known; ``how``.
 
+    Raises
+    ------
+    SpecError
+        If an argument is of another kind.
+
     Examples
     --------
     >>> import microswim as ms
-    >>> from microswim.calibration.atlas.expected import expected_error
     >>> swimmer = ms.Swimmer.preset("tabak/helix-constant")
-    >>> 0.05 < expected_error(swimmer, swimmer.gait())["us"] < 0.5
+    >>> 0.05 < ms.expected_error(swimmer, swimmer.gait())["us"] < 0.5
     True
     """
     by_model = {"atlas": _of_atlas, "rft": _of_surrogate, "bem": _of_elements}
@@ -102,11 +108,13 @@ def _of_atlas(swimmer: Swimmer, gait: Gait) -> tuple[list[Any], str]:
 
 def _of_surrogate(swimmer: Swimmer, gait: Gait) -> tuple[list[Any], str]:
     atlas, calibrated = of(swimmer), gait.info.get("expected_errors")
+    made = swimmer.calibration
     if calibrated:
         known = {"mean.us": "us", "mean.os": "os", "amplitude.uq": "uq", "amplitude.or": "or"}
-        errors = {known[name]: 2.0 * value for name, value in calibrated.items() if name in known}
-        return [errors.get(n) for n in DEGREES_OF_FREEDOM], "twice the error left out, calibrated"
-    made = swimmer.calibration
+        own, by = _of_reference(made) if made else (0.0, "")
+        errors = {known[n]: 2.0 * value + own for n, value in calibrated.items() if n in known}
+        how = f"twice the error left out, calibrated{by}"
+        return [errors.get(n) for n in DEGREES_OF_FREEDOM], how
     if made is not None and not (made.away(swimmer) or made.changed(swimmer)):
         return _promised(made, swimmer)
     if atlas is not None and not coordinates.outside(swimmer):
@@ -153,13 +161,19 @@ def _promised(made: Provenance, swimmer: Swimmer) -> tuple[list[Any], str]:
     if made.reference == "measurements":
         return [None] * 6, "not known: that of the measurements it was calibrated on"
     left = {**made.unmatched, **made.matched}
-    own = {"bem": LEVELS.get(made.level, LEVELS["coarse"]), "fem": CHANNEL}.get(made.reference, 0.0)
+    own, _ = _of_reference(made)
     names = {"us": "mean.us", "uq": "amplitude.uq", "os": "mean.os", "or": "amplitude.or"}
     errors = {n: abs(left[q]) + own for n, q in names.items() if q in left}
     if swimmer.tail.is_rigid:  # both lateral directions turn with the tail
         errors |= {a: errors[b] for a, b in (("ur", "uq"), ("oq", "or")) if b in errors}
     how = f"left by the calibration at this design, by {made.by}"
     return [errors.get(n) for n in DEGREES_OF_FREEDOM], how
+
+
+def _of_reference(made: Provenance) -> tuple[float, str]:
+    """Return how wrong the reference itself was that a calibration was made by, and its name."""
+    own = {"bem": LEVELS.get(made.level, LEVELS["coarse"]), "fem": CHANNEL}.get(made.reference, 0.0)
+    return own, f", and that of {made.by} itself" if own else ""
 
 
 def _from_atlas(swimmer: Swimmer, gait: Gait) -> tuple[list[Any], str]:

@@ -13,6 +13,8 @@ import numpy as np
 
 from microswim.errors import MicroswimError
 from microswim.gait.gait import DEGREES_OF_FREEDOM, Gait
+from microswim.gait.readable import quantity
+from microswim.gait.units import unit
 from microswim.studies.identification.fitting.problem import PathProblem
 from microswim.studies.identification.spectrum import line
 
@@ -37,10 +39,11 @@ def check_shown(problem: PathProblem, shape: tuple[str, ...]) -> None:
     highest = 0.5 / float(np.median(np.diff(track.time)))
     hint = "microswim identify without a SPEC says what it does hold"
     if abs(rate) > highest:
+        per = unit(problem.swimmer.units, "frequency")
         raise MicroswimError(
-            f"the beat of the spec, {rate:.4g}, is above half the frame rate, {highest:.4g}: this "
-            f"track holds no wave shape and no rate; {hint}, and if it beats slower, "
-            "--set tail.frequency says so"
+            f"the beat of the spec, {quantity(rate, per)}, is above half the frame rate, "
+            f"{quantity(highest, per)}: this track holds no wave shape and no rate; {hint}, and if "
+            "it beats slower, --set tail.frequency says so"
         )
     seen = line(track.time, track.position)
     few = track.duration * highest < 3.0 * 10.0  # too few frames for a spectrum

@@ -179,3 +179,16 @@ CHECKS = {  # what the sentences around the code say
 def test_code_that_compiles_long_runs_too(page, tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
     assert run(page, slow=True)
+
+
+#: Guides whose subject is a table or a choice, not a thing that is seen.
+BARE = {"api", "bibliography", "changes", "cite", "conventions", "errors", "howto", "notation"}
+BARE |= {"odd", "can", "quantities", "paper", "theory"}
+
+
+@pytest.mark.parametrize("page", PAGES, ids=lambda page: page.stem)
+def test_a_page_that_teaches_has_a_picture(page):
+    about = page.parent.name == "decisions" or page.stem.startswith("accuracy")
+    if about or page.stem in BARE or page == DOCS / "tutorials" / "index.md":
+        return
+    assert "![" in page.read_text(encoding="utf-8")

@@ -73,6 +73,7 @@ function following(on: boolean): void {
 function restart(): void {
   touched = false;
   legends.magnet.hidden = !driver.magnetic;
+  sheets.tell();
   driver.restart();
   for (const actor of actors) actor.restart();
   frame(true);
@@ -297,7 +298,7 @@ store.on("designs", () => cast());
 store.on("answer", dress);
 if (!store.snapshot) for (const event of ["answer", "designs"] as const) store.on(event, () => void show(store));
 
-const sheets = new Sheets(store, answers, stage, tabs);
+const sheets = new Sheets(store, answers, () => (driver.magnetic ? driver.glance : null), stage, tabs);
 const left = el("div", { class: "side left" }, controls.node);
 const right = el("aside", { class: "panel right", "aria-label": "Answers" }, ...(store.snapshot ? [] : [models()]), answers.node, tabs.node);
 document.getElementById("app")!.append(top.node, left, right, legend,

@@ -249,11 +249,11 @@ def test_a_region_tells_its_error_and_its_bounds(app, calibrated):
     made = answer(app, "/api/solve", {"tables": calibrated})
     assert not {"coefficients", "interaction"} & set(made["tables"])
     assert answer(app, "/api/solve", {"tables": made["tables"]})["tables"] == made["tables"]
-    gait = from_dict(calibrated).gait()
-    assert made["expected_error"] == pytest.approx(gait.info["expected_error"])
-    assert from_dict(tomllib.loads(made["toml"])).gait().info["expected_error"] == pytest.approx(
-        made["expected_error"]
-    )
+    swimmer = from_dict(calibrated)
+    told = ms.expected_error(swimmer, swimmer.gait())["us"]
+    assert made["expected_error"] == pytest.approx(told)
+    again = from_dict(tomllib.loads(made["toml"]))
+    assert ms.expected_error(again, again.gait())["us"] == pytest.approx(told)
     far = {**calibrated, "tail": {**HELIX["tail"], "amplitude": 0.2}}
     made = answer(app, "/api/solve", {"tables": far})
     assert made["expected_error"] is None
@@ -269,6 +269,10 @@ def test_a_calibration_at_one_design_says_where_and_the_surrogate_how_far_off(ap
     fitted = ms.calibrate(swimmer, swimmer.gait("bem", level="coarse")).swimmer
     made = answer(app, "/api/solve", {"tables": to_tables(fitted)})
     assert made["calibration"]["here"]
+    power = fitted.gait().mean_power / swimmer.gait("bem", level="coarse").mean_power - 1.0
+    assert made["errors"]["mean_torque"] == pytest.approx(abs(power), abs=1e-6)
+    cost = fitted.gait().efficiency / swimmer.gait("bem", level="coarse").efficiency - 1.0
+    assert made["calibration"]["missed"]["efficiency"] == pytest.approx(cost, rel=1e-2)
     assert made["expected_error"] == pytest.approx(0.0035, abs=1e-4)
     again = tomllib.loads(made["toml"])
     away = {**again, "tail": {**again["tail"], "amplitude": 1.2 * HELIX["tail"]["amplitude"]}}

@@ -173,6 +173,8 @@ def test_the_judge_is_asked_and_the_surrogate_calibrated(page):
     assert abs(reference["forward_velocity"] - number(page, "forward_velocity")) > 1e-3
     page.click("#calibrate")
     page.wait_for_selector("#trust.good:has-text('calibrated at this design')")
+    assert "efficiency" in page.inner_text("#missed")  # as plain as what agrees
+    assert page.get_attribute("#missed", "class") in ("trust fair", "trust poor")
     settled(page)
     assert number(page, "forward_velocity") == pytest.approx(
         reference["forward_velocity"], rel=1e-6
@@ -315,7 +317,7 @@ def test_a_calibrated_region_shows_its_error_in_colour(page):
         "#file", files=[{"name": "calibrated.toml", "mimeType": "text/plain", "buffer": text}]
     )
     page.wait_for_function("() => studio.store.design.name === 'calibrated'")
-    error = made.gait().info["expected_error"]
+    error = ms.expected_error(made, made.gait())["us"]
     assert page.get_attribute("#trust", "class") == "trust good"
     shown = float(re.search(r"error ([\d.]+) %", page.inner_text("#trust")).group(1))
     assert shown == pytest.approx(100 * error, rel=0.06)

@@ -96,3 +96,19 @@ def test_the_header_folds_and_all_of_it_is_reached(phone):
     assert phone.evaluate(ASTRAY) == []
     phone.tap("#more")
     assert not phone.is_visible("#compare")
+
+
+def test_what_a_field_drives_is_in_sight_with_its_trust(phone):
+    motor = phone.text_content("#glance b")
+    phone.tap("#sheet-drive")
+    phone.tap("#drive-field")
+    phone.wait_for_function("() => /\\d/.test(document.querySelector('#glance b').textContent)")
+    phone.evaluate("() => { studio.view.paused = true; }")
+    phone.wait_for_timeout(300)
+    driven = phone.text_content("#driven-speed").strip()
+    assert phone.text_content("#glance b").replace(" ", "") == driven
+    phone.evaluate("() => { studio.view.paused = false; }")
+    assert phone.text_content("#glance .trust") == phone.text_content("#drive-trust .trust")
+    phone.tap("#drive-motor")
+    assert phone.text_content("#glance b") == motor
+    phone.tap("#sheet-drive")

@@ -180,7 +180,7 @@ def _pictures(given: Given, best: Any, model: Any, out: Path) -> None:
 
 def _save(figure: Any, path: Path) -> None:
     with fresh(path) as scratch:
-        figure.savefig(scratch)
+        figure.savefig(scratch, dpi=200)
 
 
 def _front(given: Given, over: Any, asked: dict[str, Any]) -> Found:

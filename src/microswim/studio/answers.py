@@ -57,6 +57,8 @@ MEASURES = {
     "body_rate": "os",
     "body_rate_hz": "os",
 }
+#: Readings whose error a calibration knows where it was made, each by the quantity it compared.
+COSTS = {"mean_power": "mean_power", "mean_torque": "mean_power", "efficiency": "efficiency"}
 TOLERANCE = 1e-3  #: of the quadrature of a map
 PHASES = 16  #: over half a period of a plane wave, as in maps
 FELT = 1e-9  #: harmonics below this share of the largest do not travel
@@ -127,19 +129,18 @@ def describe(swimmer: Swimmer, gait: Gait) -> dict[str, Any]:
 
 def trust(swimmer: Swimmer, gait: Gait) -> dict[str, Any]:
     """Return how far the velocities may be off, how that is known, and whence a calibration is."""
-    error = gait.info.get("expected_error")  # of a region: one standard deviation
-    how, errors = "one standard deviation of the calibration over a region", {"us": error}
-    if swimmer.region is None:
-        errors = expected_error(swimmer, gait)
-        error, how = errors["us"], str(errors["how"])
-    made = swimmer.calibration
-    told = {"here": not (made.away(swimmer) or made.changed(swimmer)),
-            "lines": made.lines(swimmer)} if made else None  # fmt: skip
+    errors, made = expected_error(swimmer, gait), swimmer.calibration
     beside = {name: errors.get(of) for name, of in MEASURES.items()}
+    told = None
+    if made is not None:
+        here = not (made.away(swimmer) or made.changed(swimmer))
+        told = {"here": here, "lines": made.lines(swimmer), "missed": made.missed}
+        left = {**made.unmatched, **made.matched}
+        beside |= {n: abs(left[of]) for n, of in COSTS.items() if here and of in left}
     return {
-        "expected_error": plain(error),
+        "expected_error": plain(errors["us"]),
         "errors": plain(beside),
-        "how": how,
+        "how": str(errors["how"]),
         "calibration": told,
     }
 

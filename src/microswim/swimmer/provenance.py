@@ -137,12 +137,17 @@ class Provenance:
         if changed:
             out.append(f"{', '.join(changed)} changed since then: it holds no longer")
         if self.unmatched:
-            most = sorted(self.unmatched.items(), key=lambda item: -abs(item[1]))
-            off = ", ".join(f"{_WORDS.get(n, n)} {100 * v:+.2g} %" for n, v in most)
+            off = ", ".join(f"{words} {100 * v:+.2g} %" for words, v in self.missed.items())
             out.append(f"not matched where it was calibrated: {off}")
         elif self.reference == "measurements" and self.matched:
             out.append(f"nothing was compared but {', '.join(self.matched)}")
         return out
+
+    @property
+    def missed(self) -> dict[str, float]:
+        """Relative differences of what does not agree, in words, the largest first."""
+        most = sorted(self.unmatched.items(), key=lambda item: -abs(item[1]))
+        return {_WORDS.get(name, name): value for name, value in most}
 
     def _far(self, swimmer: Swimmer) -> str:
         away = self.away(swimmer)

@@ -19,7 +19,9 @@ export class Answers {
     const many = store.designs.length > 1;
     this.node.replaceChildren(
       many ? this.heads() : this.hero(),
-      ...this.store.designs.map((d, i) => this.trust(d, i === this.store.active ? "trust" : undefined, many ? `${"AB"[i]}: ` : "")),
+      ...this.store.designs.flatMap((d, i) => [
+        this.trust(d, i === this.store.active ? "trust" : undefined, many ? `${"AB"[i]}: ` : ""), ...this.missed(d, many ? `${"AB"[i]}: ` : ""),
+      ]),
       this.remarks(),
       el("dl", { class: many ? "list two" : "list" }, ...this.listed(many).flatMap((n) => this.row(n))),
     );
@@ -82,7 +84,9 @@ export class Answers {
   /** What the answer on show says of its swimmer, in physical words. */
   private remarks(): HTMLElement {
     const { remarks, notes } = this.store.shown(this.store.design);
-    const said = [...new Set([...remarks, ...notes])];
+    const { calibration } = this.store.design.answer;
+    const whence = this.store.model === "bem" ? [] : (calibration?.lines.slice(0, 1) ?? []);
+    const said = [...new Set([...whence, ...remarks, ...notes])];
     return el("ul", { class: "remarks", id: "remarks", hidden: said.length === 0 }, ...said.map((r) => el("li", {}, r)));
   }
 
@@ -102,6 +106,17 @@ export class Answers {
   trust(design: Design, id?: string, before = ""): HTMLElement {
     const { grade, text, title } = this.trusted(design);
     return el("div", { class: `trust ${grade}`, id, title }, el("i"), before + text);
+  }
+
+  /** What its calibration did not make agree, where that was at this design: as plain as what it did. */
+  private missed(design: Design, before: string): HTMLElement[] {
+    const { calibration } = design.answer;
+    if (this.store.model === "bem" || !calibration?.here) return [];
+    const off = Object.entries(calibration.missed);
+    if (!off.length) return [];
+    const said = off.map(([what, by]) => `${what} ${by < 0 ? "−" : "+"}${digits(Math.abs(100 * by), 2)} %`);
+    const worst = Math.max(...off.map(([, by]) => Math.abs(by)));
+    return [el("div", { class: `trust ${worst < 0.2 ? "fair" : "poor"}`, id: before ? undefined : "missed" }, el("i"), `${before}Not matched: ${said.join(", ")}`)];
   }
 
   /** A design in two lines: how fast by what, and how sure that is. */

@@ -25,6 +25,8 @@ export class Driver {
   private state = el("div", { class: "trust open", id: "step" }, el("i"), "");
   private figure = el("div", { class: "figure", id: "driven-speed" });
   private sure = el("div", { id: "drive-trust" });
+  /** the speed, for a screen that has no room for more */
+  readonly glance = el("b", {}, "–");
   private went: Vec[] = [];
   private turned: [number, number][] = [];
   private leans: number[] = [];
@@ -306,6 +308,7 @@ export class Driver {
       const speed = dot(d, pose.x.map((v, i) => v - this.went[0][i])) / (pose.time - t0);
       const [n, unit] = this.store.design.answer.dimensional ? withPrefix(speed, called("swimming_speed").unit) : [digits(speed), ""];
       this.figure.replaceChildren(n, el("small", {}, unit));
+      this.glance.replaceChildren(n, el("small", {}, ` ${unit}`));
     }
     const follows = this.measured > 0.97 * this.rate;
     const early = (pose.time - t0) * this.rate < 2 * Math.PI;

@@ -14,19 +14,25 @@ export class Sheets {
   private narrow = window.matchMedia(NARROW);
 
   /** `tabs` opens the part of the right panel of that name. */
-  constructor(store: Store, answers: Answers, private stage: Stage, private tabs: { open: (key: string) => void; keys: string[] }) {
+  constructor(private store: Store, private answers: Answers, private driven: () => HTMLElement | null, private stage: Stage, private tabs: { open: (key: string) => void; keys: string[] }) {
     const names: Record<string, string> = { design: "Design", numbers: "Numbers", map: "Map", judge: "Judge", path: "Path", drive: "Drive" };
     for (const key of ["design", "numbers", ...tabs.keys]) {
       this.node.append(el("button", { id: `sheet-${key}`, "aria-pressed": "false", onclick: () => this.open(key) }, names[key]));
     }
     for (const event of ["answer", "designs", "structure"] as const) {
-      store.on(event, () => this.glance.replaceChildren(...answers.glance()));
+      store.on(event, () => this.tell());
     }
     this.narrow.addEventListener("change", () => this.open(""));
     document.addEventListener("keydown", (e) => {
       if (e.key === "Escape") this.open("");
     });
     stage.onTouch(() => this.open(""));
+  }
+
+  /** Speed and trust in sight: of what swims by its motor, or of what a field drives. */
+  tell(): void {
+    const by = this.driven();
+    this.glance.replaceChildren(...(by ? [by, this.answers.trust(this.store.design)] : this.answers.glance()));
   }
 
   /** Raise one sheet; the one that is up, or none by name, goes down. */

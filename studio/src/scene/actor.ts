@@ -71,7 +71,7 @@ export class Actor {
     this.home.add(this.around.group, this.whole);
     scene.add(this.root, this.path, this.home);
     for (const [name, tint] of Object.entries(ARROWS)) {
-      this.arrows[name] = arrow(tint);
+      this.arrows[name] = arrow(tint, name === "field" || name === "moment");
       scene.add(this.arrows[name]);
     }
   }
@@ -274,14 +274,16 @@ export class Actor {
   }
 }
 
-function arrow(colour: string): THREE.Group {
-  const material = new THREE.MeshStandardMaterial({ color: colour, emissive: colour, emissiveIntensity: 0.45, roughness: 0.5 });
+/** An arrow; one that begins within the body is seen through it. */
+function arrow(colour: string, through = false): THREE.Group {
+  const material = new THREE.MeshStandardMaterial({ color: colour, emissive: colour, emissiveIntensity: 0.45, roughness: 0.5, depthTest: !through, transparent: through });
   const shaft = new THREE.Mesh(new THREE.CylinderGeometry(0.022, 0.022, 0.78, 12), material);
   shaft.position.y = 0.39;
   const head = new THREE.Mesh(new THREE.ConeGeometry(0.07, 0.22, 20), material);
   head.position.y = 0.89;
   const group = new THREE.Group();
   group.add(shaft, head);
+  if (through) group.traverse((part) => (part.renderOrder = 5));
   return group;
 }
 

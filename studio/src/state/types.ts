@@ -98,8 +98,8 @@ export interface Answer {
   /** the same of readings that are as far off as a velocity */
   errors: Record<string, number | null>;
   how: string;
-  /** where the coefficients come from, and whether this is the design they were found at */
-  calibration: { here: boolean; lines: string[] } | null;
+  /** where the coefficients come from, whether this is the design they were found at, and what they miss there */
+  calibration: { here: boolean; lines: string[]; missed: Record<string, number> } | null;
   /** whether the spec holds a region calibration */
   region: boolean;
   tables: Tables;

@@ -74,6 +74,17 @@ def test_a_histogram_names_the_robots_there_are():
     assert {t.get_text() for t in legend.get_texts()} == {"as designed", "good"}
 
 
+def test_a_front_in_units_that_read_well():
+    robot = ms.Swimmer.preset("goto/C")
+    wishes = {"maximize": ["swimming_speed"], "minimize": ["mean_torque"]}
+    over = {"tail.amplitude": (1e-7, 2e-7)}
+    figure = plots_design.front(
+        ms.pareto(robot, over, **wishes, population=8, generations=2), robot
+    )
+    assert reads_well(figure)
+    assert figure.axes[0].get_ylabel() == "swimming speed (µm/s), more is better"
+
+
 def test_a_track_far_from_the_origin():
     t = np.linspace(0.0, 1.0, 60)
     track = np.stack([1e-6 * np.sin(20 * t), 1e-5 * t], axis=-1) + 2.345e-3
@@ -86,9 +97,12 @@ def test_maps_of_a_validation():
     over = {"tail.amplitude": [0.05, 0.1, 0.15], "tail.waves": [2.0, 3.0]}
     result = ms.validate(HELIX, over, "rft", workers=0)
     assert result.at == {"tail.amplitude": 0.1, "tail.waves": 3.0}
-    figure = error_maps(replace(result, axis_units={"tail.amplitude": "m"}))
+    twice = {n: 2.0 * v if n == "mean.us" else v for n, v in result.reference.items()}
+    off = replace(result, axis_units={"tail.amplitude": "m"}, surrogate=twice)
+    figure = error_maps(off)
     assert reads_well(figure)
     assert figure.axes[0].get_xlabel() == "tail.amplitude (mm)"
+    assert figure.axes[0].get_title() == "forward speed, worst +100 %"
     star = figure.axes[0].lines[-1]
     assert (star.get_xdata()[0], star.get_ydata()[0]) == pytest.approx((100.0, 3.0))
 

@@ -231,6 +231,8 @@ def front(result: xr.Dataset, swimmer: Swimmer, drawn: int = 4) -> Figure:
     n = result.sizes["design"]
     reach = np.linspace(float(result[y].min()), float(result[y].max()), drawn)
     picked = list(dict.fromkeys(int(np.abs(result[y].values - r).argmin()) for r in reach))[::-1]
+    said = [_axis(result[text], text.replace("_", " ")) for text in texts]
+    result = result.assign({text: f * result[text] for text, (f, _) in zip(texts, said)})
     with look():
         figure = blank(WIDE, 3.4)
         axes, side = figure.subplots(1, 2, width_ratios=[1.6, 1.0])
@@ -238,7 +240,7 @@ def front(result: xr.Dataset, swimmer: Swimmer, drawn: int = 4) -> Figure:
         doubt.bars(axes, result[x], result[y], result, (x, y))
         dots = axes.scatter(result[x], result[y], c=BLUE if third is None else third, s=9)
         if third is not None:
-            figure.colorbar(dots, ax=axes, label=texts[2])
+            figure.colorbar(dots, ax=axes, label=said[2][1])
         chosen = result.isel(design=picked)
         axes.scatter(
             chosen[x], chosen[y], s=40, facecolors="none", edgecolors=ORANGE, linewidths=1.3
@@ -247,8 +249,8 @@ def front(result: xr.Dataset, swimmer: Swimmer, drawn: int = 4) -> Figure:
         for letter, i in zip(letters, picked):
             at = (float(result[x][i]), float(result[y][i]))
             axes.annotate(letter, at, (5, -9), textcoords="offset points", color=ORANGE)
-        axes.set(xlabel=f"{x} ({wanted[1].split()[0]} is better)", title=f"{n} designs")
-        axes.set_ylabel(f"{y} ({wanted[0].split()[0]} is better)")
+        axes.set(xlabel=f"{said[1][1]}, {wanted[1].split()[0]} is better", title=f"{n} designs")
+        axes.set_ylabel(f"{said[0][1]}, {wanted[0].split()[0]} is better")
         swimmers(side, designs(swimmer, chosen), letters)
     return figure
 

@@ -46,7 +46,7 @@ def error_maps(result: Validation) -> Any:
                 last = (_line if len(axes) == 1 else _map)(
                     ax, _scaled(result, axes), values, result
                 )
-                ax.set_title(NAMES.get(name, name))
+                ax.set_title(f"{NAMES.get(name, name)}, worst {_worst(result, name, values)}")
             for ax in places[len(panels_of) :]:
                 ax.set_visible(False)
         if last is not None and len(axes) == 2:
@@ -56,6 +56,19 @@ def error_maps(result: Validation) -> Any:
                 f"surrogate against {result.against}; solid: 5 %, dashed: 10 %{where}", fontsize=9
             )
     return figure
+
+
+def _worst(result: Validation, name: str, values: np.ndarray) -> str:
+    """The largest error of a map; with its sign where it is that of one number."""
+    if not np.isfinite(values).any():
+        return "not known"
+    i = int(np.nanargmax(np.abs(values)))
+    sign = ""
+    if name in result.quantities:
+        sizes = (np.abs(part[name].flat[i]) for part in (result.surrogate, result.reference))
+        sign = "+" if next(sizes) > next(sizes) else "\u2212"
+    worst = float(values.flat[i])
+    return f"{sign}{worst:.{0 if worst >= 10.0 else 1}f} %"
 
 
 def _scaled(result: Validation, axes: dict[str, np.ndarray]) -> dict[str, tuple[Any, Any, str]]:

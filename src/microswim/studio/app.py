@@ -24,7 +24,6 @@ from starlette.requests import Request
 from starlette.responses import JSONResponse, Response
 from starlette.routing import Route
 
-from microswim import checks
 from microswim.errors import MicroswimError, SpecError
 from microswim.models.rft.warm_up import warm_up
 from microswim.spec import presets
@@ -35,12 +34,12 @@ from microswim.studio.brought import surfaces as dropped
 from microswim.studio.budget import Budget
 from microswim.studio.exchange import exchanged
 from microswim.studio.hosts import LOCAL, Hosts
+from microswim.studio.incoming import LARGEST_BODY, Refused, body_of, said
 from microswim.studio.judge import jobs as work
 from microswim.studio.judge.processes import Judge
 from microswim.studio.words import words
 from microswim.swimmer.geometry.solids import reading
 
-LARGEST_BODY = 512 * 1024  #: bytes
 SLOWEST_BODY = 30.0  #: seconds until it is here
 KINDS = {"html": "text/html", "js": "text/javascript", "css": "text/css", "txt": "text/plain"}
 SAFE = {
@@ -53,14 +52,6 @@ SAFE = {
 #: What numbers at the edge of the floating point make of a formula.
 BEYOND = (OverflowError, FloatingPointError, MemoryError, np.linalg.LinAlgError)
 log = logging.getLogger("microswim.studio")
-
-
-class Refused(Exception):
-    """A request that is not answered, with status and sentence."""
-
-    def __init__(self, status: int, sentence: str) -> None:
-        super().__init__(sentence)
-        self.status = status
 
 
 def create_app(
@@ -150,7 +141,7 @@ def post(answer: Callable[[Any], Any], as_text: bool = False) -> Callable[[Reque
     wanted = "text/plain" if as_text else "application/json"
 
     async def read(request: Request) -> Any:
-        return _said(await _body(request, wanted, LARGEST_BODY), as_text)
+        return said(await body_of(request, wanted, LARGEST_BODY), as_text)
 
     return _endpoint(read, answer)
 
@@ -162,9 +153,9 @@ def dropping(answer: Callable[[Any], Any]) -> Callable[[Request], Any]:
     """
 
     async def read(request: Request) -> Any:
-        body = await _body(request, "application/octet-stream", dropped.LARGEST + LARGEST_BODY)
+        body = await body_of(request, "application/octet-stream", dropped.LARGEST + LARGEST_BODY)
         head, _, content = body.partition(b"\n")  # what is asked, on a line, before the file
-        return {**_object(_said(head, False)), "content": bytes(content)}
+        return {**_object(said(head, False)), "content": bytes(content)}
 
     return _endpoint(read, answer)
 
@@ -186,55 +177,6 @@ def _endpoint(read: Callable[[Request], Any], answer: Callable[[Any], Any]) -> A
             watch.cancel()
 
     return endpoint
-
-
-async def _body(request: Request, wanted: str, largest: int) -> bytearray:
-    """The body of a request of the wanted type, from a page of this studio."""
-    origin, host = request.headers.get("origin"), request.headers.get("host", "")
-    if origin is not None and origin.partition("://")[2] != host:
-        raise Refused(403, "this page does not belong to this studio")
-    if request.headers.get("content-type", "").partition(";")[0].strip() != wanted:
-        raise Refused(415, f"send {wanted}")
-    body = bytearray()
-    async for chunk in request.stream():
-        body += chunk
-        if len(body) > largest:
-            raise Refused(413, f"more than {largest // 1024} KiB; a spec is much smaller")
-    return body
-
-
-def _said(body: bytes | bytearray, as_text: bool) -> Any:
-    """A body as text, or as the JSON in it."""
-    try:
-        text = body.decode("utf-8")
-        read = {
-            "parse_constant": _no_constant,
-            "parse_float": _finite,
-            "parse_int": _finite_integer,
-        }
-        return text if as_text else json.loads(text, **read)
-    except UnicodeDecodeError:
-        raise Refused(422, "the file is not UTF-8 text") from None
-    except (ValueError, RecursionError):
-        raise Refused(
-            422, "the request is not valid JSON, or has a number beyond all sizes"
-        ) from None
-
-
-def _no_constant(name: str) -> float:
-    raise ValueError(f"{name} is no number")
-
-
-def _finite(text: str) -> float:
-    value = float(text)
-    if abs(value) > checks.LARGEST or 0.0 < abs(value) < checks.SMALLEST:
-        raise ValueError(f"{text[:20]} is beyond all sizes")
-    return value
-
-
-def _finite_integer(text: str) -> int:
-    _finite(text)
-    return int(text)
 
 
 async def _gone(request: Request, budget: Budget) -> None:
@@ -265,13 +207,15 @@ async def _answered(request: Request, answer: Callable[[Any], Any], ask: Any) ->
 
 
 def _presets(_: Any) -> Any:
-    shown = presets.names()
-    specs = {n: presets.read(n) for n in shown}
+    specs = {n: presets.read(n) for n in presets.names()}
     return {"specs": specs, "scenes": scenes.shipped(), "files": examples.names()}
 
 
 def _example(request: Request) -> Response:
-    made = examples.content(f"files/{request.path_params['name']}")
+    return _as_file(examples.content(f"files/{request.path_params['name']}"))
+
+
+def _as_file(made: str | bytes) -> Response:
     return Response(made, media_type="application/octet-stream", headers=SAFE)
 
 
@@ -298,13 +242,12 @@ def _map(ask: Any) -> Any:
 
 
 def _optimum(ask: Any) -> Any:
-    x, y = _object(ask).get("x"), ask.get("y")
-    return answers.optimum(ask.get("tables"), _object(x), _object(y), str(ask.get("output")))
+    x, y = _object(_object(ask).get("x")), _object(ask.get("y"))
+    return answers.optimum(ask.get("tables"), x, y, str(ask.get("output")))
 
 
 def _snapshot(ask: Any) -> Response:
-    html = page.snapshot(_object(ask).get("designs"), ask.get("map"), ask.get("view"))
-    return Response(html, media_type="application/octet-stream", headers=SAFE)
+    return _as_file(page.snapshot(_object(ask).get("designs"), ask.get("map"), ask.get("view")))
 
 
 def _surface(ask: Any) -> Any:

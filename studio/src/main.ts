@@ -333,7 +333,7 @@ async function begin(): Promise<void> {
 }
 
 async function warming(): Promise<void> {
-  for (let i = 0; i < 200; i++) {
+  for (let i = 0; ; i++) {
     const { warm, doing } = await call<{ warm: boolean; doing: string }>("/api/status");
     if (warm) {
       document.body.dataset.warm = "yes";

@@ -284,7 +284,7 @@ export class Driver {
     if (held) {
       this.state.className = "trust open";
       this.state.lastChild!.textContent = `The answers hold at one pose of the ${held}: nothing turns`;
-      this.figure.replaceChildren("–");
+      this.tell("–");
       return;
     }
     if (this.bySpec) return this.feel(pose);
@@ -307,8 +307,7 @@ export class Driver {
       this.measured = Math.abs((this.angle - a0) / (pose.time - t0));
       const speed = dot(d, pose.x.map((v, i) => v - this.went[0][i])) / (pose.time - t0);
       const [n, unit] = this.store.design.answer.dimensional ? withPrefix(speed, called("swimming_speed").unit) : [digits(speed), ""];
-      this.figure.replaceChildren(n, el("small", {}, unit));
-      this.glance.replaceChildren(n, el("small", {}, ` ${unit}`));
+      this.tell(n, unit);
     }
     const follows = this.measured > 0.97 * this.rate;
     const early = (pose.time - t0) * this.rate < 2 * Math.PI;
@@ -318,6 +317,12 @@ export class Driver {
       : follows ? `${this.regime()}: turns at ${this.frequency(this.rate)}`
       : `Stepped out: turns at ${this.frequency(this.measured)} of ${this.frequency(this.rate)}`;
     this.plot();
+  }
+
+  /** The speed, in the panel and where it stays in sight. */
+  private tell(n: string, unit = ""): void {
+    this.figure.replaceChildren(n, el("small", {}, unit));
+    this.glance.replaceChildren(n, el("small", {}, ` ${unit}`));
   }
 
   /** Speed in the field of the spec, and what the field is and does where the swimmer is. */
@@ -333,7 +338,7 @@ export class Driver {
     const passed = pose.time - this.turned[0][0];
     const speed = passed > 0 ? Math.hypot(...pose.x.map((v, i) => v - this.went[0][i])) / passed : Math.hypot(...twist(gait, pose.phase, gait.rate, wrench).slice(0, 3));
     const [n, unit] = dimensional ? withPrefix(speed, called("swimming_speed").unit) : [digits(speed), ""];
-    this.figure.replaceChildren(n, el("small", {}, unit));
+    this.tell(n, unit);
     const { B } = field(pose.time, pose.x);
     const b = rotate(pose.q, B, true);
     const m = momentIn(magnet!, b);

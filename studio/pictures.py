@@ -81,11 +81,19 @@ def elastic(page):
     mapped(page)
 
 
+def upwards(page):
+    """Until the field points up, so that its arrow is seen from the side."""
+    page.wait_for_function("""() => { const { time, x } = studio.actors()[0].pose;
+      const { B } = studio.driver.drive.field(time, x); return B[2] > 0.9 * Math.hypot(...B); }""")
+    page.evaluate("() => { studio.view.paused = true; }")
+
+
 def field(page):
     put(page, "shapes/magnet")
     page.click("[role=tablist] >> text=Drive")
     page.click("#drive-field")
     swum(page, 20)
+    upwards(page)
 
 
 def dropped(page):

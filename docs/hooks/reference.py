@@ -9,6 +9,8 @@ import microswim
 
 LISTED = re.compile(r"^::: microswim\.(\w+)$", re.MULTILINE)
 PAGE = "api.md"
+#: A package that is called, by the function that it calls (decisions/0018-path-is-called.md).
+MEANT = {"path": "path.following.path"}
 
 
 def address(name):
@@ -39,7 +41,7 @@ def on_files(files, config):
     text = files.get_file_from_path(PAGE).content_string
     for name in LISTED.findall(text):
         options = "    options:\n      show_root_heading: false\n"
-        content = f"# {name}\n\n::: microswim.{name}\n{options}"
+        content = f"# {name}\n\n::: microswim.{MEANT.get(name, name)}\n{options}"
         files.append(File.generated(config, address(name), content=content))
     return files
 

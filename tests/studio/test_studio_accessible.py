@@ -80,7 +80,7 @@ def test_keys_move_the_design_over_the_map(page):
         page.click("#sheet-map")
     else:
         page.click("#tab-map")
-    page.wait_for_function("() => studio.map.count > 0")
+    page.wait_for_function("() => studio.map.answer")
     before = page.evaluate("() => studio.store.design.tables.tail.amplitude")
     page.focus("#map")
     for _ in range(3):

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from typing import Any
+
 import numpy as np
 
 from microswim import checks
@@ -12,6 +14,7 @@ from microswim.numerics.rigid_motion import ScrewMotion, along_twist, multiply, 
 
 #: Seconds of a step as Python, side by side with the others.
 ONE_STEP = 1e-5
+ASIDE = 1e-3  #: share of a displacement along s from which on one end leads
 
 
 @checks.given(gait=checks.gait, steps=checks.at_least(1))
@@ -59,6 +62,27 @@ def screw(gait: Gait, steps: int | None = None) -> ScrewMotion:
     phases = (forward * h * np.arange(steps)).astype(kind)
     step.written(packed, free, x, q, phases, h, rates, loads, work)
     return ScrewMotion(*_joined(x.T, q.T), gait.period)
+
+
+def leading_end(gait: Gait) -> str:
+    """Return which end goes first over a period, ``"body"`` or ``"tail"``; empty if neither does.
+
+    The mean of u_s does not tell: it is taken in axes that sway, and a swimmer that is thrown to
+    and fro across its axis as it yaws may go the other way.
+    """
+    way = np.real(screw(gait).displacement)
+    size = float(np.sqrt(np.sum(way**2)))
+    if not np.isfinite(size) or abs(way[0]) <= ASIDE * size:
+        return ""
+    return "body" if way[0] < 0.0 else "tail"
+
+
+def way_of(numbers: dict[str, Any]) -> str:
+    """Return in words what the sign of u_s says; where it misleads, which end goes first."""
+    leads, back = numbers.get("leading_end", ""), numbers["mean_velocity"][0] < 0
+    if leads and back != (leads == "body"):
+        return f"in the swaying frame of the body; it goes {leads} first"
+    return "negative: the body leads"
 
 
 def _of_one_phase(gait: Gait, forward: float) -> tuple[np.ndarray, np.ndarray]:

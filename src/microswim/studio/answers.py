@@ -21,6 +21,7 @@ from microswim.calibration.atlas.expected import expected_error
 from microswim.errors import SpecError
 from microswim.gait.gait import Gait
 from microswim.gait.quantities import NUMBERS, QUANTITIES, numbers
+from microswim.gait.screw import leading_end
 from microswim.gait.stepping import pack
 from microswim.models.rft.batch import evaluate, expected_errors, is_regular
 from microswim.numerics.plain import plain
@@ -106,6 +107,7 @@ def surrogate(swimmer: Swimmer) -> Gait:
 def describe(swimmer: Swimmer, gait: Gait) -> dict[str, Any]:
     """Return the shape, gait and readings of a swimmer, ready for JSON."""
     magnetic = magnet.of(swimmer)
+    leads = leading_end(gait)
     return {
         "units": {k: v[0] for k, v in units_of(swimmer).items()},
         "dimensional": swimmer.units == "SI",
@@ -121,10 +123,19 @@ def describe(swimmer: Swimmer, gait: Gait) -> dict[str, Any]:
             "body": _body_series(gait),
         },
         "readings": readings(swimmer, gait),
-        "remarks": [*gait.info.get("remarks", ()), *magnetic["remarks"]],
+        "leading_end": leads,
+        "remarks": [*_sways(gait, leads), *gait.info.get("remarks", ()), *magnetic["remarks"]],
         **trust(swimmer, gait),
         "region": swimmer.region is not None,
     }
+
+
+def _sways(gait: Gait, leads: str) -> list[str]:
+    """What a forward velocity says that is taken in a body that sways."""
+    back = float(np.real(gait.mean_velocity[0])) > 0.0
+    if not leads or back == (leads == "tail"):
+        return []
+    return [f"the forward velocity is that in the swaying body; along its path the {leads} leads"]
 
 
 def trust(swimmer: Swimmer, gait: Gait) -> dict[str, Any]:

@@ -49,7 +49,7 @@ export class Answers {
       el("div", { class: "under" },
         el("b", { "data-reading": "body_lengths_per_time", "data-value": String(r.body_lengths_per_time) }, l),
         answer.dimensional ? " body lengths per second" : " body lengths per unit time",
-        (r.forward_velocity ?? 0) < 0 ? el("span", { id: "backwards" }, ", tail first") : null));
+        answer.leading_end === "tail" ? el("span", { id: "backwards" }, ", tail first") : null));
   }
 
   private heads(): HTMLElement {

@@ -109,6 +109,7 @@ export function sensible(path: string, q: Quantity, answer: Answer): Range {
     case "tail.amplitude": return linear(0, nice(Math.max(1.6 * q.n, (0.06 * shape.length) / unit)));
     case "tail.wavelength": return linear(nice(q.n / 4), nice(3 * q.n));
     case "tail.radius": return linear(nice(q.n / 5), nice(2.5 * q.n));
+    case "tail.bending": return linear(nice(q.n / 20), nice(4 * q.n));
     case "tail.frequency": return linear(q.n < 0 ? -nice(-2 * q.n) : 0, nice(2 * Math.abs(q.n || 1)));
     case "wall.distance": return linear(nice(wide / 2), nice(4 * wide));
     case "channel.diameter": return linear(nice(wide), nice(8 * wide));
@@ -116,5 +117,5 @@ export function sensible(path: string, q: Quantity, answer: Answer): Range {
     case "fluid.viscosity": return { low: nice(q.n / 20), high: nice(20 * q.n), log: true };
     case "fluid.density": return linear(0, nice(Math.max(2 * q.n, 1)));
   }
-  return linear(Math.min(0, 2 * q.n), Math.max(nice(2.5 * Math.abs(q.n) || 1), 1e-12));
+  return linear(Math.min(0, 2 * q.n), nice(2.5 * Math.abs(q.n) || 1));
 }

@@ -93,6 +93,8 @@ export interface Answer {
   magnet: Magnet;
   gait: GaitData;
   readings: Readings;
+  /** which end goes first over a period; empty: neither */
+  leading_end: "body" | "tail" | "";
   /** of u_s, relative; null: not known; and how it is known */
   expected_error: number | null;
   /** the same of readings that are as far off as a velocity */

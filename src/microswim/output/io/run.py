@@ -19,6 +19,7 @@ from microswim.errors import SpecError
 from microswim.gait import quantities
 from microswim.gait.gait import DEGREES_OF_FREEDOM, Gait
 from microswim.gait.observed import observed
+from microswim.gait.screw import leading_end
 from microswim.gait.turning.driven import driven
 from microswim.gait.units import UNITS
 from microswim.gait.units import unit as unit
@@ -67,6 +68,7 @@ def numbers(swimmer: Swimmer, gait: Gait) -> dict[str, Any]:
         "units": gait.units,
         "degrees_of_freedom": list(DEGREES_OF_FREEDOM),
         **found,
+        "leading_end": leading_end(gait),
         "body_rotation_frequency": found["mean_velocity"][3]
         / (2.0 * np.pi),  # its old name, signed
     }

@@ -18,6 +18,7 @@ from microswim import checks
 from microswim.gait.gait import DEGREES_OF_FREEDOM
 from microswim.gait.quantities import QUANTITIES
 from microswim.gait.readable import quantity, significant, with_error
+from microswim.gait.screw import way_of
 from microswim.gait.turning.driven import DRIVEN
 from microswim.gait.units import unit
 from microswim.output.report import magnetic
@@ -104,7 +105,7 @@ def numbers_table(numbers: dict[str, Any], name: str) -> Table:
     rows = [
         row("swimming_speed", lengths, "us"),
         *([row("path_speed", "the path is bent: forward and round")] if bent else []),
-        ("mean velocity u_s", u_s, "negative: the body leads"),
+        ("mean velocity u_s", u_s, way_of(numbers)),
         row("lateral_amplitude", "half of peak to peak", "uq", " u_q"),
         row("body_rate", turns + hertz, "os", " |Omega_s|"),
         row("path_radius", "of the body's centre about the screw axis"),

@@ -17,13 +17,14 @@ import numpy as np
 import pytest
 
 import microswim as ms
+from microswim.gait.turning.driven import DRIVEN
 from microswim.numerics.series.fourier import evaluate
 from microswim.spec import presets
 from microswim.spec.describe import to_tables
 from microswim.spec.file import from_dict
 from microswim.spec.tables import FIELDS
 from microswim.spec.toml import to_toml
-from microswim.studio import answers, magnet, nearby_field, page
+from microswim.studio import answers, magnet, maps, nearby_field, page
 from microswim.studio import bounds as around
 from microswim.studio import spec_tables as tables
 from microswim.studio.app import LARGEST_BODY, create_app
@@ -122,7 +123,7 @@ def test_the_page_is_told_of_every_field_and_quantity_it_shows(app):
         ["elastic", "Elastic"],
         ["none", "None"],
     ]
-    assert set(told["quantities"]) == set(start["answer"]["readings"])
+    assert set(told["quantities"]) == set(start["answer"]["readings"]) | set(DRIVEN)
     assert set(told["outputs"]) <= set(told["quantities"])
     for sizes, value in (("um", 1e-6), ("mPa s", 1e-3), ("deg", math.pi / 180)):
         assert told["units"][sizes] == pytest.approx(value, rel=1e-15)
@@ -166,7 +167,7 @@ def test_who_chose_no_law_is_answered_by_the_atlas_again_and_again(app):
     told = from_dict(open_).gait("auto").info["expected_error"]
     assert made["errors"]["swimming_speed"] == made["expected_error"] == pytest.approx(told["us"])
     assert made["errors"]["body_rate"] == pytest.approx(told["os"])
-    map_ = answers.map_(open_, X, Y)
+    map_ = maps.map_(open_, X, Y)
     assert map_["model"] == "atlas"
     assert all(e is not None and 0 < e < 0.2 for e in map_["expected_error"])
     chosen = {**made["tables"], "coefficients": {"law": "cox"}}
@@ -376,7 +377,7 @@ def test_a_map_without_symmetry_is_thinned(app):
     body = {"shape": "ellipsoid", "semi_axes": [0.6, 0.5, 0.4]}
     wide = {"x": {**X, "count": 40}, "y": {**Y, "count": 30}}
     made = answer(app, "/api/map", {"tables": {**HELIX, "body": body}, **wide})
-    assert (len(made["x"]), len(made["y"])) == answers.MOST_SINGLY
+    assert (len(made["x"]), len(made["y"])) == maps.MOST_SINGLY
     assert made["x"][-1] == X["to"]
     assert len(made["values"]["efficiency"]) == len(made["x"]) * len(made["y"])
 
@@ -685,7 +686,7 @@ def test_the_command_writes_a_snapshot(tmp_path):
 def test_the_usual_map_is_a_map_about_the_design(waves):
     tail = {**HELIX["tail"], "waves": waves, "amplitude": 0.005, "radius": 0.002}
     ask = page.usual_map({**HELIX, "tail": tail})
-    made = answers.map_({**HELIX, "tail": tail}, ask["x"], ask["y"])
+    made = maps.map_({**HELIX, "tail": tail}, ask["x"], ask["y"])
     assert any(v for v in made["values"]["swimming_speed"])
 
 
@@ -716,6 +717,29 @@ def test_the_page_has_the_field_where_its_own_sliders_do_not_describe_it():
         assert len(unknown) == (one.field is inside)
     with pytest.raises(ms.SpecError, match="place"):
         magnet.asked({"tables": {}, "time": 0.0, "place": [0.0, "x", 0.0]})
+
+
+def test_a_map_of_step_out_asks_each_design():
+    """It is linear in the field, and at a design what `ms.regimes` finds there."""
+    turning = dataclasses.replace(
+        PLACED,
+        magnet=ms.Magnet(moment=3e-6, direction=1.2),
+        field=ms.RotatingField(strength=1e-3, frequency=1.0),
+        motion=ms.Motion(free="all"),
+    )
+    tables = canonical(turning)
+    assert "step_out" in answers.describe(turning, turning.gait("rft"))["magnet"]["driven"]
+    x = {"field": "field.strength", "from": 1e-3, "to": 2e-3, "count": 2}
+    y = {"field": "tail.amplitude", "from": 1.8e-4, "to": 2.2e-4, "count": 3}
+    made = maps.map_(tables, x, y, "step_out")
+    found = np.reshape(made["values"]["step_out"], (3, 2))
+    assert found[:, 1] == pytest.approx(2.0 * found[:, 0], rel=1e-4)
+    told = ms.regimes(turning, [0.5], gait=turning.gait(made["model"]))
+    assert found[1, 0] == pytest.approx(told.step_out, rel=1e-4)
+    best = maps.optimum(tables, x, y, "step_out", zooms=1)
+    assert best["value"] >= found.max() * (1 - 1e-4)
+    plain = maps.map_(tables, x, y)
+    assert "step_out" not in plain["values"]
 
 
 @pytest.mark.parametrize(

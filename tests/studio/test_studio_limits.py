@@ -14,7 +14,7 @@ from test_studio import call
 
 from microswim.errors import MicroswimError
 from microswim.spec import presets
-from microswim.studio import answers, budget, server
+from microswim.studio import budget, maps, server
 from microswim.studio.app import create_app
 
 HELIX = tomllib.loads(presets.read("tabak/helix"))
@@ -59,18 +59,18 @@ def test_no_range_of_a_map_is_a_failure_of_the_server(app, end):
 def test_a_map_ends_at_its_time(monkeypatch):
     late = budget.Budget(seconds=0.0)
     with pytest.raises(MicroswimError, match="smaller map"):
-        late.within(lambda ask: answers.map_(HELIX, X, Y), None)
+        late.within(lambda ask: maps.map_(HELIX, X, Y), None)
 
 
 def test_a_map_ends_when_nobody_waits_for_it(app, monkeypatch):
-    pieces, true = [], answers.evaluate
+    pieces, true = [], maps.evaluate
 
     def slowly(*args, **options):
         pieces.append(1)
         time.sleep(0.5)
         return true(*args, **options)
 
-    monkeypatch.setattr(answers, "evaluate", slowly)
+    monkeypatch.setattr(maps, "evaluate", slowly)
     body = json.dumps({"tables": HELIX, "x": X, "y": Y}).encode()
     sent = [
         {"type": "http.request", "body": body, "more_body": False},
@@ -90,7 +90,7 @@ def test_a_map_ends_when_nobody_waits_for_it(app, monkeypatch):
         """Nobody listens."""
 
     asyncio.run(app(scope, receive, send))
-    assert len(pieces) < 40 * 40 // answers.PIECE  # a map of 1600 designs is four pieces
+    assert len(pieces) < 40 * 40 // maps.PIECE  # a map of 1600 designs is four pieces
 
 
 def test_a_connection_without_a_request_is_closed(app, monkeypatch):

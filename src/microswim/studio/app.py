@@ -27,7 +27,7 @@ from starlette.routing import Route
 from microswim.errors import MicroswimError, SpecError
 from microswim.models.rft.warm_up import warm_up
 from microswim.spec import presets
-from microswim.studio import answers, magnet, page
+from microswim.studio import answers, magnet, maps, page
 from microswim.studio import spec_tables as tables
 from microswim.studio.brought import examples, films, scenes
 from microswim.studio.brought import surfaces as dropped
@@ -238,12 +238,12 @@ def _exchange(ask: Any) -> Any:
 
 
 def _map(ask: Any) -> Any:
-    return answers.map_(_object(ask).get("tables"), ask.get("x"), ask.get("y"))
+    return maps.map_(_object(ask).get("tables"), ask.get("x"), ask.get("y"), ask.get("output"))
 
 
 def _optimum(ask: Any) -> Any:
     x, y = _object(_object(ask).get("x")), _object(ask.get("y"))
-    return answers.optimum(ask.get("tables"), x, y, str(ask.get("output")))
+    return maps.optimum(ask.get("tables"), x, y, str(ask.get("output")))
 
 
 def _snapshot(ask: Any) -> Response:
@@ -287,7 +287,7 @@ def _warm(start: dict[str, Any], state: dict[str, Any], judge: Judge) -> None:
             given = tables.parse(presets.read(name))
             answers.solve(given)
             x = {"field": "tail.amplitude", "from": 0.05, "to": 0.1, "count": 2}
-            answers.map_(given, x, {"field": "tail.waves", "from": 2.0, "to": 3.0, "count": 2})
+            maps.map_(given, x, {"field": "tail.waves", "from": 2.0, "to": 3.0, "count": 2})
         answers.solve(start)
         state["doing"] = "starting the judge"
         judge.warm()

@@ -8,7 +8,7 @@ import numpy as np
 
 from microswim import checks
 from microswim.errors import MicroswimError, SpecError
-from microswim.studio import nearby_field
+from microswim.studio import maps, nearby_field
 from microswim.studio.spec_tables import swimmer_of
 from microswim.swimmer.magnetism.applied_field import RotatingField
 from microswim.swimmer.magnetism.magnet import vector_of
@@ -18,6 +18,7 @@ from microswim.swimmer.swimmer import Swimmer
 def of(swimmer: Swimmer) -> dict[str, Any]:
     """Return the magnet in the body's axes, strength and turns per time of a rotating field.
 
+    ``driven``: readings that a rotating field gives;
     ``own``: the field about the start, where it is more than one that turns a hard magnet.
     """
     field = swimmer.field if isinstance(swimmer.field, RotatingField) else None
@@ -28,6 +29,7 @@ def of(swimmer: Swimmer) -> dict[str, Any]:
         "field": None if field is None else float(field.strength),
         "frequency": None if field is None else abs(float(field.frequency)),
         "own": None,
+        "driven": maps.driven(swimmer),
         "remarks": [],
     }
     if soft:

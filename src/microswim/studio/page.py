@@ -10,7 +10,7 @@ from importlib.resources import files
 from typing import Any
 
 from microswim.errors import MicroswimError, SpecError
-from microswim.studio import answers
+from microswim.studio import answers, maps
 from microswim.studio.spec_tables import swimmer_of
 from microswim.studio.words import words
 
@@ -59,7 +59,7 @@ def snapshot(designs: Any, ask: Any = None, view: Any = None) -> str:
         solved.append({"name": name, "answer": answers.solve(design.get("tables"), name)})
     data: dict[str, Any] = {"designs": solved, "view": _view(view), "words": words()}
     if isinstance(ask, dict) and ask:
-        made = answers.map_(designs[0].get("tables"), ask.get("x"), ask.get("y"))
+        made = maps.map_(designs[0].get("tables"), ask.get("x"), ask.get("y"), ask.get("output"))
         data["map"] = {"ask": {k: ask[k] for k in ("x", "y", "output") if k in ask}, **made}
     return inlined(data)
 
@@ -69,7 +69,7 @@ def usual_map(tables: Any) -> dict[str, Any]:
     has in their place; nothing where it has no two such numbers.
     """
     numbers = swimmer_of(tables).numbers
-    x, y = ([n for n in answers.AXES if numbers.get(n) is not None] + ["", ""])[:2]
+    x, y = ([n for n in maps.AXES if numbers.get(n) is not None] + ["", ""])[:2]
     if not y:
         return {}
     side = {"field": x, "from": numbers[x] / 20 or 1e-9, "to": 2 * numbers[x] or 1e-6, "count": 24}

@@ -6,16 +6,18 @@ import math
 from typing import Any
 
 from microswim.gait import palette
-from microswim.gait.quantities import NUMBERS, QUANTITIES
+from microswim.gait.observed import ALL
+from microswim.gait.quantities import NUMBERS
 from microswim.gait.readable import READ_IN
+from microswim.gait.turning.driven import DRIVEN
 from microswim.gait.units import is_dimensionless, unit
 from microswim.path.regimes import STEEP, STRAIGHT
 from microswim.spec.fields import Field
 from microswim.spec.tables import FIELDS
 from microswim.spec.units import SIZES
-from microswim.studio.answers import AXES, MAP_OUTPUTS
 from microswim.studio.brought.films import FORMATS as FILMS
 from microswim.studio.judge.jobs import LEVELS
+from microswim.studio.maps import AXES, MAP_OUTPUTS
 from microswim.studio.spec_tables import LARGEST_SPEC
 from microswim.swimmer.geometry.solids.reading import FORMATS as SURFACES
 
@@ -29,7 +31,7 @@ def words() -> dict[str, Any]:
     return {
         "fields": {path: _field(field) for path, field in FIELDS.items()},
         "units": {name: size for sizes in SIZES.values() for name, size in sizes.items()},
-        "quantities": {name: _quantity(name) for name in NUMBERS},
+        "quantities": {name: _quantity(name) for name in (*NUMBERS, *DRIVEN)},
         "read_in": READ_IN,
         "outputs": MAP_OUTPUTS,
         "axes": AXES,
@@ -59,7 +61,7 @@ def _field(field: Field) -> dict[str, Any]:
 
 
 def _quantity(name: str) -> dict[str, str]:
-    about = QUANTITIES[name]
+    about = ALL[name]
     si = unit("SI", about.dimension)
     return {
         "label": about.label[0].upper() + about.label[1:],

@@ -62,7 +62,8 @@ export class SpeedMap {
       select.addEventListener("change", () => {
         if (key === "output") this.output = select.value;
         else this.field[key] = select.value;
-        if (key === "output") this.paint();
+        if (key === "output" && this.answer && !this.answer.values[this.output]) this.forget();
+        if (key === "output" && this.answer) this.paint();
         else this.refresh();
       });
       this.selects[key] = select;
@@ -97,7 +98,9 @@ export class SpeedMap {
 
   private options(): void {
     const { tables } = this.store.design;
-    const known = numbers(tables).filter((f) => f !== "fluid.density" && !/coupling|\]\[|^(wall|channel|magnet|field)/.test(f));
+    const { magnet: { driven }, gait } = this.store.design.answer;
+    const outside = driven.length ? /coupling|\]\[|^(wall|channel)/ : /coupling|\]\[|^(wall|channel|magnet|field)/;
+    const known = numbers(tables).filter((f) => f !== "fluid.density" && !outside.test(f));
     const [x, y] = words().axes.flatMap((f) => known.find((k) => plain(k) === f) ?? []);
     this.possible = y !== undefined;
     if (!known.includes(this.field.x)) this.field.x = x ?? this.field.x;
@@ -110,7 +113,10 @@ export class SpeedMap {
       this.selects[key].replaceChildren(...known.map((f) => el("option", { value: f }, `${part(f)}${label(f).toLowerCase()}`)));
       this.selects[key].value = this.field[key];
     }
-    this.selects.output.replaceChildren(...words().outputs.map((o) => el("option", { value: o }, called(o).label)));
+    const outputs = [...words().outputs, ...driven];
+    if (!outputs.includes(this.output)) this.output = outputs[0];
+    if (driven.length && !gait.rate && !driven.includes(this.output)) [this.output] = driven; // no motor turns it
+    this.selects.output.replaceChildren(...outputs.map((o) => el("option", { value: o }, called(o).label)));
     this.selects.output.value = this.output;
   }
 
@@ -144,6 +150,7 @@ export class SpeedMap {
   }
 
   private take(made: MapAnswer, a: { tables: Tables; ask: MapAsk }): void {
+    if (!made.values[this.output]) return; // another one was chosen since
     this.answer = made;
     this.asked = a;
     this.count += 1;

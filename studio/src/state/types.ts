@@ -71,6 +71,8 @@ export interface Magnet {
   frequency: number | null;
   /** the field about the start, where it is more than one that turns a hard magnet */
   own: Nearby | null;
+  /** quantities of a robot in its rotating field, which a map can show; none where nothing turns it */
+  driven: string[];
 }
 
 export interface GaitData {

@@ -103,8 +103,7 @@ def _finite(field: MagnetField) -> Actuators:
     if len(field.size) == 1:
         return _magnet(field.position, field.moment)
     shape = "cylinder" if len(field.size) == 2 else "block"
-    half = np.array([field.size[0], field.size[0], field.size[1]] if len(field.size) == 2
-                    else field.size) / 2.0  # fmt: skip
+    half = np.array((field.size[0], *field.size[-2:])) / 2.0
     nodes, weights = np.polynomial.legendre.leggauss(NODES)
     told = {"nodes": str(NODES), "round": str(ROUND), "shape": _text(shape)}
     told |= {"node_values": _numbers(nodes), "weight_values": _numbers(weights)}

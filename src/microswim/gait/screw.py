@@ -77,10 +77,15 @@ def leading_end(gait: Gait) -> str:
     return "body" if way[0] < 0.0 else "tail"
 
 
+def is_misled(u_s: float, leads: str) -> bool:
+    """Return whether the sign of a mean u_s says another end than that which leads."""
+    return leads != "" and (u_s < 0.0) != (leads == "body")
+
+
 def way_of(numbers: dict[str, Any]) -> str:
     """Return in words what the sign of u_s says; where it misleads, which end goes first."""
-    leads, back = numbers.get("leading_end", ""), numbers["mean_velocity"][0] < 0
-    if leads and back != (leads == "body"):
+    leads = numbers.get("leading_end", "")
+    if is_misled(numbers["mean_velocity"][0], leads):
         return f"in the swaying frame of the body; it goes {leads} first"
     return "negative: the body leads"
 

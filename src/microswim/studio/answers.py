@@ -16,7 +16,7 @@ from microswim.calibration.atlas import choice
 from microswim.calibration.atlas.expected import expected_error
 from microswim.gait.gait import Gait
 from microswim.gait.quantities import NUMBERS, numbers
-from microswim.gait.screw import leading_end
+from microswim.gait.screw import is_misled, leading_end
 from microswim.gait.stepping import pack
 from microswim.numerics.plain import plain
 from microswim.spec.toml import to_toml
@@ -110,8 +110,7 @@ def describe(swimmer: Swimmer, gait: Gait) -> dict[str, Any]:
 
 def _sways(gait: Gait, leads: str) -> list[str]:
     """What a forward velocity says that is taken in a body that sways."""
-    back = float(np.real(gait.mean_velocity[0])) > 0.0
-    if not leads or back == (leads == "tail"):
+    if not is_misled(float(np.real(gait.mean_velocity[0])), leads):
         return []
     return [f"the forward velocity is that in the swaying body; along its path the {leads} leads"]
 

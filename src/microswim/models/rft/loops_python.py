@@ -9,7 +9,7 @@ from typing import Any
 
 import numpy as np
 
-from microswim.models.rft import batch_numbers
+from microswim.models.rft.batch_numbers import half_beats as half_beats
 from microswim.models.rft.helix import helix_tail
 from microswim.models.rft.plane_wave import side_by_side
 from microswim.numerics.quadrature import gauss
@@ -42,9 +42,6 @@ def solve_waves(
     solved = [_solved(R, F, G, body, free) for R, F, G in zip(*sums)]
     V, power = (np.stack(part, axis=1) for part in zip(*solved))
     return V, power
-
-
-half_beats = batch_numbers.half_beats
 
 
 def _solved(

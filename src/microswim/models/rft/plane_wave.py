@@ -11,9 +11,10 @@ so that 12 of the 21 sums of `segment.segment` are left: with ``m = x t - y``
     torques    ss: n y^2 + w      qs: w t - n x y      qq: n x^2 + w t^2
                rr: d m^2 + n (x^2 + y^2)
 
-and five of the six forces. They stand here on their own because a compiler that keeps what
-``0 x inf`` is cannot leave out the others by itself, and this loop is most of the time that a plane
-wave takes. A test holds them to the plain quadrature of segment.
+and three of the six forces, as nothing drives it out of the plane. They stand here on their own
+because a compiler that keeps what ``0 x inf`` is cannot leave out the others by itself, and this
+loop is most of the time that a plane wave takes. A test holds them to the plain quadrature of
+segment.
 """
 
 from __future__ import annotations

@@ -65,8 +65,8 @@ def _worst(result: Validation, name: str, values: np.ndarray) -> str:
     i = int(np.nanargmax(np.abs(values)))
     sign = ""
     if name in result.quantities:
-        sizes = (np.abs(part[name].flat[i]) for part in (result.surrogate, result.reference))
-        sign = "+" if next(sizes) > next(sizes) else "\u2212"
+        ours, theirs = (abs(part[name].flat[i]) for part in (result.surrogate, result.reference))
+        sign = "+" if ours > theirs else "\u2212"
     worst = float(values.flat[i])
     return f"{sign}{worst:.{0 if worst >= 10.0 else 1}f} %"
 

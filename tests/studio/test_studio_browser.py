@@ -435,6 +435,19 @@ TILTED = {
 }
 
 
+def driven_by_its_field(browser, server, robot, known, folder):
+    """A page of its own with a robot in its field, paused; `known` of the magnet has come."""
+    spec = folder / "robot.toml"
+    spec.write_text(robot.to_toml())
+    fresh = opened(browser, server)
+    fresh.set_input_files("#file", spec)
+    fresh.wait_for_function(f"() => studio.store.design.answer.magnet.{known} !== null")
+    fresh.click("#tab-drive")
+    fresh.click("#drive-field")
+    fresh.evaluate("() => { studio.view.paused = true; }")
+    return fresh
+
+
 @pytest.mark.parametrize("frequency", [0.0008, 0.0025, 0.013])
 def test_the_magnet_and_the_field_of_a_spec_drive_it_and_its_regime_is_told(
     page, browser, server, frequency, tmp_path
@@ -442,14 +455,7 @@ def test_the_magnet_and_the_field_of_a_spec_drive_it_and_its_regime_is_told(
     """The page steps in time; `ms.regimes` finds the states of steady turning."""
     robot = ms.Swimmer.preset("tabak/helix-constant", TILTED)
     robot = robot.with_({"field.frequency": frequency})
-    spec = tmp_path / "robot.toml"
-    spec.write_text(robot.to_toml())
-    fresh = opened(browser, server)
-    fresh.set_input_files("#file", spec)
-    fresh.wait_for_function("() => studio.store.design.answer.magnet.moment !== null")
-    fresh.click("#tab-drive")
-    fresh.click("#drive-field")
-    fresh.evaluate("() => { studio.view.paused = true; }")
+    fresh = driven_by_its_field(browser, server, robot, "moment", tmp_path)
     rate, strength, leans = fresh.evaluate(
         """(T) => { const { driver } = studio, a = studio.actors()[0];
         driver.restart(); a.restart();
@@ -480,14 +486,7 @@ def test_a_field_that_depends_on_place_drives_it_as_a_path_has_it(browser, serve
         field=ms.DipoleField(moment=(0, 8, 0), position=(0.05, 0, 0), velocity=(-0.01, 0, 0)),
         units="SI",
     )
-    spec = tmp_path / "robot.toml"
-    spec.write_text(robot.to_toml())
-    fresh = opened(browser, server)
-    fresh.set_input_files("#file", spec)
-    fresh.wait_for_function("() => studio.store.design.answer.magnet.own !== null")
-    fresh.click("#tab-drive")
-    fresh.click("#drive-field")
-    fresh.evaluate("() => { studio.view.paused = true; }")
+    fresh = driven_by_its_field(browser, server, robot, "own", tmp_path)
     asked, x = fresh.evaluate(
         """async () => { const { driver } = studio, a = studio.actors()[0];
         driver.restart(); a.restart();

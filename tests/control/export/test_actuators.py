@@ -144,7 +144,8 @@ LOOSE = dict.fromkeys(("windings", *BODIES), 1e-9)
 
 @pytest.mark.parametrize(
     ("kind", "precision"),
-    [*((kind, "double") for kind in KINDS), ("grid", "float"), ("windings", "float")],
+    [(kind, "double") for kind in KINDS]
+    + [(kind, "float") for kind in ("dipole", "coils", "grid", "windings")],
 )
 def test_c_makes_the_field_of_python_and_steps_in_it(tmp_path, kind, precision):
     field, numbers = fields(tmp_path, kind)
@@ -176,7 +177,8 @@ def test_c_makes_the_field_of_python_and_steps_in_it(tmp_path, kind, precision):
 
 @pytest.mark.parametrize(
     ("kind", "fmi"),
-    [*((kind, "3.0") for kind in ("dipole", "coils", "windings", "block")), ("grid", "2.0")],
+    [(kind, fmi) for kind in ("dipole", "coils", "grid") for fmi in ("2.0", "3.0")]
+    + [("windings", "3.0"), ("block", "3.0")],
 )
 def test_the_fmu_has_them_as_inputs(tmp_path, kind, fmi):
     field, numbers = fields(tmp_path, kind)

@@ -279,7 +279,7 @@ import os, warnings
 import numpy as np
 with warnings.catch_warnings(record=True) as said:
     warnings.simplefilter("always")
-    from microswim.calibration.region.kriging import matern
+    from microswim.calibration.region.surfaces import matern
     from microswim.numerics.solve6 import solve
     solve.dispatcher(np.eye(6), np.ones(6), np.ones(6, dtype=bool))
     matern(0.5)

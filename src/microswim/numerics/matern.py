@@ -2,11 +2,15 @@
 
 from __future__ import annotations
 
+from math import factorial
 from typing import Any
 
 import numpy as np
 
 from microswim.numerics.compiling.compiled import FAST, compiled
+
+#: Of the series of exp.
+C2, C3, C4, C5, C6, C7, C8, C9 = (1.0 / factorial(n) for n in range(2, 10))
 
 
 @compiled(fastmath=FAST, error_model="numpy")
@@ -14,18 +18,22 @@ def matern(r2: Any) -> Any:
     """Return Matern 5/2 of the squared scaled distance, ``(1 + q + q^2/3) exp(-q)``, ``q^2 = 5
     r2``.
 
-    ``exp(-q) = exp(-q/128)^128`` by its series, zero beyond q = 40, to 1e-15: plain arithmetic,
-    which compilers do for several designs at once.
+    ``exp(-q) = exp(-q/128)^128`` by its series, beyond q = 40 as there, to 1e-14: plain
+    arithmetic without divisions or branches, which compilers do for several designs at once.
     """
     q = np.sqrt(5.0 * r2)
-    near = 1.0 * (q.real < 40.0)
-    x = q * (near / -128.0)
-    e = 1.0 + x / 9.0
-    for n in (8.0, 7.0, 6.0, 5.0, 4.0, 3.0, 2.0, 1.0):
-        e = 1.0 + x / n * e
-    for _ in range(7):
-        e = e * e
-    return near * (1.0 + q + q * q / 3.0) * e
+    q = q - (q.real > 40.0) * (q - 40.0)
+    x = q * (-1.0 / 128.0)
+    e = C6 + x * (C7 + x * (C8 + x * C9))
+    e = 1.0 + x * (1.0 + x * (C2 + x * (C3 + x * (C4 + x * (C5 + x * e)))))
+    e = e * e
+    e = e * e
+    e = e * e
+    e = e * e
+    e = e * e
+    e = e * e
+    e = e * e
+    return (1.0 + q + q * q * (1.0 / 3.0)) * e
 
 
 def matern_of_arrays(r2: np.ndarray) -> np.ndarray:

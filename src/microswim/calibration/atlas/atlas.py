@@ -20,7 +20,7 @@ import numpy as np
 from microswim.calibration.atlas import coordinates
 from microswim.calibration.atlas import side_by_side as python
 from microswim.calibration.atlas.near import Misses
-from microswim.calibration.region.kriging import Surfaces
+from microswim.calibration.region.surfaces import Surfaces
 from microswim.numerics.compiling.compiled import pays
 from microswim.swimmer.parts import replaced
 from microswim.swimmer.swimmer import Swimmer

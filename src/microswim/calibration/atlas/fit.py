@@ -19,6 +19,7 @@ from microswim.calibration.region.fit import Solved, one_thread, targets
 from microswim.calibration.region.fit import groups_of as of_region
 from microswim.calibration.region.kriging import PHASORS
 from microswim.calibration.region.positive_definite import REAL
+from microswim.calibration.region.surfaces import Surfaces, interleaved
 from microswim.errors import SpecError
 from microswim.gait.gait import Gait
 from microswim.models.rft.gait import gait as surrogate
@@ -76,14 +77,14 @@ def fit(solved: list[Solved], about: dict[str, Any], former: Atlas | None = None
             _group(Z, N, (Y / scale)[:, part], pairs, phasors, former and former.surfaces.groups[i])
             for i, (part, pairs, phasors) in enumerate(sorted_groups)
         )
-        left = [kriging.interleaved(g.left_out()[0]) for g in groups]
+        left = [interleaved(g.left_out()[0]) for g in groups]
     guess = Y - np.concatenate(left, axis=1) * scale
     truth = np.array([_by_gait(s.swimmer, s.gait) for s in solved])
     own = [_by_corrections(s.swimmer, y) for s, y in zip(solved, guess)]
     plain = {law.law: measured(Z, _missed(_surrogate(solved, law), truth, solved)) for law in LAWS}
     misses = measured(Z, _missed(np.array(own), truth, solved))
     about = {"solves": len(solved), "version": __version__, **about}
-    surfaces = kriging.Surfaces(groups)
+    surfaces = Surfaces(groups)
     return Atlas(surfaces, centre, spread, exponents, misses, plain, about)
 
 

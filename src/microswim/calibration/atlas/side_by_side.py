@@ -14,7 +14,7 @@ from microswim.calibration.atlas import alone
 from microswim.calibration.region import body_flow as shaded
 from microswim.calibration.region import positive_definite as blocks
 from microswim.calibration.region.beats import HALF, OTHER_HAND, PHASES, beat, scales
-from microswim.calibration.region.kriging import Surfaces
+from microswim.calibration.region.surfaces import Surfaces
 from microswim.models.rft.plane_wave import fill_rows
 from microswim.models.rft.segment import RAMP
 from microswim.numerics.matern import matern_of_arrays
@@ -26,7 +26,7 @@ SHARES = slice(10, 13)  #: corrections of a helix: of the force on the body alon
 
 
 def predicted(surfaces: Surfaces, Z: np.ndarray, N: np.ndarray) -> np.ndarray:
-    """Return what `kriging.predict` writes, of designs Z (k, f) and N (k,): (columns, k)."""
+    """Return what `surfaces.predict` writes, of designs Z (k, f) and N (k,): (columns, k)."""
     _, tips, lengths, phasors, cut, alpha, mean = surfaces.packed
     out = np.empty((len(mean), len(Z)), dtype=np.result_type(Z, N))
     turns = _turns(N, tips, int(np.count_nonzero(phasors[:, :3].any(axis=0))))

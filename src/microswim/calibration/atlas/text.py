@@ -11,7 +11,8 @@ import numpy as np
 
 from microswim.calibration.atlas.atlas import Atlas
 from microswim.calibration.atlas.near import Misses
-from microswim.calibration.region.kriging import Kriging, Surfaces
+from microswim.calibration.region.kriging import Kriging
+from microswim.calibration.region.surfaces import Surfaces
 
 _OWN = [f.name for f in fields(Kriging) if f.name not in ("Z", "N")]
 

@@ -28,8 +28,9 @@ from microswim.calibration.region.fit import (
     scaled,
     set_aside,
 )
-from microswim.calibration.region.kriging import Kriging, Surfaces
+from microswim.calibration.region.kriging import Kriging
 from microswim.calibration.region.outcome import RegionCalibration
+from microswim.calibration.region.surfaces import Surfaces
 from microswim.errors import MachineError, MicroswimError, SpecError
 from microswim.gait import doors
 from microswim.gait.gait import Gait

@@ -16,7 +16,7 @@ import numpy as np
 from microswim.calibration.region import body_flow as shaded
 from microswim.calibration.region.beats import finer
 from microswim.calibration.region.evaluate import matrices, twists
-from microswim.calibration.region.kriging import Surfaces
+from microswim.calibration.region.surfaces import Surfaces
 from microswim.errors import SpecError
 from microswim.gait.gait import Gait
 from microswim.gait.poses.one_pose import remark

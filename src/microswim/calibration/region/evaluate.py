@@ -9,7 +9,7 @@ import numpy as np
 from microswim.calibration.region import body_flow as shaded
 from microswim.calibration.region import positive_definite as blocks
 from microswim.calibration.region.beats import HALF, OTHER_HAND, PHASES, SAMPLES, beat, scales
-from microswim.calibration.region.kriging import Surfaces, predict
+from microswim.calibration.region.surfaces import Surfaces, predict, scratch
 from microswim.numerics.compiling.compiled import njit, prange
 from microswim.numerics.compiling.cores import loop
 from microswim.numerics.series.fourier import MIRROR_Q, MIRROR_R
@@ -32,9 +32,13 @@ def helices(
     G = np.empty((n, 1), dtype=p.dtype)
     extra = np.empty((n, 3), dtype=p.dtype)
     for block in prange((n + BLOCK - 1) // BLOCK):
-        y, work = np.empty(len(mean), dtype=p.dtype), np.empty((2, alpha.shape[1]), dtype=p.dtype)
-        for d in range(block * BLOCK, min(n, (block + 1) * BLOCK)):
-            predict(y, Z[d], N[d], nodes, tips, lengths, phasors, cut, alpha, mean, work)
+        first, last = block * BLOCK, min(n, (block + 1) * BLOCK)
+        every = np.empty((last - first, len(mean)), dtype=p.dtype)
+        work = scratch(Z, nodes)
+        here = Z[first:last], N[first:last]
+        predict(every, *here, nodes, tips, lengths, phasors, cut, alpha, mean, work)
+        for d in range(first, last):
+            y = every[d - first]
             for i in range(len(mean)):
                 y[i] *= size[d, i]
             tail = shaded.table(p[d], sizes[d], ramp_rule, xi, weight)
@@ -62,9 +66,13 @@ def waves(
     G = np.empty((n, SAMPLES), dtype=p.dtype)
     extra = np.zeros((n, 3), dtype=p.dtype)
     for block in prange((n + BLOCK - 1) // BLOCK):
-        y, work = np.empty(len(mean), dtype=p.dtype), np.empty((2, alpha.shape[1]), dtype=p.dtype)
-        for d in range(block * BLOCK, min(n, (block + 1) * BLOCK)):
-            predict(y, Z[d], N[d], nodes, tips, lengths, phasors, cut, alpha, mean, work)
+        first, last = block * BLOCK, min(n, (block + 1) * BLOCK)
+        every = np.empty((last - first, len(mean)), dtype=p.dtype)
+        work = scratch(Z, nodes)
+        here = Z[first:last], N[first:last]
+        predict(every, *here, nodes, tips, lengths, phasors, cut, alpha, mean, work)
+        for d in range(first, last):
+            y = every[d - first]
             for i in range(len(mean)):
                 y[i] *= size[d, i]
             tail = shaded.table(p[d], sizes[d], ramp_rule, xi, weight)

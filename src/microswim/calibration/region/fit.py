@@ -14,7 +14,8 @@ from microswim.calibration.region import positive_definite as blocks
 from microswim.calibration.region.beats import HALF, LOGARITHMS, PHASES, SAMPLES, scales
 from microswim.calibration.region.correction import features
 from microswim.calibration.region.evaluate import helices, twists, waves
-from microswim.calibration.region.kriging import Kriging, Surfaces
+from microswim.calibration.region.kriging import Kriging
+from microswim.calibration.region.surfaces import Surfaces, interleaved
 from microswim.gait.gait import Gait
 from microswim.numerics.series.extremes import half_range
 from microswim.numerics.series.fourier import MIRROR_R, series_of
@@ -159,7 +160,7 @@ def left_out_errors(
     """
     helix = solved[0].swimmer.tail.is_rigid
     residual = [g.left_out()[0] for g in surfaces.groups]
-    y = targets(solved) - np.concatenate([kriging.interleaved(r) for r in residual], axis=1)
+    y = targets(solved) - np.concatenate([interleaved(r) for r in residual], axis=1)
     doubt = surfaces.left_out_doubt()
     spots = surfaces.groups[0].Z
     if doubtful:

@@ -17,7 +17,8 @@ import numpy as np
 
 from microswim.calibration.region import schema
 from microswim.calibration.region.correction import Correction
-from microswim.calibration.region.kriging import Kriging, Surfaces
+from microswim.calibration.region.kriging import Kriging
+from microswim.calibration.region.surfaces import Surfaces
 from microswim.errors import SpecError
 from microswim.numerics import archive
 

@@ -41,18 +41,18 @@ def beside(swimmer, distance=1.0):
     return SolvedPoses(gait, table, start, {})
 
 
-def inside(swimmer, adds=0.4):
+def inside(swimmer, adds=0.4, radius=RADIUS):
     """A gait at every pose in the made-up tube: the nearer, the harder to move."""
     shape = shape_of(swimmer, 0.02)
     numbers = tube.numbers_of(shape, 0.02)
-    _, Z = tube.places(shape, numbers, RADIUS, 40, 200)
+    _, Z = tube.places(shape, numbers, radius, 40, 200)
     Y = np.zeros((len(Z), 46))
     for m, (i, j) in enumerate(zip(*np.tril_indices(6), strict=True)):
         Y[:, m] = -adds * Z[:, 8:10].sum(axis=1) if i == j else 0.0
     known, weights = scattered.known(Z, Y)
     gait = replace(swimmer, channel=None).gait()
     table = PoseTable(
-        TUBE, pack(gait), np.array([0.0, 0, 0, 1, 0, 0, RADIUS]), numbers, shape.body, shape.tail,
+        TUBE, pack(gait), np.array([0.0, 0, 0, 1, 0, 0, radius]), numbers, shape.body, shape.tail,
         np.zeros(0), np.zeros((0, 0, 0, 0, 0)), known, weights[:28].copy(), weights[28:].copy(),
         tube.root_of(gait),
     )  # fmt: skip

@@ -153,3 +153,13 @@ def test_a_state_in_the_wall_and_a_quick_velocity_are_refused():
         one.outputs(ms.State.at((0, 0, 0.2)))
     with pytest.raises(ms.SpecError, match="twist"):
         one.velocity(0.0, 1.0)
+
+
+@pytest.mark.slow
+def test_many_swimmers_beside_a_wall_are_stepped_on_all_cores():
+    """From 256 on; the same as each alone."""
+    one = stepper("wall")
+    many = ms.State(np.tile(ms.State.at(AT["wall"]).values, (300, 1)))
+    after = one.step(many, dt=0.05)
+    alone = one.step(ms.State.at(AT["wall"]), dt=0.05)
+    assert np.abs(after.values - alone.values).max() < 1e-12

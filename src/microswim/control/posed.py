@@ -220,15 +220,17 @@ def advance(
 
 @loop(error_model="numpy")
 def advance_all(
-    around: Any, magnetic: Any, limits: Any, Y: Any, U: Any, dt: Any, steps: int, most: int,
-    status: Any, out: Any, work: Any,
+    table: Any, free: Any, strain: Any, contact: Any, magnetic: Any, limits: Any, Y: Any, U: Any,
+    dt: Any, steps: int, most: int, status: Any, out: Any, work: Any,
 ) -> None:  # fmt: skip
     """Advance all states, in blocks with one row of `work` each; `status` (n,) says how it went.
 
-    `out` (n, 19): what `velocity` wrote last, and F_p.
+    The first four are those of `Around`, which on all cores cannot hold a table. `out` (n, 19):
+    what `velocity` wrote last, and F_p.
     """
     blocks, n = work.shape[0], Y.shape[0]
     for b in prange(blocks):
+        around = Around(table, free, strain, contact)
         for i in range(b * n // blocks, (b + 1) * n // blocks):
             u = U[i if U.shape[0] > 1 else 0]
             status[i] = advance(around, magnetic, limits, Y[i], u, dt, steps, most, work[b])

@@ -29,6 +29,7 @@ from microswim.numerics.rigid_motion import rotation_matrix
 from microswim.numerics.series.fourier import evaluate
 from microswim.path import in_tube, strain
 from microswim.path.loads import periodic, repulsion
+from microswim.path.start import check_bounds
 from microswim.swimmer.swimmer import Swimmer
 
 
@@ -67,6 +68,7 @@ class PosedStepper(Stepper):
         if not hasattr(self.poses, "table"):
             raise SpecError("poses", self.poses, "a gait at every pose")
         checks.instance("swimmer", self.swimmer, "Swimmer")
+        check_bounds(self.poses, self.swimmer)  # type: ignore[arg-type]
         if self.contact is not None:
             checks.positive("contact", self.contact, "length")
 
@@ -130,7 +132,7 @@ class PosedStepper(Stepper):
         """Advance states (n, 8) by a time; return what moved them last, (n, 19)."""
         status, out = np.zeros(len(Y), np.int64), np.empty((len(Y), 19))
         posed.advance_all.over(len(Y))(
-            self.around, self.magnetic, self.limits, Y, U, dt, steps, self.most_steps, status, out,
+            *self.around, self.magnetic, self.limits, Y, U, dt, steps, self.most_steps, status, out,
             self._rows,
         )  # fmt: skip
         if (status == posed.INSIDE).any():
@@ -303,4 +305,6 @@ def beside(
     """
     in_tube.check(swimmer)
     poses = around(swimmer, level=level, progress=progress) if poses is None else poses
+    if not hasattr(poses, "table"):
+        raise SpecError("poses", poses, "a gait at every pose")
     return PosedStepper(poses.gait, swimmer, poses=poses, **options)

@@ -24,7 +24,7 @@ from microswim.path.in_space import length_of
 from microswim.path.loads import loads_of
 from microswim.path.march import gaps_along
 from microswim.path.remembering import period_of, remember, remembers
-from microswim.path.start import check_clear, pose_at_start, rest_start, three
+from microswim.path.start import check_bounds, check_clear, pose_at_start, rest_start, three
 from microswim.path.trajectory import dataset
 from microswim.swimmer.magnetism.applied_field import AppliedField
 from microswim.swimmer.swimmer import Swimmer
@@ -175,6 +175,7 @@ def path(
     if poses is None and gait is None:
         in_tube.check(swimmer)
     poses = _poses(swimmer, model, gait, progress) if poses is None else poses
+    check_bounds(poses, swimmer)
     made = poses.gait
     if swimmer.field is not None and swimmer.magnet is not None:
         warn_if_held(made, swimmer.magnet.magnetic)

@@ -10,6 +10,7 @@ from microswim import checks
 from microswim.errors import SpecError
 from microswim.gait import doors
 from microswim.gait.poses.face import Poses
+from microswim.gait.poses.table import TUBE, WALL
 from microswim.numerics.array import Array
 from microswim.numerics.rigid_motion import multiply
 from microswim.swimmer.swimmer import Swimmer
@@ -19,6 +20,21 @@ def three(name: str, value: Any) -> Array:
     """Return a vector, or refuse what is none."""
     checks.numbers(name, np.ravel(value).tolist(), 3, "three finite numbers [x, y, z]")
     return np.array(value, float).reshape(3)
+
+
+def check_bounds(poses: Poses, swimmer: Swimmer) -> None:
+    """Refuse poses beside another boundary than the swimmer's, or in a tube of another width."""
+    table, channel = poses.table, swimmer.channel
+    if channel is None and (swimmer.wall is None or table.kind == WALL):
+        return
+    wanted = "beside a wall" if channel is None else f"in a tube of diameter {channel.diameter:g}"
+    known = "beside a wall" if table.kind == WALL else "in free fluid"
+    if table.kind == TUBE:
+        width = 2.0 * float(table.boundary[6])
+        if channel is not None and abs(width - channel.diameter) < 1e-6 * width:
+            return
+        known = f"in a tube of diameter {width:g}"
+    raise SpecError("poses", f"those {known}", f"those {wanted}, where the swimmer is")
 
 
 def check_clear(poses: Poses, x: Array, q: Array, phase: float) -> None:

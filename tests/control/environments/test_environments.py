@@ -237,7 +237,7 @@ def test_streams_are_uniform_normal_and_their_own():
 def test_paths_are_smooth_and_of_their_length():
     keys, path = np.array([7], dtype=np.uint64), np.empty((paths.POINTS, 3))
     for _ in range(20):
-        paths.wander(path, 10.0, 0.6, keys, 0)
+        paths.wander(path, 10.0, 0.6, 3, keys, 0)
         steps = np.diff(path, axis=0)
         assert np.linalg.norm(steps, axis=1) == pytest.approx(10.0 / (paths.POINTS - 1))
         t = steps / np.linalg.norm(steps, axis=1)[:, None]

@@ -164,7 +164,8 @@ class _Vector(VectorEnv):
 class SteerEnv(_Single):
     """A magnetised helical robot follows a path in 3-D.
 
-    Options: numbers as `camera.conditions` has them, ``coils`` and ``stray`` fields.
+    Options: numbers as `camera.conditions` has them, ``coils`` and ``stray`` fields; ``wall`` or
+    ``channel`` (mm), what bounds the fluid, with ``poses`` and ``progress`` as `beside.Boundary`.
 
     Action (4): direction to swim in (normalised), frequency of the rotating field over 10 Hz
     (negative: backwards). Observation (17): from the camera the vectors to the nearest point of the

@@ -94,17 +94,30 @@ def made(model: Any, made_: Any, slope: Any, mem: Any, u: Any, n: int, h: Any, w
     """
     v = u.copy()
     for k in range(n):
-        b = field_at(u, (k + 0.5) * h)
-        for i in range(3):
-            v[motion.PLACE + i] = mem[i]
-            v[motion.FIELD + i] = made_[B_ + i]
-            for j in range(3):
-                m = 3 * i + j
-                v[motion.FIELD + i] += made_[m] * b[j] + slope[m] * mem[j]
-                v[motion.J + m] = made_[J_ + m] + slope[m]
-                for c in range(3):
-                    v[motion.J + m] += made_[H_ + 3 * m + c] * b[c]
-        start = field_at(v, -0.5 * h)
-        for i in range(3):
-            v[motion.FIELD + i] = start[i]
+        under(made_, slope, mem, u, k * h, h, v)
         substep(model[0], model[1], model[2], mem, v, 0.0, h, FIELD_BENDS, work)
+
+
+@njit(cache=True, fastmath=FAST, error_model="numpy")
+def under(made_: Any, slope: Any, mem: Any, u: Any, t: float, h: float, v: Any) -> None:
+    """Write to v the field that the bench makes of what u wants in a part of length h from t on."""
+    b = field_at(u, t + 0.5 * h)
+    for i in range(3):
+        v[motion.PLACE + i] = mem[i]
+        v[motion.FIELD + i] = made_[B_ + i]
+        for j in range(3):
+            m = 3 * i + j
+            v[motion.FIELD + i] += made_[m] * b[j] + slope[m] * mem[j]
+            v[motion.J + m] = made_[J_ + m] + slope[m]
+            for c in range(3):
+                v[motion.J + m] += made_[H_ + 3 * m + c] * b[c]
+    start = field_at(v, -0.5 * h)
+    for i in range(3):
+        v[motion.FIELD + i] = start[i]
+
+
+@njit(cache=True)
+def under_all(made_: Any, slopes: Any, mem: Any, U: Any, t: float, h: float, V: Any) -> None:
+    """Write `under` of all."""
+    for i in range(mem.shape[0]):
+        under(made_[i], slopes[i], mem[i], U[i], t, h, V[i])

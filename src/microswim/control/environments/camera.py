@@ -19,6 +19,7 @@ from microswim.swimmer.surroundings.noise import BOLTZMANN, TUMBLE
 
 FRAME = 6  # position, heading
 MM = 1e-3
+SPREAD = 0.3  # of headings with which an episode begins, about that of its path
 
 
 def conditions(
@@ -73,6 +74,7 @@ def conditions(
         "run_time": float(run_time),
         "tumble": float(tumble_angle),
         "slope": float(field_gradient),
+        "ways": 3,  # fewer beside a boundary
         "interval": int(frame_interval),
         "latency": int(latency),
         "steps": int(max_steps),

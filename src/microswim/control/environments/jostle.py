@@ -54,8 +54,15 @@ def jostle(twist: Any, y: Any, size: float, keys: Any, i: int) -> None:
         n[2 * k], n[2 * k + 1] = normals(keys, i)
     row(twist, y[7], work)
     rooted(work, n, z, L)
-    a, b, c = size * z[3], size * z[4], size * z[5]
-    u, v, w = size * z[0], size * z[1], size * z[2]
+    for k in range(6):
+        z[k] *= size
+    displace(y, z)
+
+
+@njit(cache=True)
+def displace(y: Any, z: Any) -> None:
+    """Move a state by a twist (6,), body frame, by the exponential of rigid motions."""
+    a, b, c, u, v, w = z[3], z[4], z[5], z[0], z[1], z[2]
     square = a * a + b * b + c * c
     sine, versine = ratios(square)
     third = (1.0 - sine) / square if square > 1e-6 else 1.0 / 6.0 - square / 120.0

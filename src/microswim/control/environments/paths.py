@@ -15,14 +15,23 @@ SHORTEST, LONGEST = 1e-3, 1e6  # mm, of a path that is given
 
 
 @njit(cache=True)
-def wander(path: Any, length: float, bend: float, keys: Any, i: int) -> None:
-    """Write a smooth path from the origin: its direction turns at a rate of at most `bend`."""
+def wander(path: Any, length: float, bend: float, ways: int, keys: Any, i: int) -> None:
+    """Write a smooth path from the origin: its direction turns at a rate of at most `bend`.
+
+    `ways`: in space, in the plane z = 0 (2), or along the x axis (1).
+    """
     n = path.shape[0]
     t0, t1, t2 = direction(keys, i)
     a0, a1, a2 = direction(keys, i)
     b0, b1, b2 = direction(keys, i)
     first, second = 6.3 * uniform(keys, i), 6.3 * uniform(keys, i)
     waves, h = 0.5 + uniform(keys, i), length / (n - 1)
+    if ways < 3:
+        a0, a1, b0, b1, t2 = 0.0, 0.0, 0.0, 0.0, 0.0
+    if ways < 2:
+        a2, b2, t0, t1 = 0.0, 0.0, np.sign(t0), 0.0
+    size = np.sqrt(t0 * t0 + t1 * t1 + t2 * t2)
+    t0, t1, t2 = t0 / size, t1 / size, t2 / size
     path[0, 0], path[0, 1], path[0, 2] = 0.0, 0.0, 0.0
     for k in range(1, n):
         x = 2.0 * np.pi * waves * k / n

@@ -43,3 +43,10 @@ def direction(keys: Any, i: int) -> tuple[float, float, float]:
     angle = 2.0 * np.pi * uniform(keys, i)
     r = np.sqrt(1.0 - z * z)
     return r * np.cos(angle), r * np.sin(angle), z
+
+
+@njit(cache=True)
+def direction_within(ways: int, keys: Any, i: int) -> tuple[float, float, float]:
+    """Return `direction`, or of two or of one way its part in the plane z = 0 or along x."""
+    a, b, c = direction(keys, i)
+    return a, b if ways > 1 else 0.0, c if ways > 2 else 0.0

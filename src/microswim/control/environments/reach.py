@@ -14,7 +14,6 @@ import numpy as np
 
 from microswim.control import motion
 from microswim.control.environments import uneven
-from microswim.control.environments.bench import made
 from microswim.control.environments.camera import (
     MM,
     attitude,
@@ -23,10 +22,10 @@ from microswim.control.environments.camera import (
     fill,
     seen,
 )
-from microswim.control.environments.jostle import jostle, tumble
+from microswim.control.environments.moving import move
 from microswim.control.environments.random_streams import direction, uniform
 from microswim.control.environments.world import World, robot
-from microswim.control.motion import FIELD_BENDS, INPUT, substep
+from microswim.control.motion import INPUT
 from microswim.control.stepper import Stepper
 from microswim.errors import SpecError
 from microswim.numerics.compiling.compiled import FAST, njit, prange
@@ -43,8 +42,8 @@ TURN = 1.01  # rad of the tail per internal step
 
 Settings = namedtuple(
     "Settings",
-    "dt field top swing gust noise angle_noise energy run_time tumble slope interval latency steps "
-    "near",
+    "dt field top swing gust noise angle_noise energy run_time tumble slope ways interval "
+    "latency steps near",
 )
 
 
@@ -67,16 +66,23 @@ def far(mem: Any) -> float:
 
 
 @compiled
+def bearing_of(ways: int, keys: Any, i: int) -> float:
+    """Return a random direction in the plane z = 0; of one way, along the x axis."""
+    turn = uniform(keys, i)
+    return 2.0 * np.pi * turn if ways > 1 else np.pi * np.floor(2.0 * turn)
+
+
+@compiled
 def start(mem: Any, count: Any, ring: Any, keys: Any, i: int, s: Any) -> None:
     """Begin an episode: heading, target 2 to 6 mm away, flow."""
     mem[:] = 0.0
     count[:] = 0
-    heading = 2.0 * np.pi * uniform(keys, i)
+    heading = bearing_of(s.ways, keys, i)
     h = np.array([np.cos(heading), np.sin(heading), 0.0])
     attitude(mem, h, 2.0 * np.pi * uniform(keys, i))
     mem[7] = 2.0 * np.pi * uniform(keys, i)
     mem[ANGLE] = heading
-    away, bearing = (2.0 + 4.0 * uniform(keys, i)) * MM, 2.0 * np.pi * uniform(keys, i)
+    away, bearing = (2.0 + 4.0 * uniform(keys, i)) * MM, bearing_of(s.ways, keys, i)
     mem[TARGET], mem[TARGET + 1] = away * np.cos(bearing), away * np.sin(bearing)
     f0, f1, f2 = direction(keys, i)
     mem[FLOW], mem[FLOW + 1], mem[FLOW + 2] = s.gust * f0, s.gust * f1, 0.1 * s.gust * f2
@@ -87,8 +93,8 @@ def start(mem: Any, count: Any, ring: Any, keys: Any, i: int, s: Any) -> None:
 
 
 @compiled
-def drive(mem: Any, action: Any, u: Any, work: Any, model: Any, s: Any, keys: Any, i: int) -> None:
-    """Step the physics; the field turns by ``swing dt`` at most."""
+def order(mem: Any, action: Any, u: Any, s: Any) -> int:
+    """Write the inputs of a step; return its parts. The field turns by ``swing dt`` at most."""
     mem[MOTOR] = min(max(action[0], -1.0), 1.0)
     turn = s.swing * min(max(action[1], -1.0), 1.0)
     u[motion.MOTOR], u[motion.TURNS + 2] = s.top * mem[MOTOR], turn
@@ -100,19 +106,7 @@ def drive(mem: Any, action: Any, u: Any, work: Any, model: Any, s: Any, keys: An
         u[motion.FLOW + k] = mem[FLOW + k]
     for k in range(9):
         u[motion.J + k] = mem[SLOPE + k]
-    n = max(1, int(np.ceil(abs(u[motion.MOTOR]) * s.dt / TURN)))
-    h, bends = s.dt / n, FIELD_BENDS if s.slope > 0.0 else 0
-    if model[3].shape[0] > 0:
-        made(model, model[3][i], mem[SLOPE:], mem, u, n, h, work)
-    else:
-        for k in range(n):
-            substep(model[0], model[1], model[2], mem, u, k * h, h, bends, work)
-    if s.energy > 0.0:
-        jostle(model[0], mem, np.sqrt(2.0 * s.energy * s.dt), keys, i)
-    if s.run_time > 0.0:
-        tumble(mem, s.dt / s.run_time, s.tumble, keys, i)
-    mem[7] = np.mod(mem[7], 2.0 * np.pi)
-    mem[ANGLE] = np.mod(mem[ANGLE] + turn * s.dt, 2.0 * np.pi)
+    return max(1, int(np.ceil(abs(u[motion.MOTOR]) * s.dt / TURN)))
 
 
 @compiled
@@ -131,11 +125,11 @@ def watch(mem: Any, count: Any, ring: Any, s: Any, out: Any) -> None:
 
 
 @compiled
-def one(
-    mem: Any, count: Any, ring: Any, keys: Any, i: int, action: Any, u: Any, work: Any, model: Any,
-    s: Any, obs: Any, ends: Any,
+def finish(
+    mem: Any, count: Any, ring: Any, keys: Any, i: int, action: Any, u: Any, s: Any, obs: Any,
+    ends: Any,
 ) -> float:  # fmt: skip
-    """Return one step of one environment; an episode that has ended begins anew instead.
+    """Return the reward of a step that was moved; where the episode had ended, begin anew.
 
     Reward: millimetres nearer to the target, less 0.002 for full use of each control; 5 for the
     target, -5 for 12 mm away from it.
@@ -145,7 +139,8 @@ def one(
         watch(mem, count, ring, s, obs)
         ends[0], ends[1] = False, False
         return 0.0
-    drive(mem, action, u, work, model, s, keys, i)
+    mem[7] = np.mod(mem[7], 2.0 * np.pi)
+    mem[ANGLE] = np.mod(mem[ANGLE] + u[motion.TURNS + 2] * s.dt, 2.0 * np.pi)
     count[STEP] += 1
     if count[STEP] % s.interval == 0:
         row = (count[STEP] // s.interval) % ring.shape[0]
@@ -164,17 +159,39 @@ def one(
 
 @loop(fastmath=FAST, error_model="numpy")
 def step_all(
-    mem: Any, count: Any, ring: Any, keys: Any, actions: Any, scratch: Any, model: Any, s: Any,
-    obs: Any, ends: Any, rewards: Any,
+    mem: Any, count: Any, ring: Any, keys: Any, actions: Any, scratch: Any, model: Any,
+    s: Any, obs: Any, ends: Any, rewards: Any,
 ) -> None:  # fmt: skip
     """Step all environments."""
     blocks, n = scratch.shape[0], mem.shape[0]
     for b in prange(blocks):
         u, work = scratch[b, :INPUT], scratch[b, INPUT:]
         for i in range(b * n // blocks, (b + 1) * n // blocks):
-            rewards[i] = one(
-                mem[i], count[i], ring[i], keys, i, actions[i], u, work, model, s, obs[i], ends[i]
+            if not count[i, DONE]:
+                parts = order(mem[i], actions[i], u, s)
+                move(model, mem[i], mem[i, SLOPE:], u, parts, s, keys, i, work)
+            rewards[i] = finish(
+                mem[i], count[i], ring[i], keys, i, actions[i], u, s, obs[i], ends[i]
             )
+
+
+@compiled
+def order_all(mem: Any, count: Any, actions: Any, s: Any, U: Any, parts: Any) -> None:
+    """Write the inputs and parts of a step of all environments whose episodes go on."""
+    for i in range(mem.shape[0]):
+        parts[i] = 0 if count[i, DONE] else order(mem[i], actions[i], U[i], s)
+
+
+@compiled
+def finish_all(
+    mem: Any, count: Any, ring: Any, keys: Any, actions: Any, U: Any, s: Any, obs: Any, ends: Any,
+    rewards: Any,
+) -> None:  # fmt: skip
+    """Write what comes of a step that was moved."""
+    for i in range(mem.shape[0]):
+        rewards[i] = finish(
+            mem[i], count[i], ring[i], keys, i, actions[i], U[i], s, obs[i], ends[i]
+        )
 
 
 @compiled
@@ -188,7 +205,8 @@ def begin_all(mem: Any, count: Any, ring: Any, keys: Any, s: Any, obs: Any) -> N
 class ReachWorld(World):
     """So many robots and their targets; options as `settings` takes them."""
 
-    observed, actions, memory_size, counts = OBSERVED, ACTIONS, MEMORY, COUNTS
+    observed, actions, memory_size, counts, robot = OBSERVED, ACTIONS, MEMORY, COUNTS, "reach"
+    slope = SLOPE
     conditions = staticmethod(settings)
 
     @staticmethod
@@ -212,6 +230,22 @@ class ReachWorld(World):
         step_all.over(len(obs))(
             self.memory, self.count, self.ring, self.keys, actions, self.scratch, self.model,
             self.settings, obs, ends, rewards,
+        )  # fmt: skip
+
+    def order(self, actions: np.ndarray, U: np.ndarray) -> np.ndarray:
+        """Write the inputs (n, 37) of a step; return its parts (n,), 0 where an episode ended."""
+        parts = np.zeros(len(U), np.int64)
+        order_all(self.memory, self.count, actions, self.settings, U, parts)
+        return parts
+
+    def finish(
+        self, actions: np.ndarray, U: np.ndarray, obs: np.ndarray, ends: np.ndarray,
+        rewards: np.ndarray,
+    ) -> None:  # fmt: skip
+        """Write what comes of a step that was moved."""
+        finish_all(
+            self.memory, self.count, self.ring, self.keys, actions, U, self.settings, obs, ends,
+            rewards,
         )  # fmt: skip
 
     @property

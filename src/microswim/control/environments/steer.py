@@ -15,20 +15,25 @@ import numpy as np
 
 from microswim.control import motion
 from microswim.control.environments import uneven
-from microswim.control.environments.bench import made
 from microswim.control.environments.camera import (
     MM,
+    SPREAD,
     attitude,
     conditions,
     expose,
     fill,
     seen,
 )
-from microswim.control.environments.jostle import jostle, tumble
+from microswim.control.environments.moving import move
 from microswim.control.environments.paths import POINTS, locate, point, resampled, wander
-from microswim.control.environments.random_streams import direction, normals, uniform
+from microswim.control.environments.random_streams import (
+    direction,
+    direction_within,
+    normals,
+    uniform,
+)
 from microswim.control.environments.world import World, robot
-from microswim.control.motion import FIELD_BENDS, INPUT, field_at, substep
+from microswim.control.motion import INPUT, field_at
 from microswim.control.stepper import Stepper
 from microswim.numerics.compiling.compiled import FAST, njit, prange
 from microswim.numerics.compiling.cores import loop
@@ -45,8 +50,8 @@ TURN = 0.64  # rad of the field per internal step
 
 Settings = namedtuple(
     "Settings",
-    "dt field top gust calm noise angle_noise energy run_time tumble slope interval latency steps "
-    "length bend lost ahead",
+    "dt field top gust calm noise angle_noise energy run_time tumble slope ways interval "
+    "latency steps length bend lost ahead",
 )
 
 
@@ -67,15 +72,15 @@ def start(
 ) -> None:
     """Begin an episode: a path (unless given), a pose near its beginning, a mean flow."""
     if draw:
-        wander(path, s.length, s.bend, keys, i)
+        wander(path, s.length, s.bend, s.ways, keys, i)
     h0, h1, h2 = path[1, 0] - path[0, 0], path[1, 1] - path[0, 1], path[1, 2] - path[0, 2]
     h = np.empty(3)
-    e0, e1, e2 = direction(keys, i)
+    e0, e1, e2 = direction_within(s.ways, keys, i)
     size = np.sqrt(h0 * h0 + h1 * h1 + h2 * h2)
-    h[0], h[1], h[2] = h0 / size + 0.3 * e0, h1 / size + 0.3 * e1, h2 / size + 0.3 * e2
+    h[0], h[1], h[2] = h0 / size + SPREAD * e0, h1 / size + SPREAD * e1, h2 / size + SPREAD * e2
     h /= np.sqrt(h[0] * h[0] + h[1] * h[1] + h[2] * h[2])
     mem[:] = 0.0
-    e0, e1, e2 = direction(keys, i)
+    e0, e1, e2 = direction_within(s.ways, keys, i)
     mem[0] = path[0, 0] + 0.2 * MM * e0
     mem[1] = path[0, 1] + 0.2 * MM * e1
     mem[2] = path[0, 2] + 0.2 * MM * e2
@@ -113,8 +118,9 @@ def command(mem: Any, action: Any, s: Any) -> None:
 
 
 @compiled
-def drive(mem: Any, u: Any, work: Any, model: Any, s: Any, keys: Any, i: int) -> None:
-    """Step the physics: flow, field, robot."""
+def order(mem: Any, action: Any, u: Any, s: Any, keys: Any, i: int) -> int:
+    """Write the inputs of a step: field and flow; return its parts."""
+    command(mem, action, s)
     fade = np.exp(-s.dt / s.calm)
     push = s.gust * np.sqrt(1.0 - fade * fade)
     n0, n1 = normals(keys, i)
@@ -129,17 +135,12 @@ def drive(mem: Any, u: Any, work: Any, model: Any, s: Any, keys: Any, i: int) ->
         u[motion.FLOW + k] = mem[FLOW + k] + mem[MEAN + k]
     for k in range(9):
         u[motion.J + k] = mem[SLOPE + k]
-    n = max(1, int(np.ceil(abs(w) * s.dt / TURN)))
-    h, bends = s.dt / n, FIELD_BENDS if s.slope > 0.0 else 0
-    if model[3].shape[0] > 0:
-        made(model, model[3][i], mem[SLOPE:], mem, u, n, h, work)
-    else:
-        for k in range(n):
-            substep(model[0], model[1], model[2], mem, u, k * h, h, bends, work)
-    if s.energy > 0.0:
-        jostle(model[0], mem, np.sqrt(2.0 * s.energy * s.dt), keys, i)
-    if s.run_time > 0.0:
-        tumble(mem, s.dt / s.run_time, s.tumble, keys, i)
+    return max(1, int(np.ceil(abs(w) * s.dt / TURN)))
+
+
+@compiled
+def carry_on(mem: Any, u: Any, s: Any) -> None:
+    """Leave the field where it turned to."""
     b0, b1, b2 = field_at(u, s.dt)
     mem[B], mem[B + 1], mem[B + 2] = b0 / s.field, b1 / s.field, b2 / s.field
 
@@ -189,18 +190,17 @@ def judge(mem: Any, count: Any, path: Any, s: Any) -> tuple[float, bool, float]:
 
 
 @compiled
-def one(
-    mem: Any, count: Any, ring: Any, path: Any, keys: Any, i: int, action: Any, u: Any, work: Any,
-    model: Any, s: Any, obs: Any, ends: Any, draw: bool,
+def finish(
+    mem: Any, count: Any, ring: Any, path: Any, keys: Any, i: int, u: Any, s: Any, obs: Any,
+    ends: Any, draw: bool,
 ) -> float:  # fmt: skip
-    """Return one step of one environment; an episode that has ended begins anew instead."""
+    """Return the reward of a step that was moved; where the episode had ended, begin anew."""
     if count[DONE]:
         start(mem, count, ring, path, keys, i, s, draw)
         watch(mem, count, ring, path, s, obs)
         ends[0], ends[1] = False, False
         return 0.0
-    command(mem, action, s)
-    drive(mem, u, work, model, s, keys, i)
+    carry_on(mem, u, s)
     count[STEP] += 1
     if count[STEP] % s.interval == 0:
         row = (count[STEP] // s.interval) % ring.shape[0]
@@ -222,10 +222,31 @@ def step_all(
     for b in prange(blocks):
         u, work = scratch[b, :INPUT], scratch[b, INPUT:]
         for i in range(b * n // blocks, (b + 1) * n // blocks):
-            rewards[i] = one(
-                mem[i], count[i], ring[i], path[i], keys, i, actions[i], u, work,
-                model, s, obs[i], ends[i], draw,
-            )  # fmt: skip
+            if not count[i, DONE]:
+                parts = order(mem[i], actions[i], u, s, keys, i)
+                move(model, mem[i], mem[i, SLOPE:], u, parts, s, keys, i, work)
+            rewards[i] = finish(
+                mem[i], count[i], ring[i], path[i], keys, i, u, s, obs[i], ends[i], draw
+            )
+
+
+@compiled
+def order_all(mem: Any, count: Any, keys: Any, actions: Any, s: Any, U: Any, parts: Any) -> None:
+    """Write the inputs and parts of a step of all environments whose episodes go on."""
+    for i in range(mem.shape[0]):
+        parts[i] = 0 if count[i, DONE] else order(mem[i], actions[i], U[i], s, keys, i)
+
+
+@compiled
+def finish_all(
+    mem: Any, count: Any, ring: Any, path: Any, keys: Any, U: Any, s: Any, obs: Any, ends: Any,
+    rewards: Any, draw: bool,
+) -> None:  # fmt: skip
+    """Write what comes of a step that was moved."""
+    for i in range(mem.shape[0]):
+        rewards[i] = finish(
+            mem[i], count[i], ring[i], path[i], keys, i, U[i], s, obs[i], ends[i], draw
+        )
 
 
 @compiled
@@ -241,7 +262,8 @@ def begin_all(
 class SteerWorld(World):
     """So many robots and their paths; options as `settings` takes them."""
 
-    observed, actions, memory_size, counts = OBSERVED, ACTIONS, MEMORY, COUNTS
+    observed, actions, memory_size, counts, robot = OBSERVED, ACTIONS, MEMORY, COUNTS, "steer"
+    slope = SLOPE
     conditions = staticmethod(settings)
 
     def __init__(self, n: int, **options: Any) -> None:
@@ -260,6 +282,8 @@ class SteerWorld(World):
         if path is not None:
             self.path[:] = given = resampled(path) * MM
             length = float(np.linalg.norm(np.diff(given, axis=0), axis=1).sum())
+        if path is not None and self.boundary is not None:
+            self.boundary.check(self.path[0])
         self.draw, self.settings = path is None, self.settings._replace(length=length)
 
     def begin(self, obs: np.ndarray) -> None:
@@ -275,6 +299,22 @@ class SteerWorld(World):
         step_all.over(len(obs))(
             self.memory, self.count, self.ring, self.path, self.keys, actions, self.scratch,
             self.model, self.settings, obs, ends, rewards, self.draw,
+        )  # fmt: skip
+
+    def order(self, actions: np.ndarray, U: np.ndarray) -> np.ndarray:
+        """Write the inputs (n, 37) of a step; return its parts (n,), 0 where an episode ended."""
+        parts = np.zeros(len(U), np.int64)
+        order_all(self.memory, self.count, self.keys, actions, self.settings, U, parts)
+        return parts
+
+    def finish(
+        self, actions: np.ndarray, U: np.ndarray, obs: np.ndarray, ends: np.ndarray,
+        rewards: np.ndarray,
+    ) -> None:  # fmt: skip
+        """Write what comes of a step that was moved."""
+        finish_all(
+            self.memory, self.count, self.ring, self.path, self.keys, U, self.settings, obs, ends,
+            rewards, self.draw,
         )  # fmt: skip
 
     @property

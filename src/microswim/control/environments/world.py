@@ -14,6 +14,7 @@ from typing import Any
 import numpy as np
 
 from microswim.control.environments.bench import NUMBERS, Bench
+from microswim.control.environments.beside import Boundary
 from microswim.control.environments.camera import FRAME, conditions
 from microswim.control.motion import INPUT, WORK
 from microswim.control.stepper import Stepper
@@ -21,6 +22,8 @@ from microswim.errors import MicroswimError, SpecError
 from microswim.swimmer.swimmer import Swimmer
 
 BLOCKS = 4  # of robots that one core takes together
+#: Options that are no numbers of the task.
+AROUND = ("coils", "stray", "wall", "channel", "poses", "progress")
 
 
 def robot(name: str) -> Swimmer:
@@ -37,7 +40,8 @@ class World(ABC):
     n
         Number of robots.
     options
-        As `camera.conditions` takes them; and `coils` and `stray`, as `bench.Bench` does.
+        As `camera.conditions` takes them; `coils` and `stray`, as `bench.Bench`, `wall`, `channel`,
+        `poses` and `progress`, as `beside.Boundary` does.
 
     Raises
     ------
@@ -45,18 +49,27 @@ class World(ABC):
         If an option is unknown or out of range.
     """
 
+    robot: str  #: its file in ``robots/``
+    slope: int  #: where in the memory the gradient of the field begins
     observed: int
     actions: int
     memory_size: int
     counts: int
 
     def __init__(self, n: int, **options: Any) -> None:
-        coils, stray = (options.pop(name, None) for name in ("coils", "stray"))
+        coils, stray, *bounds = (options.pop(name, None) for name in AROUND)
         self.bench = None if coils is None and stray is None else Bench(coils, stray)
+        self.boundary: Boundary | None = None
+        if any(x is not None for x in bounds):
+            self.boundary = Boundary(robot(self.robot), *bounds)
         self.settings = s = self.conditions(**_known(options))
         stepper = self.stepper()
+        if self.boundary is not None:
+            self.settings = s = s._replace(ways=self.boundary.ways)
+            self.boundary.hold(stepper, s.field)
         made = np.zeros((0 if self.bench is None else n, NUMBERS))
-        self.model = (stepper.response.twist, stepper.response.strain, stepper.magnetic, made)
+        table = stepper.response
+        self.model = (table.twist, table.strain, stepper.magnetic, made)
         self.memory = np.zeros((n, self.memory_size))
         self.count = np.zeros((n, self.counts), dtype=np.int64)
         self.ring = np.zeros((n, s.latency // s.interval + 2, FRAME))
@@ -86,7 +99,18 @@ class World(ABC):
     def advance(
         self, actions: np.ndarray, obs: np.ndarray, ends: np.ndarray, rewards: np.ndarray
     ) -> None:
-        """Move every robot by one step and write what comes of it."""
+        """Move every robot in free fluid by one step and write what comes of it."""
+
+    @abstractmethod
+    def order(self, actions: np.ndarray, U: np.ndarray) -> np.ndarray:
+        """Write the inputs (n, 37) of a step; return its parts (n,), 0 where an episode ended."""
+
+    @abstractmethod
+    def finish(
+        self, actions: np.ndarray, U: np.ndarray, obs: np.ndarray, ends: np.ndarray,
+        rewards: np.ndarray,
+    ) -> None:  # fmt: skip
+        """Write what comes of a step that was moved."""
 
     @property
     @abstractmethod
@@ -118,15 +142,30 @@ class World(ABC):
         if self.bench is not None:  # the first count is that of the steps
             times = self.settings.dt * self.count[:, 0]
             self.bench.write(self.memory[:, :3], times, self.model[3])
-        self.advance(actions, obs, ends, rewards)
+        if self.boundary is None:
+            self.advance(actions, obs, ends, rewards)
+        else:
+            U = np.zeros((n, INPUT))
+            parts = self.order(actions, U)
+            self._move(self.boundary, U, parts)
+            self.finish(actions, U, obs, ends, rewards)
         return obs, rewards, ends
+
+    def _move(self, boundary: Boundary, U: np.ndarray, parts: np.ndarray) -> None:
+        """Move the robots whose episodes go on, those of as many parts of a step together."""
+        boundary.flowing(U)
+        slopes, made = self.memory[:, self.slope : self.slope + 9], self.model[3]
+        for n in np.unique(parts[parts > 0]):
+            rows = np.flatnonzero(parts == n)
+            Y, own = self.memory[rows, :8].copy(), made[rows] if len(made) else made
+            boundary.move(Y, slopes[rows], U[rows], int(n), self.settings.dt, own)
+            self.memory[rows, :8] = Y
+        boundary.shake(self.memory, self.settings, self.keys, np.flatnonzero(parts))
 
 
 def _known(options: dict[str, Any]) -> dict[str, Any]:
     names = tuple(inspect.signature(conditions).parameters)
     for name, value in options.items():
         if name not in names:
-            raise SpecError(
-                name, value, "one of the settings " + ", ".join((*names, "coils", "stray"))
-            )
+            raise SpecError(name, value, "one of the settings " + ", ".join((*names, *AROUND)))
     return options

@@ -102,6 +102,7 @@ from .swimmer.magnetism.finite_magnet import MagnetField as MagnetField
 from .swimmer.magnetism.magnet import Magnet as Magnet
 from .swimmer.member import Member as Member
 from .swimmer.motion import Motion as Motion
+from .swimmer.motor import Motor as Motor
 from .swimmer.surroundings.flow import PoiseuilleFlow as PoiseuilleFlow
 from .swimmer.surroundings.flow import RotationFlow as RotationFlow
 from .swimmer.surroundings.flow import ShearFlow as ShearFlow

@@ -129,3 +129,22 @@ def test_a_run_says_what_acts_along_a_path_alone():
     assert run.exit_code == 0, run.output
     assert "without [gravity]" in run.stdout
     assert "microswim path" in run.stdout
+
+
+def test_motors_of_given_torque_are_told_one_by_one(tmp_path):
+    out = tmp_path / "out"
+    args = ["--preset", "several/two-tails", "--set", "motor.torque=40", "--time", "1"]
+    run = call(*args, "--json", "--out", out)
+    assert run.exit_code == 0, run.output
+    said = json.loads(run.stdout)
+    assert len(said["motor_frequency"]) == 2
+    assert said["phase_difference"][0] == 0.0
+    assert said["motor_work"] == pytest.approx(
+        2 * np.pi * 40 * sum(said["motor_frequency"]), rel=1e-3
+    )
+    header = (out / "path.csv").read_text().splitlines()[2]
+    assert header.endswith("motor_phase[0],motor_phase[1]")
+    assert (out / "swimmer.pvd").exists()
+    told = call(*args)
+    assert "motors turn at" in told.stdout
+    assert call(*args, "--over", "tilt=0:60deg:3").exit_code == 2

@@ -1,5 +1,7 @@
 """Motors that give a torque: closed forms of one tail, energy, symmetry, and phases that lock."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
@@ -59,6 +61,7 @@ def test_the_work_of_the_motors_goes_into_the_fluid():
             power += at_joint @ gait.resistance(own) @ at_joint + w * w * gait.activity(own)
             power += 2.0 * w * (at_joint @ gait.propulsion(own))
         torque = motors.torque * (1.0 - rate / motors.no_load)
+        assert motors.given(rate) == pytest.approx(torque, rel=1e-12)
         assert torque @ rate == pytest.approx(power, rel=1e-10)
 
 
@@ -79,6 +82,75 @@ def test_a_motor_weakens_towards_its_rate_without_load():
         found = ms.own_motors(robot, TIMES, torque=1.2, no_load=W)
         assert float(found.rate[-1, 0]) == pytest.approx(1.2 / (G + 1.2 / W), rel=1e-9)
         assert float(found.torque[-1, 0]) == pytest.approx(G * float(found.rate[-1, 0]), rel=1e-9)
+
+
+def test_beyond_the_knee_a_motor_weakens_and_before_it_does_not():
+    """Held, one helix takes ``G w``: the rate is where that line meets plateau or slope."""
+    G = float(swimmer(ms.HelicalTail(**WAVE), motion=ms.Motion(free="none")).gait().activity(0.0))
+    T, K, W = 1.2, 4.0, 9.0
+    for thick in (0.1, 0.5, 1.0, 3.0):
+        robot = swimmer(ms.HelicalTail(**WAVE), motion=ms.Motion(free="none"))
+        robot = robot.with_({"fluid.viscosity": thick})
+        drag = thick * G
+        slow = T / drag
+        expected = slow if slow < K else T * W / (drag * (W - K) + T)
+        rate = float(ms.own_motors(robot, TIMES, torque=T, no_load=W, knee=K).rate[0, 0])
+        assert rate == pytest.approx(expected, rel=1e-9)
+        turn = 2.0 * np.pi
+        said = ms.Motor(torque=T, no_load_frequency=W / turn, knee_frequency=K / turn)
+        same = ms.own_motors(replace(robot, motor=said), TIMES)
+        assert float(same.rate[0, 0]) == pytest.approx(expected, rel=1e-9)
+
+
+def test_a_path_by_torque_is_that_of_its_motors_and_takes_its_start():
+    robot = replace(swimmer(pair()), motor=ms.Motor(torque=(1.2, -0.7)))
+    found = ms.path(robot, 3.0, samples=7, position=(1.0, 2.0, 3.0), tilt=0.4, tolerance=1e-8)
+    bare = ms.own_motors(robot, np.linspace(0.0, 3.0, 7))
+    assert found.phase.values == pytest.approx(bare.phase.values, abs=1e-6)
+    c, s = np.cos(0.4), np.sin(0.4)  # the nose, towards -x, goes down
+    nosed = bare.position.values @ np.array([[c, 0, -s], [0, 1, 0], [s, 0, c]]).T
+    assert found.position.values - (1.0, 2.0, 3.0) == pytest.approx(nosed, abs=1e-6)
+    assert found.attrs["position_error"] < 1e-4
+    work = np.trapezoid((bare.torque * bare.rate).sum("tail"), bare.time)
+    assert float(found.motor_work[-1]) == pytest.approx(work, rel=0.02)
+
+
+def test_a_motor_goes_through_the_file_and_set(tmp_path):
+    robot = replace(swimmer(pair()), motor=ms.Motor(torque=(1.2, -0.7), no_load_frequency=3.0))
+    spec = tmp_path / "two.toml"
+    spec.write_text(robot.to_toml())
+    assert ms.Swimmer.from_toml(spec) == robot
+    other = ms.Swimmer.from_toml(spec, {"motor.torque": 2.0, "motor.knee_frequency": 1.5})
+    assert other.motor == ms.Motor(torque=2.0, no_load_frequency=3.0, knee_frequency=1.5)
+    assert any("motor" in remark for remark in other.remarks)
+
+
+@pytest.mark.parametrize(
+    ("motor", "match"),
+    [
+        ({"torque": 0.0}, "other than zero"),
+        ({"torque": (1.0, 2.0, 3.0)}, "one for each tail"),
+        ({"torque": 1.0, "no_load_frequency": -1.0}, "above zero"),
+        ({"torque": 1.0, "knee_frequency": 1.0}, "no_load_frequency"),
+        ({"torque": 1.0, "no_load_frequency": 1.0, "knee_frequency": 2.0}, "knee_frequency"),
+    ],
+)
+def test_a_motor_that_makes_no_sense_is_refused(motor, match):
+    with pytest.raises(ms.SpecError, match=match):
+        replace(swimmer(pair()), motor=ms.Motor(**motor))
+
+
+def test_what_does_not_act_beside_torques_is_refused():
+    robot = replace(swimmer(pair()), motor=ms.Motor(torque=1.0))
+    for around in ({"flow": ms.ShearFlow(rate=1.0)}, {"noise": ms.Noise(temperature=1.0)}):
+        with pytest.raises(ms.SpecError, match=next(iter(around))):
+            ms.path(replace(robot, **around), 1.0)
+    with pytest.raises(ms.SpecError, match="model"):
+        ms.path(robot, 1.0, model="bem")
+    with pytest.raises(ms.SpecError, match="force"):
+        ms.path(robot, 1.0, force=(1.0, 0.0, 0.0))
+    with pytest.raises(ms.SpecError, match="motor"):
+        replace(robot, tail=ms.NoTail())
 
 
 def test_beating_tails_fall_into_step_through_the_body():

@@ -43,6 +43,7 @@ FILES = {
     "starts.json": "what --resume goes on from",
 }
 UNJUDGED = "not measured for a tail followed in time; its drag is local"
+BY_TORQUE = "not measured for motors that give a torque; every tail drags as if alone"
 FRAMES = 120  #: of the swimmer for ParaView
 
 
@@ -132,6 +133,8 @@ def command(
     asked |= _start(given, time, start, tilt)
     _check(out, resume, force)
     if over:
+        if given.swimmer.motor is not None:
+            raise SpecError("--over", over[0], "left out with [motor]", "sweep one path at a time")
         map_starts(given, over, asked["time"], model, out, as_json)
         return
     about = _gait(given, model, level, from_rest)
@@ -170,6 +173,8 @@ def _gait(given: Given, model: str, level: str | None, from_rest: bool) -> dict[
         raise SpecError("--from-rest", given.swimmer.tail.kind, "for a tail of kind elastic")
     if from_rest or remembers(given.swimmer):
         return {"memory": True}
+    if given.swimmer.motor is not None:
+        return {"model": model}
     boundary = "beside the wall" if given.swimmer.wall is not None else "in the tube"
     if given.swimmer.wall is not None or given.swimmer.channel is not None:
         from microswim.calibration.poses.around import around
@@ -216,6 +221,8 @@ def _report(
 
     from microswim.calibration.atlas.expected import expected_error
     from microswim.gait.gait import DEGREES_OF_FREEDOM
+    from microswim.path.by_torque import by_motor
+    from microswim.path.loads import left_out
 
     poses = solved.get("poses")
     gait = solved.get("gait") if poses is None else poses.gait
@@ -244,11 +251,17 @@ def _report(
         report["covariance"] = np.cov(moved.T)
     if "motor_work" in found:
         report["motor_work"] = float(found.motor_work[-1])
+    if "dissipated" in found:
         report["dissipated"] = float(found.dissipated[-1])
+    if "tail" in found.dims:
+        report |= by_motor(found)
     velocity = (
         expected_error(given.swimmer, gait)
         if gait is not None
-        else {**dict.fromkeys(DEGREES_OF_FREEDOM), "how": UNJUDGED}
+        else {
+            **dict.fromkeys(DEGREES_OF_FREEDOM),
+            "how": UNJUDGED if given.swimmer.motor is None else BY_TORQUE,
+        }
     )
     position = about["position_error"]
     return report | {
@@ -258,8 +271,8 @@ def _report(
             "poses": None if poses is None else poses.expected_error,
             "how": "position: of the time steps alone, against looser ones; velocity: of the model",
         },
-        "steps": about["steps"],
-        "remarks": _remarks(given.swimmer),
+        "steps": about.get("steps"),
+        "remarks": left_out(given.swimmer),
         "wall_seconds": seconds,
     }
 
@@ -268,27 +281,6 @@ def _boundary(swimmer: Any) -> str | None:
     if swimmer.channel is not None:
         return "channel"
     return None if swimmer.wall is None else "wall"
-
-
-def _remarks(swimmer: Any) -> list[str]:
-    from microswim.gait.gait import DEGREES_OF_FREEDOM
-
-    said = []
-    held = [n for n, free in zip(DEGREES_OF_FREEDOM, swimmer.motion.mask) if not free]
-    if held:
-        said.append(
-            f"motion.free holds {', '.join(held)}: in these the swimmer goes with the fluid, and "
-            "neither load nor noise moves it"
-        )
-    if swimmer.channel is not None:
-        said.append("the tube is taken as endless: its ends and its length do not act")
-        return said
-    if swimmer.flow is not None and (swimmer.flow.gradient.any() or swimmer.flow.bends):
-        said.append(
-            "what a strain of the flow does to the tail is at the level of local drag, the body "
-            "is taken alone; turning with the flow is exact"
-        )
-    return said
 
 
 def _write(out: Path, given: Given, found: xr.Dataset) -> None:
@@ -345,6 +337,13 @@ def _table(who: str, report: dict[str, Any]) -> Table:
     model = f"u_s of model {report['model']} within {100 * of_speed:.2g} %" if of_speed else ""
     known = f"end within {q(error, 'length')} by the time steps" if error == error else ""
     note = "; ".join(part for part in (known, model) if part)
-    title = f"{who}: path over {q(report['time'], 'time')}, {report['steps']:,} steps"
+    if "motor_frequency" in report:
+        turns = [q(f, "frequency") for f in report["motor_frequency"]]
+        rows.append(("motors turn at, on average", ", ".join(turns)))
+        if len(turns) > 1:
+            late = [f"{value:.4g} rad" for value in report["phase_difference"][1:]]
+            rows.append(("phases against the first, at the end", ", ".join(late)))
+    steps = "" if report["steps"] is None else f", {report['steps']:,} steps"
+    title = f"{who}: path over {q(report['time'], 'time')}{steps}"
     note = f"{note}; {significant(report['wall_seconds'], 2)} s".lstrip("; ")
     return Table(title, ("", ""), rows, note)

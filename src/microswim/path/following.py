@@ -19,6 +19,7 @@ from microswim.gait.poses.face import FreePoses, Poses
 from microswim.gait.poses.table import FREE, TUBE
 from microswim.numerics.array import Array
 from microswim.path import in_tube, outcome
+from microswim.path.by_torque import check_alone, fastest, follow_motors
 from microswim.path.course import Course, Followed, follow
 from microswim.path.in_space import length_of
 from microswim.path.loads import loads_of
@@ -140,6 +141,8 @@ def path(
     Returns
     -------
     xarray.Dataset
+        With a `Motor` that gives a torque: what `own_motors` gives, ``phase`` (time, tail) among
+        it, in still free fluid and by resistive force theory; otherwise
         ``position`` (time, axis), ``quaternion`` (time, wxyz) and ``phase`` as of `trajectory`;
         ``gap`` to the boundary; with memory ``filament`` (time, point, axis), points along the
         filament in the lab; without noise ``motor_work`` and ``dissipated`` since the start;
@@ -172,6 +175,13 @@ def path(
             quaternion=start[1], phase=float(phase), tolerance=float(tolerance),
             keep=None if keep is None else Path(keep), progress=progress, **pushes,
         )  # fmt: skip
+    if poses is None and gait is None and swimmer.motor is not None:
+        check_alone(swimmer, model, bool(np.any(force) or np.any(torque)))
+        if paths > 1:
+            raise SpecError("paths", paths, "1 with [motor]", "all paths would be the same")
+        begin = pose_at_start(swimmer, rest_start(swimmer), position, quaternion, tilt)
+        times = _times(fastest(swimmer), time, samples)
+        return follow_motors(swimmer, times, begin, float(phase), float(tolerance))
     if poses is None and gait is None:
         in_tube.check(swimmer)
     poses = _poses(swimmer, model, gait, progress) if poses is None else poses

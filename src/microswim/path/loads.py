@@ -7,7 +7,7 @@ from typing import Any
 
 import numpy as np
 
-from microswim.gait.gait import Gait
+from microswim.gait.gait import DEGREES_OF_FREEDOM, Gait
 from microswim.numerics.array import Array
 from microswim.numerics.series.fourier import series_of, trimmed
 from microswim.path import strain, weight
@@ -123,3 +123,23 @@ def _push(gait: Gait, force: Array) -> float:
 def _reach(swimmer: Swimmer) -> float:
     girth = max(np.real(np.array(swimmer.body.semi_axes3, float)[1:])) or float(swimmer.tail.radius)
     return CONTACT * float(girth)
+
+
+def left_out(swimmer: Swimmer) -> list[str]:
+    """Return what of its spec does not act on a path as it would in a fluid, in words."""
+    said = []
+    held = [n for n, free in zip(DEGREES_OF_FREEDOM, swimmer.motion.mask) if not free]
+    if held:
+        said.append(
+            f"motion.free holds {', '.join(held)}: in these the swimmer goes with the fluid, and "
+            "neither load nor noise moves it"
+        )
+    if swimmer.channel is not None:
+        said.append("the tube is taken as endless: its ends and its length do not act")
+        return said
+    if swimmer.flow is not None and (swimmer.flow.gradient.any() or swimmer.flow.bends):
+        said.append(
+            "what a strain of the flow does to the tail is at the level of local drag, the body "
+            "is taken alone; turning with the flow is exact"
+        )
+    return said

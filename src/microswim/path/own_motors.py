@@ -4,10 +4,11 @@ Each tail has its own phase ``phi_i``; by resistive force theory R is the body's
 tails', each at its own phase, and with the rates ``w_i`` of the motors
 
     R(phi) V + sum_i F_i(phi_i) w_i = 0             on the free axes
-    F_i . V + G_i(phi_i) w_i = tau_i = T_i (1 - w_i / W_i)
+    F_i . V + G_i(phi_i) w_i = tau_i(w_i)
 
-the second the torque that motor i gives: constant T, or falling in a straight line to none at its
-rate without load W. What phases do to one another goes through the motion of the body.
+the second the torque that motor i gives: constant T, or T up to a knee K and from there in a
+straight line to none at its rate without load W (`Motor`). What phases do to one another goes
+through the motion of the body.
 """
 
 from __future__ import annotations
@@ -36,6 +37,8 @@ if TYPE_CHECKING:
 TOLERANCE = 1e-8
 #: Evaluations of a path, after which it is given up: some minutes.
 MOST = 2_000_000
+#: Trials of which motors turn beyond their knee.
+MOST_TRIALS = 50
 
 
 @dataclass(frozen=True, eq=False)
@@ -54,6 +57,8 @@ class Motors:
         T of each motor, (n,).
     no_load
         Rate of each motor without load (rad per time), (n,); infinite for a constant torque.
+    knee
+        Rate up to which the torque does not fall, (n,); not a number where it falls from rest on.
     """
 
     body: Array
@@ -61,6 +66,25 @@ class Motors:
     free: NDArray[np.bool_]
     torque: Array
     no_load: Array
+    knee: Array
+
+    def given(self, rate: Array) -> Array:
+        """Return the torque of each motor at its rate, (n,)."""
+        level, slope = self._line
+        line = level - slope * rate
+        sign = np.sign(self.torque)
+        return np.where(
+            np.isnan(self.knee), line, sign * np.minimum(sign * self.torque, sign * line)
+        )
+
+    @property
+    def _line(self) -> tuple[Array, Array]:
+        """Torque at rest and slope of each line that falls to none at W; flat without W."""
+        constant = np.isinf(self.no_load)
+        low = np.where(np.isnan(self.knee), 0.0, self.knee)
+        high = np.where(constant, 1.0, self.no_load)
+        slope = np.where(constant, 0.0, self.torque / (high - np.where(constant, 0.0, low)))
+        return np.where(constant, self.torque, slope * high), slope
 
     def at(self, phases: Array) -> tuple[Array, Array, Array]:
         """Return R (6, 6), F (6, n) and G (n,) at the phases (n,)."""
@@ -69,20 +93,41 @@ class Motors:
         return self.body + np.sum(R, axis=0), np.array(F).T, np.array(G)
 
     def turning(self, phases: Array) -> tuple[Array, Array]:
-        """Return twist V (6,) and rates (n,) at the phases (n,)."""
+        """Return twist V (6,) and rates (n,) at the phases (n,).
+
+        Motors beyond their knee are those that turn faster than it: found by trying, since each
+        that weakens slows them all, a few times at most.
+
+        Raises
+        ------
+        MicroswimError
+            If that does not end.
+        """
         R, F, G = self.at(phases)
         R, F = R[np.ix_(self.free, self.free)], F[self.free]
-        slope = np.diag(G + self.torque / self.no_load)
-        both: Any = np.linalg.solve(
-            np.block([[R, F], [F.T, slope]]), np.concatenate([np.zeros(len(R)), self.torque])
+        level, slope = self._line
+        falls = np.isnan(self.knee)
+        for _ in range(MOST_TRIALS):
+            both: Any = np.linalg.solve(
+                np.block([[R, F], [F.T, np.diag(G + np.where(falls, slope, 0.0))]]),
+                np.concatenate([np.zeros(len(R)), np.where(falls, level, self.torque)]),
+            )
+            rate = both[len(R) :]
+            beyond = np.isnan(self.knee) | (np.sign(self.torque) * (rate - self.knee) > 0.0)
+            if (beyond == falls).all():
+                V = np.zeros(6)
+                V[self.free] = both[: len(R)]
+                return V, rate
+            falls = beyond
+        raise MicroswimError(
+            "the rates of the motors were not found at their knees; move the knees"
         )
-        V = np.zeros(6)
-        V[self.free] = both[: len(R)]
-        return V, both[len(R) :]
 
 
-def motors_of(swimmer: Swimmer, torque: Any, no_load: Any = None) -> Motors:
-    """Return the motors of a swimmer by resistive force theory.
+def motors_of(
+    swimmer: Swimmer, torque: Any = None, no_load: Any = None, knee: Any = None
+) -> Motors:
+    """Return the motors of a swimmer by resistive force theory; its own `Motor` without a torque.
 
     Raises
     ------
@@ -97,18 +142,36 @@ def motors_of(swimmer: Swimmer, torque: Any, no_load: Any = None) -> Motors:
             "region calibration; leave [region] out, or take another kind of tail"
         )
     tails = at_own_rates(swimmer.tail)
-    T = _one_for_each("torque", torque, len(tails), "a torque, or one for each tail")
-    W = np.full(len(tails), np.inf)
-    if no_load is not None:
-        allowed = "a rate other than zero (rad per time), or one for each tail"
-        W = _one_for_each("no_load", no_load, len(tails), allowed)
-        if not (W * T > 0.0).all():
-            raise SpecError("no_load", no_load, "of the sign of the torque", allowed)
+    law = _laws(swimmer, len(tails), torque, no_load, knee)
     series = tuple(
         moved(tail_series(replaced(swimmer, "tail", t.own)), swimmer, t, ahead=0.0) for t in tails
     )
     free = np.array(swimmer.motion.mask)
-    return Motors(body_resistance(swimmer), series, free, T, W)
+    return Motors(body_resistance(swimmer), series, free, *law)
+
+
+def _laws(
+    swimmer: Swimmer, count: int, torque: Any, no_load: Any, knee: Any
+) -> tuple[Array, Array, Array]:
+    """T, W and K of each motor: as given, else those of the swimmer's motor."""
+    if torque is None:
+        if swimmer.motor is None:
+            raise SpecError("torque: missing; give it, or the swimmer a motor ([motor])")
+        if no_load is not None or knee is not None:
+            raise SpecError("no_load, knee: those of a torque that is given; give torque too")
+        return swimmer.motor.of_each(count)
+    T = _one_for_each("torque", torque, count, "a torque, or one for each tail")
+    W, K = np.full(count, np.inf), np.full(count, np.nan)
+    allowed = "a rate other than zero (rad per time), or one for each tail"
+    if no_load is not None:
+        W = _one_for_each("no_load", no_load, count, allowed)
+        if not (W * T > 0.0).all():
+            raise SpecError("no_load", no_load, "of the sign of the torque", allowed)
+    if knee is not None:
+        K = _one_for_each("knee", knee, count, allowed)
+        if not ((K * T > 0.0) & (np.abs(K) < np.abs(W)) & np.isfinite(W)).all():
+            raise SpecError("knee", knee, "of the sign of the torque, and below no_load")
+    return T, W, K
 
 
 def _one_for_each(name: str, value: Any, count: int, allowed: str) -> Array:
@@ -117,9 +180,16 @@ def _one_for_each(name: str, value: Any, count: int, allowed: str) -> Array:
     return np.array(each, float)
 
 
-@checks.given(swimmer=checks.swimmer, times=checks.series)
+@checks.given(swimmer=checks.swimmer, times=checks.series, tolerance=checks.above_zero("number"))
 def own_motors(
-    swimmer: Swimmer, times: Any, *, torque: Any, no_load: Any = None, phase: Any = None
+    swimmer: Swimmer,
+    times: Any,
+    *,
+    torque: Any = None,
+    no_load: Any = None,
+    knee: Any = None,
+    phase: Any = None,
+    tolerance: float = TOLERANCE,
 ) -> xr.Dataset:
     """Follow a swimmer whose motors give a torque each; their phases drift, or lock.
 
@@ -132,18 +202,23 @@ def own_motors(
     times
         Increasing, (m,).
     torque
-        Of the motors, one number or n; it turns a tail the way a positive frequency does.
+        Of the motors, one number or n; it turns a tail the way a positive frequency does. By
+        default what the swimmer's own `Motor` says.
     no_load
         Rate of the motors without load (rad per time), one number or n: their torque falls in a
         straight line from `torque` at rest to none there. None: the torque is constant.
+    knee
+        Rate (rad per time), one number or n, up to which the torque does not fall.
     phase
         Of the tails at the start (rad), n; by default ``tail.phase`` of each.
+    tolerance
+        Error of a time step, in radians and lengths of the body.
 
     Returns
     -------
     Dataset
         Over ``time``: ``phase`` and ``rate`` (time, tail), ``torque`` (time, tail), ``position``,
-        ``quaternion``, ``velocity`` (body frame).
+        ``quaternion``, ``velocity`` (body frame), ``motor_work`` of all motors since the start.
 
     Raises
     ------
@@ -163,18 +238,26 @@ def own_motors(
     t = np.atleast_1d(np.asarray(times, dtype=float))
     if t.ndim != 1 or t.size < 2 or not np.isfinite(t).all() or (np.diff(t) <= 0).any():
         raise SpecError("times", times, "two or more, finite and increasing")
-    motors = motors_of(swimmer, torque, no_load)
+    motors = motors_of(swimmer, torque, no_load, knee)
     count = len(motors.tails)
     ahead = [float(tail.ahead) for tail in swimmer.tail.each]
     start = _one_for_each("phase", ahead if phase is None else phase, count, "n phases (rad)")
-    y = _followed(motors, t, start, float(np.real(swimmer.body_length)))
+    y = followed(motors, t, start, float(np.real(swimmer.body_length)), float(tolerance))
     V, rate = map(np.array, zip(*(motors.turning(p) for p in y[:, :count])))
-    given = motors.torque * (1.0 - rate / motors.no_load)
+    given = motors.given(rate)
     return _dataset(swimmer, t, y, V, rate, given)
 
 
-def _followed(motors: Motors, t: Array, start: Array, length: float) -> Array:
-    """Phases, place and quaternion at the times, (m, n + 7)."""
+def followed(
+    motors: Motors, t: Array, start: Array, length: float, tolerance: float = TOLERANCE
+) -> Array:
+    """Return phases, place, quaternion and work of the motors at the times, (m, n + 8).
+
+    Raises
+    ------
+    MicroswimError
+        If so many turns do not end.
+    """
     from scipy.integrate import solve_ivp
 
     n, calls = len(start), 0
@@ -188,21 +271,23 @@ def _followed(motors: Motors, t: Array, start: Array, length: float) -> Array:
                 "shorter time"
             )
         V, rate = motors.turning(y[:n])
-        w, x, y_, z = y[n + 3 :] / np.linalg.norm(y[n + 3 :])
+        w, x, y_, z = y[n + 3 : n + 7] / np.linalg.norm(y[n + 3 : n + 7])
         axis = np.array([x, y_, z])
         twice = 2.0 * np.cross(axis, V[:3])
         moved = V[:3] + w * twice + np.cross(axis, twice)
         turned = w * V[3:] + np.cross(axis, V[3:])
-        return np.concatenate([rate, moved, 0.5 * np.array([-axis @ V[3:], *turned])])
+        half = 0.5 * np.array([-axis @ V[3:], *turned])
+        return np.concatenate([rate, moved, half, [motors.given(rate) @ rate]])
 
-    first = np.concatenate([start, np.zeros(3), [1.0, 0.0, 0.0, 0.0]])
-    scale = np.concatenate([np.ones(n), np.full(3, length), np.ones(4)])
-    found = solve_ivp(slope, (t[0], t[-1]), first, "DOP853", t, rtol=TOLERANCE,
-                      atol=TOLERANCE * scale)  # fmt: skip
+    first = np.concatenate([start, np.zeros(3), [1.0, 0.0, 0.0, 0.0, 0.0]])
+    turn = float(np.abs(motors.torque).max())
+    scale = np.concatenate([np.ones(n), np.full(3, length), np.ones(4), [turn]])
+    found = solve_ivp(slope, (t[0], t[-1]), first, "DOP853", t, rtol=tolerance,
+                      atol=tolerance * scale)  # fmt: skip
     if not found.success:
         raise MicroswimError(f"the motors' phases were not followed: {found.message}")
     y = found.y.T.copy()
-    y[:, n + 3 :] /= np.linalg.norm(y[:, n + 3 :], axis=1, keepdims=True)
+    y[:, n + 3 : n + 7] /= np.linalg.norm(y[:, n + 3 : n + 7], axis=1, keepdims=True)
     return y
 
 
@@ -227,7 +312,8 @@ def _dataset(
                 "rate": (("time", "tail"), rate, turns),
                 "torque": (("time", "tail"), torque, told("torque", "that each motor gives")),
                 "position": (("time", "axis"), y[:, n : n + 3], told("length", "body centre, lab")),
-                "quaternion": (("time", "wxyz"), y[:, n + 3 :], {"units": "1"}),
+                "quaternion": (("time", "wxyz"), y[:, n + 3 : n + 7], {"units": "1"}),
+                "motor_work": (("time",), y[:, n + 7], told("work", "of all motors")),
                 "velocity": (("time", "dof"), V, {"long_name": "velocity, body frame"}),
             },
             coords={

@@ -33,6 +33,7 @@ from microswim.swimmer.geometry.tails.kinds import TAILS, Tail, of_tails
 from microswim.swimmer.magnetism.fields import FIELDS as APPLIED_FIELDS
 from microswim.swimmer.magnetism.magnet import Magnet
 from microswim.swimmer.motion import Motion
+from microswim.swimmer.motor import Motor
 from microswim.swimmer.parts import numbered, without_number
 from microswim.swimmer.provenance import Provenance
 from microswim.swimmer.surroundings.flow import FLOWS, Flow
@@ -274,6 +275,7 @@ def _build(
         units=units,
         region=part("region", _region),
         hook=part("hook", Hook),
+        motor=part("motor", Motor),
         wall=part("wall", Wall),
         channel=part("channel", Channel),
         magnet=part("magnet", Magnet),

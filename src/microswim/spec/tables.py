@@ -19,6 +19,7 @@ from microswim.spec.fields import About
 from microswim.spec.parts.body import BODIES
 from microswim.spec.parts.elastic import HookTable
 from microswim.spec.parts.magnetic import APPLIED, MagnetTable
+from microswim.spec.parts.motor import MotorTable
 from microswim.spec.parts.outside import FLOWS, GravityTable, NoiseTable
 from microswim.spec.parts.tail import TAILS
 from microswim.spec.types import (
@@ -169,6 +170,7 @@ TABLES: dict[str, tuple[type[_Table], ...]] = {
     "motion": (MotionTable,),
     "region": (RegionTable,),
     "hook": (HookTable,),
+    "motor": (MotorTable,),
     "wall": (WallTable,),
     "channel": (ChannelTable,),
     "magnet": (MagnetTable,),

@@ -48,7 +48,7 @@ def remarks(swimmer: Swimmer) -> tuple[str, ...]:
     swimmer
         Any swimmer; of complex numbers the real parts count.
     """
-    return (*_of_shape(swimmer), *_of_motion(swimmer))
+    return (*_of_shape(swimmer), *_of_motion(swimmer), *_of_motors(swimmer))
 
 
 def remarks_on_drag(swimmer: Swimmer) -> tuple[str, ...]:
@@ -202,6 +202,15 @@ def _of_motion(swimmer: Swimmer) -> list[str]:
         *out,
         "without a body nothing takes up the motor's torque: the tail stands still in the lab and "
         "u_s is zero by a law, not by this shape; give it a body, or hold os",
+    ]
+
+
+def _of_motors(swimmer: Swimmer) -> list[str]:
+    if swimmer.motor is None:
+        return []
+    return [
+        "[motor] gives a torque: microswim path follows how fast the tails turn; all else has them "
+        "turn at tail.frequency"
     ]
 
 

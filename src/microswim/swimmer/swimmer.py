@@ -25,6 +25,7 @@ from microswim.swimmer.gradient import gradient
 from microswim.swimmer.magnetism.applied_field import AppliedField
 from microswim.swimmer.magnetism.magnet import Magnet
 from microswim.swimmer.motion import Motion
+from microswim.swimmer.motor import Motor
 from microswim.swimmer.parts import changed, part_of, spread
 from microswim.swimmer.provenance import Provenance
 from microswim.swimmer.region import Region
@@ -82,6 +83,9 @@ class Swimmer(Shown):
         A gait does not depend on them either.
     hook
         `Hook` between body and elastic tail; none by default.
+    motor
+        `Motor`, the torque of the motors, which a path follows; none by default: tails turn at
+        their ``frequency``, as in every gait.
     calibration
         Where its coefficients or its region come from, if it was calibrated; no part of what it
         is, so that swimmers compare without it.
@@ -116,6 +120,7 @@ class Swimmer(Shown):
     magnet: Magnet | None = None
     field: AppliedField | None = None
     hook: Hook | None = None
+    motor: Motor | None = None
     gravity: Gravity | None = None
     flow: Flow | None = None
     noise: Noise | None = None
@@ -126,12 +131,16 @@ class Swimmer(Shown):
             object.__setattr__(self, "tail", of_tails(self.tail))
         for name, kind in zip(PARTS, (Fluid, Body, Tail, Coefficients, Interaction, Motion)):
             self._check_part(name, kind)
-        kinds = (Wall, Channel, Magnet, AppliedField, Gravity, Flow, Noise, Hook, Provenance)
-        for name, kind in zip((*SURROUNDINGS, *DRIVE, *OUTSIDE, "hook", "calibration"), kinds):
+        kinds = (Wall, Channel, Magnet, AppliedField, Gravity, Flow, Noise, Hook, Motor, Provenance)
+        for name, kind in zip(
+            (*SURROUNDINGS, *DRIVE, *OUTSIDE, "hook", "motor", "calibration"), kinds
+        ):
             if getattr(self, name) is not None:
                 self._check_part(name, kind)
         if self.hook is not None:
             self.hook.check(self.tail)
+        if self.motor is not None:
+            self.motor.check(self.tail)
         checks.choice("units", self.units, ("dimensionless", "SI"))
         fitting.check(self)
 
@@ -145,7 +154,7 @@ class Swimmer(Shown):
     @property
     def parts(self) -> tuple[str, ...]:
         """Names of the parts it has, as the tables of a spec file."""
-        others = (*SURROUNDINGS, *DRIVE, *OUTSIDE, "hook")
+        others = (*SURROUNDINGS, *DRIVE, *OUTSIDE, "hook", "motor")
         return PARTS + tuple(n for n in others if getattr(self, n) is not None)
 
     @property

@@ -317,10 +317,12 @@ def load(path: str | PathLike[str]) -> xr.Dataset:
 def _save_csv(run: xr.Dataset, path: Path) -> None:
     """Time, position and quaternion; where it comes from in comment lines."""
     length, time = run.position.attrs["units"], run.time.attrs["units"]
+    many = run.motor_phase.ndim == 2
+    phases = [f"motor_phase[{n}]" for n in range(run.sizes["tail"])] if many else ["motor_phase"]
     header = [
         f"{run.attrs['source']}, {run.attrs['created']}",
         f"body centre in the lab frame; quaternion body to lab; units: {time}, {length}, rad",
-        "time,x,y,z,qw,qx,qy,qz,motor_phase" + (",path" if "path" in run.dims else ""),
+        ",".join(["time,x,y,z,qw,qx,qy,qz", *phases, *(["path"] if "path" in run.dims else [])]),
     ]
     one = run.position.transpose(..., "time", "axis").values.reshape(-1, run.time.size, 3)
     q = run.quaternion.values.reshape(-1, run.time.size, 4)

@@ -8,12 +8,13 @@ from __future__ import annotations
 import base64
 from collections.abc import Iterable
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from microswim.numerics.rigid_motion import rotation_matrix
 from microswim.output.io.surface import bent, surface
+from microswim.path.by_torque import at_phases
 from microswim.swimmer.swimmer import Swimmer
 
 if TYPE_CHECKING:
@@ -134,6 +135,13 @@ def _array(name: str, values: np.ndarray) -> str:
     return f"<DataArray {head}>{text}</DataArray>"
 
 
+def _at(swimmer: Swimmer, phase: Any) -> Any:
+    """The surface at the phase of the motor, or with each tail at its own."""
+    if np.ndim(phase):
+        return surface(at_phases(swimmer, phase), 0.0, fineness=0.75)
+    return surface(swimmer, float(phase), fineness=0.75)
+
+
 def write_swimmer(folder: Path, swimmer: Swimmer, run: xr.Dataset, frames: int = 120) -> Path:
     """Write ``swimmer.pvd``, its frames in ``vtk/`` and the path in ``path.vtp``.
 
@@ -162,7 +170,7 @@ def write_swimmer(folder: Path, swimmer: Swimmer, run: xr.Dataset, frames: int =
         if "filament" in run:
             mesh = bent(swimmer, run.filament.values[i], x[i], turn, fineness=0.75)
         else:
-            mesh = surface(swimmer, float(run.motor_phase[i]), fineness=0.75).moved(x[i], turn)
+            mesh = _at(swimmer, run.motor_phase.values[i]).moved(x[i], turn)
         name = f"vtk/swimmer_{number:04d}.vtp"
         points, part = mesh.points.astype("<f4"), mesh.part.astype("|u1")
         text = poly_data(points, polys=mesh.quads, cell_data={"part": part})

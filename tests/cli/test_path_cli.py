@@ -143,7 +143,12 @@ def test_motors_of_given_torque_are_told_one_by_one(tmp_path):
         2 * np.pi * 40 * sum(said["motor_frequency"]), rel=1e-3
     )
     header = (out / "path.csv").read_text().splitlines()[2]
-    assert header.endswith("motor_phase[0],motor_phase[1]")
+    assert header.endswith("motor_phase[0],motor_phase[1],motor_rate[0],motor_rate[1]")
+    again = call(*args, "--json", "--out", out, "--resume")
+    assert json.loads(again.stdout)["position"] == said["position"]
+    late = call(*args, "--time", "2", "--out", out, "--resume")
+    assert late.exit_code == 2
+    assert "another path" in late.stderr
     assert (out / "swimmer.pvd").exists()
     told = call(*args)
     assert "motors turn at" in told.stdout

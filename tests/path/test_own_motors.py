@@ -115,6 +115,31 @@ def test_a_path_by_torque_is_that_of_its_motors_and_takes_its_start():
     assert float(found.motor_work[-1]) == pytest.approx(work, rel=0.02)
 
 
+def test_a_path_by_torque_that_was_stopped_goes_on_to_the_same_numbers(tmp_path):
+    robot = replace(swimmer(pair()), motor=ms.Motor(torque=(1.2, -0.7)))
+    asked = {"time": 1.0, "samples": 9}
+    whole = ms.path(robot, **asked)
+
+    def stop(done, _):
+        if done == 3:
+            raise KeyboardInterrupt
+
+    with pytest.raises(KeyboardInterrupt):
+        ms.path(robot, **asked, keep=tmp_path / "kept.npz", progress=stop)
+    done = []
+    rest = ms.path(robot, **asked, keep=tmp_path / "kept.npz", progress=lambda n, _: done.append(n))
+    assert done == [4, 5, 6, 7, 8]
+    assert rest.equals(whole)
+    with pytest.raises(ms.SpecError, match="another path"):
+        ms.path(robot.with_({"fluid.viscosity": 2.0}), **asked, keep=tmp_path / "kept.npz")
+
+
+def test_a_path_of_too_many_turns_is_refused_at_once():
+    robot = replace(swimmer(pair()), motor=ms.Motor(torque=1.0))
+    with pytest.raises(ms.SpecError, match="turns of the motors"):
+        ms.path(robot, 1e9)
+
+
 def test_a_motor_goes_through_the_file_and_set(tmp_path):
     robot = replace(swimmer(pair()), motor=ms.Motor(torque=(1.2, -0.7), no_load_frequency=3.0))
     spec = tmp_path / "two.toml"

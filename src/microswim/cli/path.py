@@ -120,12 +120,12 @@ def command(
     force: bool,
     **asked: Any,
 ) -> None:
-    """Follow a swimmer in time: motor, [magnet] and [field], [gravity], [flow], [noise].
+    """Follow a swimmer in time: [motor], [magnet] and [field], [gravity], [flow], [noise].
 
     With --out the path is kept in parts while it grows: killed at any moment, --resume goes on from
     there to the same numbers. The swimmer heads for -x at the start. With [wall], the plane z = 0,
     or [channel], a tube about the x axis, it is first solved at some hundred poses there, which are
-    kept for the next time.
+    kept for the next time. With [motor] its torque turns each tail.
     """
     from microswim.cli._progress import bar
     from microswim.path.following import path
@@ -174,6 +174,8 @@ def _gait(given: Given, model: str, level: str | None, from_rest: bool) -> dict[
     if from_rest or remembers(given.swimmer):
         return {"memory": True}
     if given.swimmer.motor is not None:
+        if level is not None:
+            raise SpecError("--level", level, "left out with [motor]", "it is followed by rft")
         return {"model": model}
     boundary = "beside the wall" if given.swimmer.wall is not None else "in the tube"
     if given.swimmer.wall is not None or given.swimmer.channel is not None:
@@ -258,10 +260,8 @@ def _report(
     velocity = (
         expected_error(given.swimmer, gait)
         if gait is not None
-        else {
-            **dict.fromkeys(DEGREES_OF_FREEDOM),
-            "how": UNJUDGED if given.swimmer.motor is None else BY_TORQUE,
-        }
+        else dict.fromkeys(DEGREES_OF_FREEDOM)
+        | {"how": UNJUDGED if given.swimmer.motor is None else BY_TORQUE}
     )
     position = about["position_error"]
     return report | {

@@ -2,6 +2,9 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
+from hashlib import sha256
+from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -9,8 +12,8 @@ import numpy as np
 from microswim.errors import SpecError
 from microswim.numerics.array import Array
 from microswim.numerics.rigid_motion import multiply, rotation_matrix
-from microswim.path import outcome
-from microswim.path.own_motors import followed, motors_of, own_motors
+from microswim.path import keeping, outcome
+from microswim.path.own_motors import Motors, at_origin, followed, motors_of, told
 from microswim.swimmer.parts import with_part
 from microswim.swimmer.swimmer import Swimmer
 
@@ -18,6 +21,8 @@ if TYPE_CHECKING:
     import xarray as xr
 
 LOOSE = 30.0  #: times the tolerance: a second march, for the error of the first
+CHUNKS = 48  #: in which a path grows and is kept
+MOST_TURNS = 20_000  #: of the fastest motor: some minutes
 _AROUND = ("wall", "channel", "magnet", "field", "gravity", "flow", "noise")
 
 
@@ -38,9 +43,7 @@ def check_alone(swimmer: Swimmer, model: str, pushed: bool) -> None:
     if pushed:
         raise SpecError(f"force, torque: motors of given torque are followed without; {mend}")
     if model not in ("auto", "rft"):
-        raise SpecError(
-            "model", model, "auto or rft with [motor]", "tails then act through the body"
-        )
+        raise SpecError("model", model, "auto or rft with [motor]", "or leave out [motor]")
 
 
 def fastest(swimmer: Swimmer) -> float:
@@ -51,15 +54,33 @@ def fastest(swimmer: Swimmer) -> float:
 
 
 def follow_motors(
-    swimmer: Swimmer, times: Array, start: tuple[Array, Array], phase: float, tolerance: float
+    swimmer: Swimmer,
+    times: Array,
+    start: tuple[Array, Array],
+    phase: float,
+    tolerance: float,
+    keep: Path | None = None,
+    progress: Callable[[int, int], None] | None = None,
 ) -> Any:
     """Return the path at the times as `microswim.path` does, from a pose; ``phase`` (time, tail).
 
-    Beside it the rate, torque and phase of each motor, and their work.
+    Beside it the rate, torque and phase of each motor, and their work. What a killed process kept
+    in the file `keep` is gone on from.
+
+    Raises
+    ------
+    SpecError
+        If it would take too many turns, or `keep` holds another path.
     """
-    ahead = [float(tail.ahead) + phase for tail in swimmer.tail.each]
-    found = own_motors(swimmer, times, phase=ahead, tolerance=tolerance)
-    off = _off(swimmer, found, tolerance)
+    turns = float(times[-1] - times[0]) / fastest(swimmer)
+    if not turns <= MOST_TURNS:
+        most = f"at most {MOST_TURNS:,} turns of the motors, here {turns:.3g}"
+        raise SpecError("time", float(times[-1]), most, "ask for a shorter path")
+    motors = motors_of(swimmer)
+    first = at_origin(np.array([float(tail.ahead) + phase for tail in swimmer.tail.each]))
+    y = _grown(swimmer, motors, times, first, tolerance, keep, progress)
+    found = told(swimmer, motors, times, y)
+    off = _off(swimmer, motors, found, tolerance)
     x, q = start
     moved = found.position.values @ rotation_matrix(q).T + x
     turned = np.array([multiply(q, one) for one in found.quaternion.values])
@@ -70,11 +91,31 @@ def follow_motors(
     return outcome.with_numbers(found, {}, _ends(swimmer, moved, found, off))
 
 
-def _off(swimmer: Swimmer, found: xr.Dataset, tolerance: float) -> float:
+def _grown(
+    swimmer: Swimmer, motors: Motors, times: Array, first: Array, tolerance: float,
+    keep: Path | None, progress: Callable[[int, int], None] | None,
+) -> Array:  # fmt: skip
+    """States at the times, chunk by chunk, each from the last state of the one before."""
+    digest = sha256(repr((swimmer, times.tolist(), first.tolist(), tolerance)).encode()).hexdigest()
+    cuts = np.unique(np.linspace(0, times.size - 1, CHUNKS + 1).astype(int))
+    y, size = first[None], float(np.real(swimmer.body_length))
+    if keep is not None and keep.exists():
+        y = keeping.kept(keep, digest, ("states",))["states"]
+    for i in range(int(np.searchsorted(cuts, len(y) - 1)), cuts.size - 1):
+        part = times[cuts[i] : cuts[i + 1] + 1]
+        y = np.concatenate([y, followed(motors, part, y[-1], size, tolerance)[1:]])
+        if keep is not None:
+            keeping.keep(keep, digest, states=y)
+        if progress is not None:
+            progress(i + 1, cuts.size - 1)
+    return y
+
+
+def _off(swimmer: Swimmer, motors: Motors, found: xr.Dataset, tolerance: float) -> float:
     """Distance by which a second march with looser steps ends elsewhere."""
     phases, ends = found.phase.values[0], found.time.values[[0, -1]]
     size = float(np.real(swimmer.body_length))
-    loose = followed(motors_of(swimmer), ends, phases, size, LOOSE * tolerance)
+    loose = followed(motors, ends, at_origin(phases), size, LOOSE * tolerance)
     n = len(phases)
     return float(np.linalg.norm(loose[-1, n : n + 3] - found.position.values[-1]))
 

@@ -181,7 +181,8 @@ def path(
             raise SpecError("paths", paths, "1 with [motor]", "all paths would be the same")
         begin = pose_at_start(swimmer, rest_start(swimmer), position, quaternion, tilt)
         times = _times(fastest(swimmer), time, samples)
-        return follow_motors(swimmer, times, begin, float(phase), float(tolerance))
+        place = None if keep is None else Path(keep)
+        return follow_motors(swimmer, times, begin, float(phase), float(tolerance), place, progress)
     if poses is None and gait is None:
         in_tube.check(swimmer)
     poses = _poses(swimmer, model, gait, progress) if poses is None else poses

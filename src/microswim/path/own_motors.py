@@ -242,16 +242,20 @@ def own_motors(
     count = len(motors.tails)
     ahead = [float(tail.ahead) for tail in swimmer.tail.each]
     start = _one_for_each("phase", ahead if phase is None else phase, count, "n phases (rad)")
-    y = followed(motors, t, start, float(np.real(swimmer.body_length)), float(tolerance))
-    V, rate = map(np.array, zip(*(motors.turning(p) for p in y[:, :count])))
-    given = motors.given(rate)
-    return _dataset(swimmer, t, y, V, rate, given)
+    length = float(np.real(swimmer.body_length))
+    y = followed(motors, t, at_origin(start), length, float(tolerance))
+    return told(swimmer, motors, t, y)
+
+
+def at_origin(phases: Array) -> Array:
+    """Return the state at the start: phases (n,), place, quaternion, no work yet; (n + 8,)."""
+    return np.concatenate([phases, np.zeros(3), [1.0, 0.0, 0.0, 0.0, 0.0]])
 
 
 def followed(
-    motors: Motors, t: Array, start: Array, length: float, tolerance: float = TOLERANCE
+    motors: Motors, t: Array, first: Array, length: float, tolerance: float = TOLERANCE
 ) -> Array:
-    """Return phases, place, quaternion and work of the motors at the times, (m, n + 8).
+    """Return phases, place, quaternion and work at the times, (m, n + 8), from the `first` on.
 
     Raises
     ------
@@ -260,7 +264,7 @@ def followed(
     """
     from scipy.integrate import solve_ivp
 
-    n, calls = len(start), 0
+    n, calls = len(first) - 8, 0
 
     def slope(_: float, y: Array) -> Array:
         nonlocal calls
@@ -279,7 +283,6 @@ def followed(
         half = 0.5 * np.array([-axis @ V[3:], *turned])
         return np.concatenate([rate, moved, half, [motors.given(rate) @ rate]])
 
-    first = np.concatenate([start, np.zeros(3), [1.0, 0.0, 0.0, 0.0, 0.0]])
     turn = float(np.abs(motors.torque).max())
     scale = np.concatenate([np.ones(n), np.full(3, length), np.ones(4), [turn]])
     found = solve_ivp(slope, (t[0], t[-1]), first, "DOP853", t, rtol=tolerance,
@@ -291,29 +294,30 @@ def followed(
     return y
 
 
-def _dataset(
-    swimmer: Swimmer, t: Array, y: Array, V: Array, rate: Array, torque: Array
-) -> xr.Dataset:
+def told(swimmer: Swimmer, motors: Motors, t: Array, y: Array) -> xr.Dataset:
+    """Return what `own_motors` gives, of phases, places, quaternions and work as of `followed`."""
     import xarray as xr
 
     from microswim.gait.gait import DEGREES_OF_FREEDOM
 
-    n = rate.shape[1]
+    n = y.shape[1] - 8
+    V, rate = map(np.array, zip(*(motors.turning(p) for p in y[:, :n])))
+    torque = motors.given(rate)
 
-    def told(kind: str, text: str) -> dict[str, str]:
+    def said(kind: str, text: str) -> dict[str, str]:
         return {"units": unit(swimmer.units, kind), "long_name": text}
 
     phase = {"units": "rad", "long_name": "phase of each tail"}
-    turns = told("angular rate", "rate of each motor, relative to the body")
+    turns = said("angular rate", "rate of each motor, relative to the body")
     return sealed(
         xr.Dataset(
             {
                 "phase": (("time", "tail"), y[:, :n], phase),
                 "rate": (("time", "tail"), rate, turns),
-                "torque": (("time", "tail"), torque, told("torque", "that each motor gives")),
-                "position": (("time", "axis"), y[:, n : n + 3], told("length", "body centre, lab")),
+                "torque": (("time", "tail"), torque, said("torque", "that each motor gives")),
+                "position": (("time", "axis"), y[:, n : n + 3], said("length", "body centre, lab")),
                 "quaternion": (("time", "wxyz"), y[:, n + 3 : n + 7], {"units": "1"}),
-                "motor_work": (("time",), y[:, n + 7], told("work", "of all motors")),
+                "motor_work": (("time",), y[:, n + 7], said("work", "of all motors")),
                 "velocity": (("time", "dof"), V, {"long_name": "velocity, body frame"}),
             },
             coords={

@@ -314,22 +314,31 @@ def load(path: str | PathLike[str]) -> xr.Dataset:
         raise SpecError(f"{path}: no readable run: {' '.join(str(error).split())}") from None
 
 
+def _motors(run: xr.Dataset) -> tuple[list[str], np.ndarray]:
+    """Names and columns of the motors: the phase; of tails on their own, phase and rate of each."""
+    if run.motor_phase.ndim == 1:
+        return ["motor_phase"], run.motor_phase.values
+    each = range(run.sizes["tail"])
+    names = [f"motor_{what}[{n}]" for what in ("phase", "rate") for n in each]
+    return names, np.column_stack([run.motor_phase, run.rate])
+
+
 def _save_csv(run: xr.Dataset, path: Path) -> None:
     """Time, position and quaternion; where it comes from in comment lines."""
     length, time = run.position.attrs["units"], run.time.attrs["units"]
-    many = run.motor_phase.ndim == 2
-    phases = [f"motor_phase[{n}]" for n in range(run.sizes["tail"])] if many else ["motor_phase"]
+    motor, motors = _motors(run)
+    units = f"{time}, {length}, rad" + (f", rad/{time}" if run.motor_phase.ndim == 2 else "")
     header = [
         f"{run.attrs['source']}, {run.attrs['created']}",
-        f"body centre in the lab frame; quaternion body to lab; units: {time}, {length}, rad",
-        ",".join(["time,x,y,z,qw,qx,qy,qz", *phases, *(["path"] if "path" in run.dims else [])]),
+        f"body centre in the lab frame; quaternion body to lab; units: {units}",
+        ",".join(["time,x,y,z,qw,qx,qy,qz", *motor, *(["path"] if "path" in run.dims else [])]),
     ]
     one = run.position.transpose(..., "time", "axis").values.reshape(-1, run.time.size, 3)
     q = run.quaternion.values.reshape(-1, run.time.size, 4)
     tables = [
-        np.column_stack([run.time, one[i], q[i], run.motor_phase])
+        np.column_stack([run.time, one[i], q[i], motors])
         if len(one) == 1
-        else np.column_stack([run.time, one[i], q[i], run.motor_phase, np.full(run.time.size, i)])
+        else np.column_stack([run.time, one[i], q[i], motors, np.full(run.time.size, i)])
         for i in range(len(one))
     ]
     table = np.concatenate(tables)

@@ -34,7 +34,8 @@ MOST = 60  #: paths that are drawn
 def path(found: xr.Dataset) -> Figure:
     """Draw a path from above (x, y), from the side (x, z) and in time.
 
-    In a tube from the side (x, z), along its axis (y, z) and in time.
+    In a tube from the side (x, z), along its axis (y, z) and in time. Of motors that give a torque
+    also how often each turns, and its phase against the first.
 
     Parameters
     ----------
@@ -58,8 +59,12 @@ def path(found: xr.Dataset) -> Figure:
     length = found.position.attrs["units"]
     factor, _ = readable(places, "", length)
     with look():
-        figure = blank(WIDE, 3.0)
-        above, side, time = figure.subplots(1, 3, width_ratios=[1.0, 1.0, 1.1])
+        by_torque = "tail" in found.dims
+        figure = blank(WIDE, 5.2 if by_torque else 3.0)
+        grid = figure.add_gridspec(1 + by_torque, 6, height_ratios=[1.0, 0.7][: 1 + by_torque])
+        above, side, time = (figure.add_subplot(grid[0, 2 * n : 2 * n + 2]) for n in range(3))
+        if by_torque:
+            _motors(figure.add_subplot(grid[1, :3]), figure.add_subplot(grid[1, 3:]), found)
         in_tube = found.attrs.get("boundary") == "tube"
         planes = ((0, 2), (1, 2)) if in_tube else ((0, 1), (0, 2))
         _planes((above, side), places, planes, length)
@@ -110,6 +115,33 @@ def _tube(side: Axes, along: Axes, radius: float) -> None:
     for at in (-radius, radius):
         side.axhline(at, color=BLACK, linewidth=1.5)
     side.set(aspect="auto", ylim=(-1.1 * radius, 1.1 * radius))  # a tube is longer than wide
+
+
+def _motors(rates: Axes, phases: Axes, found: xr.Dataset) -> None:
+    """Turns per time of each motor, and how its phase stands to the first one's."""
+    per, label_t = readable(found.time.values, "time", found.time.attrs["units"])
+    t, turns = per * found.time.values, found.rate.values / (2.0 * np.pi)
+    factor, name = readable(turns, "frequency", unit(found.attrs["units"], "frequency"))
+    ahead = found.phase.values - found.phase.values[:, :1]
+    for n in range(turns.shape[1]):
+        colour = CYCLE[n % len(CYCLE)]
+        rates.plot(
+            t, factor * turns[:, n], color=colour, ls="-" if n == 0 else "--", label=f"tail {n}"
+        )
+        if turns.shape[1] == 1:
+            phases.plot(t, found.phase[:, n], color=colour)
+        elif n:
+            phases.plot(t, ahead[:, n], color=colour)
+    rates.set(xlabel=label_t, ylabel=name)
+    if turns.shape[1] > 1:
+        rates.legend()
+    of = "phase" if turns.shape[1] == 1 else "phase against tail 0"
+    phases.set(xlabel=label_t, ylabel=f"{of} (rad)")
+    low, high = phases.get_ylim()
+    if high - low < 1e-3:  # in step but for the error of the time steps
+        phases.set(ylim=((low + high) / 2.0 - 0.5, (low + high) / 2.0 + 0.5))
+    letter(rates, "d")
+    letter(phases, "e")
 
 
 def _in_time(axes: Axes, found: xr.Dataset, places: np.ndarray) -> None:

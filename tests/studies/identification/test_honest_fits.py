@@ -11,6 +11,7 @@ from scipy.stats import binom
 import microswim as ms
 from microswim.calibration.unknowns import resolve
 from microswim.cli import main
+from microswim.numerics.rigid_motion import multiply
 from microswim.studies.identification.fitting import honesty, outcome
 from microswim.studies.identification.fitting.descent import least
 from microswim.studies.identification.fitting.first_guesses import initial_poses, shown
@@ -158,8 +159,26 @@ def test_what_the_error_of_the_model_explains_is_not_held_against_a_design():
     done = least(problem, initial_poses(problem, design, count=1)[0])
     n = x.size  # the attitudes have no noise here
     assert done.fun @ done.fun > 2.0 * n
-    left = honesty.unexplained(problem, done, 1.0, errors)
+    left, _ = honesty.unexplained(problem, done, 1.0, errors)
     assert n - 5.0 * np.sqrt(2.0 * n) < left < n + 5.0 * np.sqrt(2.0 * n)
+
+
+@pytest.mark.parametrize("drift", [0.0, 0.1])
+def test_what_a_fit_leaves_of_the_attitude_must_be_noise_too(drift):
+    """Positions as they should be; the body turns a little faster about its axis than the fit's."""
+    known = ms.Swimmer.preset("tabak/helix")
+    t, rng = np.linspace(0.0, 9.0, 90), np.random.default_rng(1)
+    x, q = path_of(known, known.gait("rft"), t, 0.3)
+    turn = 0.01 * rng.normal(size=(t.size, 3)) + drift * np.outer(t / t[-1] - 0.5, [1.0, 0.0, 0.0])
+    q = multiply(q, np.concatenate([np.ones((t.size, 1)), 0.5 * turn], axis=1))
+    track = ms.Track(time=t, position=x + 1e-4 * rng.normal(size=x.shape), quaternion=q)
+    names = ("tail.amplitude", "tail.waves", "tail.frequency")
+    problem = PathProblem(known, track, resolve(known, names), 1e-2, 1e-4)
+    design = np.array([0.1, 3.0, 1.0])
+    design[2] *= problem.wobble_ratio(design)
+    fit = least(problem, initial_poses(problem, design, count=1)[0])
+    said = honesty.left_over(problem, fit.fun)
+    assert ("of the attitude" in said) == (drift > 0)
 
 
 def test_large_errors_of_the_model_reach_over_designs_that_move_alike(monkeypatch):

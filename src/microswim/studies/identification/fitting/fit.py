@@ -186,11 +186,9 @@ def _followed(
         fits += fit(problem, guess)
         if progress is not None:
             progress(i + 1, len(guesses))
-        if fits and not left_over(problem, problem.path(min(fits, key=_cost).x)):
+        if fits and not left_over(problem, min(fits, key=_cost).fun):
             break
-    else:
-        return fits  # none holds: what lies beside is no better
-    if designs is None:
+    if designs is None or not fits:
         return fits
     n = len(problem.unknowns)
     for _ in range(ROUNDS):

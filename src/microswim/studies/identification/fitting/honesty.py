@@ -19,6 +19,8 @@ from microswim.studies.identification.fitting.problem import PathProblem
 from microswim.studies.identification.spectrum import line
 
 PHASES = 32
+STILL = 1e-3  #: rad, of an attitude that no camera tells
+FEW = 22.5  #: sum of squared deviations of six velocities, one chance in a thousand
 CAUSES = (
     "likely causes: the other hand, a mirrored axis (y down in an image), the attitude the wrong "
     "way round, a beat with a mean curvature, a wall, a drift, or a model that is too far off"
@@ -53,22 +55,34 @@ def check_shown(problem: PathProblem, shape: tuple[str, ...]) -> None:
         )
 
 
-def left_over(problem: PathProblem, path: np.ndarray) -> str:
-    """Return what speaks against a fit, or nothing: its residuals are noise."""
-    track = problem.track
-    off = track.position - path
-    size = float(np.sqrt(np.mean(off**2)))
+def left_over(problem: PathProblem, residuals: np.ndarray) -> str:
+    """Return what speaks against a fit, or nothing: its residuals are noise, of positions and of
+    attitudes, where the track has them.
+    """
+    track, count = problem.track, problem.track.position.size
+    off = problem.scale * residuals[:count].reshape(track.position.shape)
     wobble = float(np.std(track.position - track.smooth))
-    if size < 1e-4 * wobble or (problem.sigma is not None and size < 0.5 * problem.sigma):
+    said = _memory(track.time, off, 1e-4 * wobble, problem.sigma)
+    if not said and problem.weighs:
+        turned = problem.sigma_attitude * residuals[count:].reshape(-1, 3)
+        said = _memory(track.time, turned, STILL, problem.sigma_attitude)
+        said = said and f"of the attitude: {said}"
+    return said and (
+        f"what the fit leaves, {said}: the model does not hold for this track, and no interval is "
+        f"given; {CAUSES}"
+    )
+
+
+def _memory(time: np.ndarray, off: np.ndarray, slight: float, sigma: float | None) -> str:
+    """Say why residuals (n, d) are no noise, nothing if they are, or are slight."""
+    size = float(np.sqrt(np.mean(off**2)))
+    if size < slight or (sigma is not None and size < 0.5 * sigma):
         return ""
     n, d = off.shape
     memory = float(np.sum(off[1:] * off[:-1]) / np.sum(off**2))
-    noise = line(track.time, off).noise
+    noise = line(time, off).noise
     if memory > max(4.0 / np.sqrt(n * d), 0.1) or size > 2.0 * noise:
-        return (
-            f"what the fit leaves, {size:.3g}, is no noise (that is {noise:.3g} from frame to "
-            f"frame): the model does not hold for this track, and no interval is given; {CAUSES}"
-        )
+        return f"{size:.3g}, is no noise (that is {noise:.3g} from frame to frame)"
     return ""
 
 
@@ -125,18 +139,22 @@ def covariance_of_model(
     return moved @ moved.T
 
 
-def unexplained(problem: PathProblem, done: Any, spread: float, errors: np.ndarray | None) -> float:
-    """Return chi-squared of a fit once its velocities may be off by the errors of the model.
+def unexplained(
+    problem: PathProblem, done: Any, spread: float, errors: np.ndarray | None
+) -> tuple[float, np.ndarray]:
+    """Return chi-squared and residuals of a fit once its velocities may be off by the model's
+    errors.
 
     With a deviations of each, ``min |r + J x + D a|^2 + |a|^2`` over all parameters x and a: the
-    fit as it is where no error is known.
+    fit as it is where no error is known. Residuals are as they are if the deviations are too many.
     """
     r = done.fun / spread
     if errors is None:
-        return float(r @ r)
+        return float(r @ r), done.fun
     J, d = problem.jacobian(done.x), moved_by_model(problem, done.x, spread, errors)
     U, s, _ = np.linalg.svd(J / np.maximum(np.linalg.norm(J, axis=0), 1e-300), full_matrices=False)
     U = U[:, s > 1e-8 * s[0]]
     r, d = (v - U @ (U.T @ v) for v in (r, d))
     a = -np.linalg.solve(np.eye(d.shape[1]) + d.T @ d, d.T @ r)
-    return float(np.sum((r + d @ a) ** 2) + a @ a)
+    left = r + d @ a
+    return float(left @ left + a @ a), spread * left if a @ a < FEW else done.fun

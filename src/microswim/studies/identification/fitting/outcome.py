@@ -7,6 +7,8 @@ given the velocities that its errors allow before they are compared, see `unexpl
 from __future__ import annotations
 
 import warnings
+from dataclasses import dataclass
+from operator import attrgetter
 from typing import Any
 
 import numpy as np
@@ -53,27 +55,38 @@ def _about_model(problem: PathProblem, branch: Branch) -> tuple[str, ...]:
     )
 
 
-def _branches(
-    problem: PathProblem, fits: list[Any], spread: float, model_error: bool, grid: Grid | None
-) -> list[Branch]:
-    """The designs that fit as well as the best, each once; the model's error allowed for."""
-    spread = max(spread, 1e-300)
-    compared = []
+@dataclass(frozen=True, eq=False)
+class _Compared:
+    """A fit, the errors of the model there, and what both leave: chi-squared and residuals."""
+
+    done: Any
+    errors: np.ndarray | None
+    chi_squared: float
+    residuals: np.ndarray
+
+
+def _compared(
+    problem: PathProblem, fits: list[Any], spread: float, model_error: bool
+) -> list[_Compared]:
+    """Fits, the one that explains the track best first; the model's error allowed for."""
+    found = []
     for done in apart(problem, fits) if model_error else fits:
         errors = _errors(problem, done) if model_error else None
-        compared.append((unexplained(problem, done, spread, errors), done, errors))
-    compared.sort(key=_left)
+        found.append(_Compared(done, errors, *unexplained(problem, done, spread, errors)))
+    return sorted(found, key=attrgetter("chi_squared"))
+
+
+def _branches(
+    problem: PathProblem, compared: list[_Compared], spread: float, grid: Grid | None
+) -> list[Branch]:
+    """The designs that explain the track as well as the best, each once."""
     found: list[Branch] = []
-    for left, done, errors in compared:
-        behind, values = left - compared[0][0], problem.physical(done.x)
+    for one in compared:
+        behind, values = one.chi_squared - compared[0].chi_squared, problem.physical(one.done.x)
         if behind > AS_WELL or any(holds(branch, values) for branch in found):
             continue
-        found.append(branch_of(problem, done, spread, behind, errors, grid=grid))
+        found.append(branch_of(problem, one.done, spread, behind, one.errors, grid=grid))
     return found
-
-
-def _left(compared: tuple[float, Any, Any]) -> float:
-    return compared[0]
 
 
 def outcome(
@@ -83,10 +96,12 @@ def outcome(
     best = fits[0]
     degrees = best.fun.size - best.x.size
     spread = np.sqrt(2.0 * best.cost / max(degrees, 1)) if problem.sigma is None else 1.0
-    withheld = left_over(problem, problem.path(best.x))
+    spread = max(float(spread), 1e-300)
+    compared = _compared(problem, fits, spread, model_error)
+    withheld = left_over(problem, compared[0].residuals)
     branches = (branch_of(problem, best, spread, 0.0, None, tried=False),)
     if not withheld:
-        branches = ranked(problem, _branches(problem, fits, spread, model_error, grid))
+        branches = ranked(problem, _branches(problem, compared, spread, grid))
     first = branches[0]
     path = problem.path(first.parameters)
     misfit = None if problem.sigma is None else 2.0 * best.cost / degrees

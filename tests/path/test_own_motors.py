@@ -208,3 +208,10 @@ def test_what_makes_no_sense_is_refused_in_a_sentence(change, match):
         ms.own_motors(swimmer(pair()), **{"times": TIMES, "torque": 1.0} | change)
     with pytest.raises(ms.SpecError, match="tail"):
         ms.own_motors(swimmer(ms.NoTail()), TIMES, torque=1.0)
+
+
+@pytest.mark.parametrize("given", [{"step": 0.1}, {"contact": 0.1}, {"force": (0, 0, 1.0)}])
+def test_what_does_not_act_beside_a_motor_is_refused(given):
+    robot = replace(ms.Swimmer.preset("tabak/helix"), motor=ms.Motor(torque=1.0))
+    with pytest.raises(ms.SpecError, match=f"{next(iter(given))}.*motor"):
+        ms.path(robot, 1.0, **given)

@@ -26,8 +26,8 @@ MOST_TURNS = 20_000  #: of the fastest motor: some minutes
 _AROUND = ("wall", "channel", "magnet", "field", "gravity", "flow", "noise")
 
 
-def check_alone(swimmer: Swimmer, model: str, pushed: bool) -> None:
-    """Refuse what does not act on a path by the torque of motors.
+def check_alone(swimmer: Swimmer, model: str, pushed: bool, **others: Any) -> None:
+    """Refuse what does not act on a path by the torque of motors, `others` by their names.
 
     Raises
     ------
@@ -42,6 +42,9 @@ def check_alone(swimmer: Swimmer, model: str, pushed: bool) -> None:
             )
     if pushed:
         raise SpecError(f"force, torque: motors of given torque are followed without; {mend}")
+    for name, value in others.items():
+        if value is not None:
+            raise SpecError(name, value, "left out with [motor]", "its steps are adaptive")
     if model not in ("auto", "rft"):
         raise SpecError("model", model, "auto or rft with [motor]", "or leave out [motor]")
 

@@ -176,7 +176,8 @@ def path(
             keep=None if keep is None else Path(keep), progress=progress, **pushes,
         )  # fmt: skip
     if poses is None and gait is None and swimmer.motor is not None:
-        check_alone(swimmer, model, bool(np.any(force) or np.any(torque)))
+        pushed = bool(np.any(force) or np.any(torque))
+        check_alone(swimmer, model, pushed, step=step, contact=contact)
         if paths > 1:
             raise SpecError("paths", paths, "1 with [motor]", "all paths would be the same")
         begin = pose_at_start(swimmer, rest_start(swimmer), position, quaternion, tilt)

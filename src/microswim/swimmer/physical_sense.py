@@ -209,8 +209,8 @@ def _of_motors(swimmer: Swimmer) -> list[str]:
     if swimmer.motor is None:
         return []
     return [
-        "[motor] gives a torque: microswim path follows how fast the tails turn; all else has them "
-        "turn at tail.frequency"
+        "[motor] gives a torque: microswim path follows how fast it turns the tails; run and all "
+        "else take tail.frequency"
     ]
 
 

@@ -1,8 +1,9 @@
-/* The surrogate's helix in C: quadrature and 6x6 solve, LANES designs at a time.
+/* The surrogate in C: quadrature and 6x6 solve, LANES designs at a time.
  *
- * The same formulas as microswim/kernels.py with explicit lanes, so that the compiler takes the
+ * The same formulas as models/rft/segment.py with explicit lanes, so that the compiler takes the
  * designs of one block side by side, sines included: the yardstick of bench_surrogate.py.
- * p (n, 10): L, b, k, ramp, sign, c_t, c_n, c_r, offset, spin. out (n, 6): the twist. */
+ * p (n, 10): L, b, k, ramp, sign, c_t, c_n, c_r, offset, spin; a plane wave has sign and spin 0.
+ * out (n, m, 6): the twist at each of m phases. */
 #include <math.h>
 
 #define LANES 16
@@ -10,10 +11,10 @@
 typedef double lanes[LANES];
 
 static void segment(lanes R[restrict 6][6], lanes F[restrict 6], const lanes p[restrict 10],
-                    double x, double weight, int ramp) {
+                    double x, double weight, int ramp, double phase) {
     lanes cosine, sine; /* apart: GCC joins a pair into sincos, which has no lanes */
-    EACH cosine[l] = cos(p[2][l] * (ramp ? p[3][l] * x : p[3][l] + (1 - p[3][l]) * x) * p[0][l]);
-    EACH sine[l] = sin(p[2][l] * (ramp ? p[3][l] * x : p[3][l] + (1 - p[3][l]) * x) * p[0][l]);
+    EACH cosine[l] = cos(p[2][l] * (ramp ? p[3][l] * x : p[3][l] + (1 - p[3][l]) * x) * p[0][l] - phase);
+    EACH sine[l] = sin(p[2][l] * (ramp ? p[3][l] * x : p[3][l] + (1 - p[3][l]) * x) * p[0][l] - phase);
     EACH {
         double L = p[0][l], b = p[1][l], k = p[2][l], part = p[3][l], sign = p[4][l], spin = p[9][l];
         double xi = ramp ? part * x : part + (1 - part) * x, width = ramp ? part : 1 - part;
@@ -75,19 +76,25 @@ static void ldl(lanes R[6][6], lanes V[6]) {
 }
 
 void designs(int n, const double *params, const double *bodies, int m0, const double *x0,
-             const double *w0, int m1, const double *x1, const double *w1, double *out) {
+             const double *w0, int m1, const double *x1, const double *w1, int m,
+             const double *phases, double *out) {
     for (int d = 0; d < n; d += LANES) {
         lanes p[10], R[6][6], F[6];
+        int at[LANES];
         for (int l = 0; l < LANES; l++) {
-            int at = d + l < n ? d + l : n - 1;
-            for (int i = 0; i < 10; i++) p[i][l] = params[10 * at + i];
-            for (int i = 0; i < 36; i++) R[i / 6][i % 6][l] = bodies[36 * at + i];
-            for (int i = 0; i < 6; i++) F[i][l] = 0;
+            at[l] = d + l < n ? d + l : n - 1;
+            for (int i = 0; i < 10; i++) p[i][l] = params[10 * at[l] + i];
         }
-        for (int i = 0; i < m0; i++) segment(R, F, p, x0[i], w0[i], 1);
-        for (int i = 0; i < m1; i++) segment(R, F, p, x1[i], w1[i], 0);
-        ldl(R, F);
-        for (int l = 0; l < LANES && d + l < n; l++)
-            for (int i = 0; i < 6; i++) out[6 * (d + l) + i] = -F[i][l];
+        for (int j = 0; j < m; j++) {
+            for (int l = 0; l < LANES; l++) {
+                for (int i = 0; i < 36; i++) R[i / 6][i % 6][l] = bodies[36 * at[l] + i];
+                for (int i = 0; i < 6; i++) F[i][l] = 0;
+            }
+            for (int i = 0; i < m0; i++) segment(R, F, p, x0[i], w0[i], 1, phases[j]);
+            for (int i = 0; i < m1; i++) segment(R, F, p, x1[i], w1[i], 0, phases[j]);
+            ldl(R, F);
+            for (int l = 0; l < LANES && d + l < n; l++)
+                for (int i = 0; i < 6; i++) out[6 * (m * (d + l) + j) + i] = -F[i][l];
+        }
     }
 }

@@ -75,6 +75,9 @@ def _table(degree: int = 48) -> np.ndarray:
 
 
 _GAUSS = np.polynomial.legendre.leggauss(14)
+#: Up to this epsilon, as far as the law means something, the nearest singularity, five away or
+#: more, is so far that fewer nodes give the same digits.
+THIN, _FEW = 0.5, np.polynomial.legendre.leggauss(6)
 
 
 @compiled()
@@ -133,11 +136,15 @@ def lighthill_integrals(alpha: Any, epsilon: Any) -> tuple[Any, Any]:
                 raise SpecError(name, x.real, f"from {lo} to {hi} for Lighthill's integrals")
         if isinstance(alpha, complex) or isinstance(epsilon, complex):
             alpha, epsilon = complex(alpha), complex(epsilon)
-        return _at(alpha, epsilon, _table(), *_GAUSS)
+        return _at(alpha, epsilon, _table(), *(_FEW if epsilon.real <= THIN else _GAUSS))
     alpha, epsilon = np.broadcast_arrays(alpha, epsilon)
     kind = np.result_type(alpha, epsilon, np.float64)
     flat = [np.ascontiguousarray(x, dtype=kind).reshape(-1) for x in (alpha, epsilon)]
-    A = np.array(_at.written(*flat, _table(), *_GAUSS))
+    A = np.empty((2, alpha.size), dtype=kind)
+    thin = np.real(flat[1]) <= THIN
+    for rows, rule in ((thin, _FEW), (~thin, _GAUSS)):
+        if rows.any():
+            A[:, rows] = _at.written(*(x[rows] for x in flat), _table(), *rule)
     for x, (lo, hi) in zip(flat, (ALPHA_RANGE, EPSILON_RANGE)):
         A[:, ~((np.real(x) >= lo) & (np.real(x) <= hi))] = np.nan
     return A[0].reshape(alpha.shape), A[1].reshape(alpha.shape)

@@ -1,7 +1,7 @@
 """How wrong the atlas is: makes docs/accuracy-atlas.md on designs that it has not seen.
 
     python benchmarks/atlas.py --folder solves      # draws designs and solves them
-    python benchmarks/atlas.py --helices A.jsonl --waves B.jsonl --alone C.jsonl   # solved already
+    python benchmarks/atlas.py --helices A --waves B --helices-alone C --waves-alone D  # solved
 
 The designs are drawn afterwards, uniform in the logarithms of their numbers over the range that the
 atlas says it covers, with a seed of their own; none of them is ever fitted.
@@ -31,7 +31,12 @@ from microswim.studies.world.page import table
 
 PAGE = Path(__file__).parents[1] / "docs" / "accuracy-atlas.md"
 #: Seed and number.
-DRAWN = {"helix": (101, 620), "plane_wave": (201, 300), "helix_alone": (103, 220)}
+DRAWN = {
+    "helix": (101, 620),
+    "plane_wave": (201, 300),
+    "helix_alone": (103, 220),
+    "plane_wave_alone": (203, 400),
+}
 LOW, HIGH = (np.array([n[i] for n in coordinates.NUMBERS]) for i in (1, 2))
 EDGE = 0.1  #: a corner: two or more of the six numbers within this share of an end
 SURE = 0.01  #: doubt of the reference in u_s below which a design counts as known
@@ -43,7 +48,7 @@ def drawn(kind, folder):
     """Designs of the range, solved."""
     seed, number = DRAWN[kind]
     x = LOW * (HIGH / LOW) ** points(number, 6, seed)
-    if kind in ALONE:  # a quarter without a ramp, the others from 0.05 to 0.5
+    if kind.endswith(ALONE):  # a quarter without a ramp, the others from 0.05 to 0.5
         x[:, 3:5] = 0.0, 1.0
         x[::4, 5] = 0.0
     every = map(partial(design, kind=kind), x)
@@ -189,7 +194,21 @@ The {corners} corners, two or more of the six numbers within a tenth of an end o
 
 {corner}
 
-Plain resistive force theory (Lighthill's law) over the same designs is off in u_s by
+{plain}"""
+
+WAVES_ALONE = """## Plane waves without a body
+
+A beating filament alone, with a ramp or (a quarter of the designs) without; fitted to {solves}
+solves, {count} designs drawn afterwards:
+
+{whole}
+
+The {sure} designs of which boundary elements know u_s to 1 %:
+
+{known}
+
+{plain}"""
+LIGHTHILL = """Plain resistive force theory (Lighthill's law) over the same designs is off in u_s by
 {of_truth:.0f} % of the truth in the median, {of_own:.0f} % of its own answer.
 """
 
@@ -266,8 +285,8 @@ def of_helices(solved):
     )
 
 
-def of_waves(solved):
-    """The page's part on plane waves."""
+def of_waves(solved, kind="plane_wave", text=WAVES):
+    """The page's part on plane waves, on a body or alone."""
     off, held = errors(solved, "plane_wave")
     sure = np.array([doubt(s.gait)[0] < SURE for s in solved])
     corner = np.array([is_corner(s.swimmer) for s in solved])
@@ -278,16 +297,18 @@ def of_waves(solved):
         "corner": corner,
     }
     tables = {n: table(rows(off, held, some, "plane_wave")) for n, some in parts.items()}
-    return WAVES.format(
-        solves=f"{shipped('plane_wave').about['solves']:,}",
+    return text.format(
+        solves=f"{shipped(kind).about['solves']:,}",
         longest=coordinates.LONGEST_WAVE,
         count=len(solved),
         corners=corner.sum(),
         sure=sure.sum(),
-        of_truth=of_truth,
-        of_own=of_own,
+        plain=LIGHTHILL.format(of_truth=of_truth, of_own=of_own),
         **tables,
     )
+
+
+waves_alone = partial(of_waves, kind="plane_wave_alone", text=WAVES_ALONE)
 
 
 def main():
@@ -296,14 +317,16 @@ def main():
     parser.add_argument("--folder", type=Path, help="where solves are kept")
     parser.add_argument("--helices", type=Path, help="a file of solves in place of new ones")
     parser.add_argument("--waves", type=Path, help="the same of plane waves")
-    parser.add_argument("--alone", type=Path, help="the same of helices without a body")
+    parser.add_argument("--helices-alone", type=Path, help="the same of helices without a body")
+    parser.add_argument("--waves-alone", type=Path, help="the same of plane waves without one")
     asked = parser.parse_args()
     warnings.simplefilter("ignore")
     parts = []
     for kind, path, part in (
         ("helix", asked.helices, of_helices),
         ("plane_wave", asked.waves, of_waves),
-        ("helix_alone", asked.alone, of_alone),
+        ("helix_alone", asked.helices_alone, of_alone),
+        ("plane_wave_alone", asked.waves_alone, waves_alone),
     ):
         own = partial(design, kind=kind)
         solved = solves.read(path, own) if path else drawn(kind, asked.folder)

@@ -22,12 +22,13 @@ for name in ("NUMBA_NUM_THREADS", "OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MK
     os.environ[name] = "1"
 
 import json
+import resource
 import sys
 from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
-from clock import least, timed
+from clock import RESULTS, keep, least, timed
 from scipy.linalg import lu_factor
 from scipy.spatial.distance import cdist
 
@@ -37,7 +38,7 @@ from microswim.models import bem
 from microswim.models.bem.patches.mesh import swimmer_surface
 from microswim.models.bem.system import Layer, rigid_modes
 
-RESULTS = Path(__file__).parent / "results" / "bem.json"
+KEPT = RESULTS / "bem.json"
 LEVEL_ORDERS = [
     ("coarse", 2),
     ("coarse", 3),
@@ -107,14 +108,17 @@ def cost():
             f"LU at {row['peak']:.0%} of peak"
         )
         rows.append({"level": level, "design": design, **row})
-    return {"matrix product, flop/s": peak, "designs": rows}
+    wave = ms.Swimmer.preset("tabak/plane_wave")
+    beat = least(lambda: wave.gait(model="bem"), 3)
+    print(f"a plane wave at its phases: {beat:.2f} s")
+    return {"matrix product, flop/s": peak, "seconds of a plane wave": beat, "designs": rows}
 
 
 def scaling():
     """Base case on ever finer patches of order 3: exponents of assembly and factorisation."""
     level = bem.get_level("standard")
     rows = []
-    for size in (8.0, 5.0, 3.2, 2.2):
+    for size in (8.0, 5.0, 3.2, 2.2, 1.4, 1.0):
         r = replace(
             level.resolution,
             panel=0.6 * size,
@@ -123,7 +127,9 @@ def scaling():
             wave=0.25 * size,
             body=round(8.0 / size),
         )
-        rows.append(split(swimmer(), replace(level, resolution=r), repeats=2))
+        repeats = 2 if size > 2.0 else 1
+        rows.append(split(swimmer(), replace(level, resolution=r), repeats))
+        rows[-1]["GB at most"] = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / 1e6
         shown = {k: round(v, 4) for k, v in rows[-1].items()}
         print(shown, flush=True)
     n = np.log([r["unknowns"] for r in rows])
@@ -357,11 +363,10 @@ PARTS = {f.__name__: f for f in (cost, scaling, peers, designs, levels, rodenbor
 
 def main(arguments):
     wanted = arguments[:1] or ["cost", "scaling", "peers"]
-    RESULTS.parent.mkdir(exist_ok=True)
-    results = json.loads(RESULTS.read_text()) if RESULTS.exists() else {}
+    results = json.loads(KEPT.read_text()) if KEPT.exists() else {}
     for part in wanted:
         results[part] = PARTS[part](*arguments[1:])
-        RESULTS.write_text(json.dumps(results, indent=1))
+        keep("bem", results)
 
 
 if __name__ == "__main__":

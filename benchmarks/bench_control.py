@@ -21,7 +21,7 @@ from pathlib import Path
 
 import gymnasium
 import numpy as np
-from clock import least
+from clock import keep, least
 from numba import njit
 from scipy.integrate import solve_ivp
 
@@ -213,8 +213,7 @@ def main():
     if not others:
         print("no peers without --peers PYTHON; those of the last run with it are kept\n")
         results["peers"] = kept()
-    (HERE / "results").mkdir(exist_ok=True)
-    (HERE / "results" / "control.json").write_text(json.dumps(results, indent=1))
+    keep("control", results)
     print(f"{'one core, processor time':<50} {'µs':>10} {'ratio':>9}")
     base = micro["step, compiled loop"]
     for name, value in micro.items():

@@ -25,6 +25,7 @@ from functools import partial
 from pathlib import Path
 
 import numpy as np
+from clock import keep
 from scipy.stats import qmc
 
 import microswim as ms
@@ -65,10 +66,14 @@ def memory():
 def cost(*levels):
     """One quasi-steady design by part."""
     print("level elements unknowns | mesh+spaces displace factorise refactorise solve | GB")
+    rows = []
     for name in levels or ("coarse",):
         flow, times = parts(name)
+        named = dict(zip(("set-up", "move", "first factorisation", "again", "solve"), times))
+        rows.append({"level": name, "unknowns": flow.unknowns, **named, "GB at most": memory()})
         seconds = " ".join(f"{t:.2f}" for t in times)
         print(name, flow.mesh.ne, flow.unknowns, "|", seconds, "|", f"{memory():.2f}", flush=True)
+    keep("fem", {"seconds by part": rows})
 
 
 def parts(name):

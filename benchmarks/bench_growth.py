@@ -14,12 +14,10 @@ import os
 for name in ("NUMBA_NUM_THREADS", "OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS"):
     os.environ[name] = "1"
 
-import json
 import time
-from pathlib import Path
 
 import numpy as np
-from clock import least
+from clock import keep, least
 
 import microswim as ms
 from microswim.jobs import processes, references
@@ -28,7 +26,6 @@ from microswim.models.rft import plane_wave as planarwave
 from microswim.models.rft import segment as kernels
 from microswim.numerics.quadrature import gauss
 
-RESULTS = Path(__file__).parent / "results" / "growth.json"
 HELIX, WAVE = (ms.Swimmer.preset(f"tabak/{name}") for name in ("helix", "plane_wave"))
 
 
@@ -49,9 +46,9 @@ def phases():
         yield m, least(lambda f=phase: planarwave.wave_phases(True, p, f, *rules), 9, 30)
 
 
-def designs(swimmer):
+def designs(swimmer, most):
     """Batched evaluation from numbers of the spec to speeds and powers."""
-    for n in (10, 100, 1000, 10_000, 100_000):
+    for n in 10 ** np.arange(1, most + 1):
         values = {"tail.amplitude": np.linspace(0.03, 0.12, n)}
         yield n, least(lambda v=values: ms.evaluate(swimmer, v), 3, max(1, 3000 // n))
 
@@ -71,8 +68,8 @@ def workers():
 PARTS = {
     "nodes of one helix": nodes,
     "phases of one plane wave": phases,
-    "designs, helix": lambda: designs(HELIX),
-    "designs, plane wave": lambda: designs(WAVE),
+    "designs, helix": lambda: designs(HELIX, 7),
+    "designs, plane wave": lambda: designs(WAVE, 6),
     "workers, boundary elements": workers,
 }
 
@@ -91,8 +88,7 @@ def main():
             "exponent": float(exponent),
         }
         print(f"{name:28s} exponent {exponent:5.2f}   last: {x[-1]:g} in {seconds[-1]:.3g} s")
-    RESULTS.parent.mkdir(exist_ok=True)
-    RESULTS.write_text(json.dumps(results, indent=1) + "\n")
+    keep("growth", results)
 
 
 if __name__ == "__main__":

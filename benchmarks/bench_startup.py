@@ -9,12 +9,13 @@ import of NumPy and scipy.linalg in the same run. "First ever" has an empty cach
 
 from __future__ import annotations
 
-import json
 import os
 import subprocess
 import sys
 import tempfile
 from pathlib import Path
+
+from clock import keep
 
 HERE = Path(__file__).parent
 COMMAND = Path(sys.executable).with_name("microswim")
@@ -89,8 +90,7 @@ def main(repeats=7):
             for name, value in seconds.items()
         },
     }
-    (HERE / "results").mkdir(exist_ok=True)
-    (HERE / "results" / "startup.json").write_text(json.dumps(results, indent=1) + "\n")
+    keep("startup", results)
     for name, value in seconds.items():
         print(f"{name:45s} {value:6.2f} {value / unit:6.2f}")
 

@@ -10,7 +10,6 @@ on two quiet cores an answer takes no longer than that.
 
 from __future__ import annotations
 
-import json
 import os
 import platform
 import statistics
@@ -23,6 +22,7 @@ os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")  # as the command does
 
 sys.path.insert(0, str(Path(__file__).parents[1] / "tests" / "studio"))
 
+from clock import keep
 from test_studio import call  # a request through the ASGI interface, JSON included
 
 from microswim.models.rft.warm_up import warm_up
@@ -76,11 +76,7 @@ def main():
     load = os.getloadavg()[0]
     print(f"load of the machine meanwhile: {load:.1f} on {os.cpu_count()} cores")
     facts = {"python": platform.python_version(), "cores": os.cpu_count(), "load": round(load, 1)}
-    out = Path(__file__).parent / "results" / "studio.json"
-    out.parent.mkdir(exist_ok=True)
-    out.write_text(
-        json.dumps({"milliseconds": results, **facts}, indent=1) + "\n", encoding="utf-8"
-    )
+    keep("studio", {"milliseconds": results, **facts})
 
 
 if __name__ == "__main__":

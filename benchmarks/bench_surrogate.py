@@ -25,7 +25,7 @@ import time
 from pathlib import Path
 
 import numpy as np
-from clock import least, processor
+from clock import keep, least, processor
 from numba import njit
 
 import microswim as ms
@@ -251,7 +251,6 @@ def main():
     ms.evaluate(helix, {k: v[:10] for k, v in grid.items()})
     mapped = least(lambda: ms.evaluate(helix, grid), 5)
     results = {
-        "processor": processor(),
         **kernels_alone(),
         "million designs per second, all cores, by the clock": 1e-6 * on_all_cores(),
         "microseconds per gait from Python": 1e6 * least(helix.gait, 9, 300),
@@ -262,9 +261,7 @@ def main():
     }
     if (narrow := with_avx2_alone()) is not None:
         results["AVX2 alone"] = narrow
-    folder = HERE / "results"
-    folder.mkdir(exist_ok=True)
-    (folder / "surrogate.json").write_text(json.dumps(results, indent=1) + "\n")
+    keep("surrogate", results)
     print(json.dumps(results, indent=1))
 
 

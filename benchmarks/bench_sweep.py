@@ -17,6 +17,7 @@ from functools import partial
 from pathlib import Path
 
 import numpy as np
+from clock import keep
 
 import microswim as ms
 from microswim.jobs.worker import Worker
@@ -113,6 +114,7 @@ def main():
         report["surrogate"] = surrogate(given.designs)
     if given.bem:
         report["reference"] = reference(given.bem, given.level, given.workers)
+    keep("sweep", report)
     print(json.dumps(report, indent=1))
 
 

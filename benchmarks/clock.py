@@ -2,11 +2,21 @@
 
 from __future__ import annotations
 
+import json
 import os
 import time
 from pathlib import Path
 
 import numpy as np
+
+RESULTS = Path(__file__).parent / "results"
+
+
+def keep(name, results):
+    """Write the results of a benchmark, and on which processor they were measured."""
+    RESULTS.mkdir(exist_ok=True)
+    text = json.dumps({"processor": processor(), **results}, indent=1) + "\n"
+    (RESULTS / f"{name}.json").write_text(text, encoding="utf-8")
 
 
 def processor():

@@ -26,7 +26,7 @@ from microswim.swimmer.parts import replaced
 from microswim.swimmer.swimmer import Swimmer
 
 #: By the kind of design (`coordinates.kind_of`).
-FILES = {n: f"{n}.npz" for n in ("helix", "plane_wave", "helix_alone")}
+FILES = {n: f"{n}.npz" for n in ("helix", "plane_wave", "helix_alone", "plane_wave_alone")}
 SOME = 64  #: designs side by side: more would not fit the processor's memory
 EACH = 4e-4  #: seconds of a design as Python
 

@@ -37,15 +37,9 @@ LOW = (0.045, 0.018, 0.45, 1.8, 0.46, 0.04)
 HIGH = (2.7, 0.85, 8.5, 44.0, 5.4, 0.55)
 #: Further bounds: k a, a / L and filament length over radius, of a helix and of a plane wave.
 MOST = (8.0, 0.8)
-LONGEST = {"helix": 1440.0, "plane_wave": 440.0, "helix_alone": 1440.0}
-TAILS: dict[str, Any] = {
-    "helix": HelicalTail,
-    "plane_wave": PlaneWaveTail,
-    "helix_alone": HelicalTail,
-}
-
-#: Kinds of design without a body.
-ALONE = ("helix_alone",)
+LONGEST = {"helix": 1440.0, "plane_wave": 440.0}
+TAILS: dict[str, Any] = {"helix": HelicalTail, "plane_wave": PlaneWaveTail}
+ALONE = "_alone"  #: how the kinds of design without a body end
 #: Boxes of the same numbers around robots and cells as people begin with them, and their designs.
 FAMILIAR = (
     ((0.3, 0.12, 1.0, 5.0, 0.95, 0.08), (1.6, 0.6, 5.0, 16.0, 1.6, 0.15)),
@@ -68,9 +62,9 @@ def drawn(count: int, seed: int = SEED, kind: str = "helix") -> np.ndarray:
     Without a body a quarter of them has no ramp, and the body's numbers are 0 and 1.
     """
     low, high = np.array(LOW), np.array(HIGH)
-    u = points(count, 4 if kind in ALONE else 6, seed)
+    u = points(count, 4 if kind.endswith(ALONE) else 6, seed)
     u = 0.5 * u + 0.25 * (1.0 - np.cos(np.pi * u))
-    if kind in ALONE:
+    if kind.endswith(ALONE):
         ramp = 0.7 * u[:, 3] - 0.15
         first = low[:3] * (high[:3] / low[:3]) ** u[:, :3]
         still = np.zeros(count), np.ones(count)
@@ -88,18 +82,19 @@ def design(x: Any, kind: str = "helix") -> Swimmer | None:
     x
         b k, k r_t, waves, body over filament radius, aspect ratio, ramp.
     kind
-        Of design: ``"helix"``, ``"plane_wave"``, ``"helix_alone"``.
+        Of design: ``"helix"``, ``"plane_wave"``, either with ``"_alone"`` if it has no body.
     """
     bk, thick, waves, head, aspect, ramp = map(float, x)
     a, length = head * thick, 2.0 * np.pi * waves
     *_, slender = coordinates.ratios((bk, thick, waves, a), kind)
-    if a > MOST[0] or a > MOST[1] * length or slender > LONGEST[kind]:
+    tail_kind = kind.removesuffix(ALONE)
+    if a > MOST[0] or a > MOST[1] * length or slender > LONGEST[tail_kind]:
         return None
     body: Any = NoBody()
-    if kind not in ALONE:
+    if not kind.endswith(ALONE):
         body = Spheroid(semi_axes=(a * aspect ** (2.0 / 3.0), a * aspect ** (-1.0 / 3.0)))
     try:
-        tail = TAILS[kind](length=length, amplitude=bk, waves=waves, radius=thick, ramp=ramp)
+        tail = TAILS[tail_kind](length=length, amplitude=bk, waves=waves, radius=thick, ramp=ramp)
     except SpecError:
         return None
     return Swimmer(body=body, tail=tail, fluid=Fluid(viscosity=1.0))
@@ -110,7 +105,7 @@ def solve(
 ) -> list[Solved]:
     """Return the designs among `count`, and the familiar ones, that boundary elements resolve."""
     wanted = drawn(count, seed, kind)
-    if kind not in ALONE:
+    if not kind.endswith(ALONE):
         wanted = np.concatenate([wanted, familiar(seed)])
     designs = [s for s in map(partial(design, kind=kind), wanted) if s is not None]
     gaits = references.gaits(designs, "bem", folder=folder, level=LEVEL, **options)

@@ -36,7 +36,7 @@ LONGEST_WAVE = 430.0
 
 #: Sections and motion of the surface in the solves, by the kind of tail.
 SURFACES = {"helix": ("perpendicular", "rigid"), "plane_wave": ("sheared", "translating")}
-#: Of a helix without a body, which may begin at its full amplitude.
+#: Of a tail without a body, which may begin at its full amplitude.
 ALONE = (*NUMBERS[:3], ("ramp", 0.0, 0.5), RATIOS[2])
 
 
@@ -47,12 +47,11 @@ def kind_of(swimmer: Swimmer) -> str:
 
 def bounds(kind: str) -> tuple[tuple[str, float, float], ...]:
     """Return the range of a kind of design, in the order of `values`."""
-    if kind.endswith("_alone"):
-        return ALONE
-    if kind == "helix":
-        return (*NUMBERS, *RATIOS)
-    *others, (name, low, _) = RATIOS
-    return (*NUMBERS, *others, (name, low, LONGEST_WAVE))
+    every = ALONE if kind.endswith("_alone") else (*NUMBERS, *RATIOS)
+    if kind.startswith("helix"):
+        return every
+    *others, (name, low, _) = every
+    return (*others, (name, low, LONGEST_WAVE))
 
 
 def values(x: Any, kind: str) -> tuple[Any, ...]:
@@ -80,7 +79,7 @@ def ratios(x: Any, kind: str = "helix") -> tuple[Any, Any, Any]:
     A plane wave is as long as its mean square slope makes it, to the leading order.
     """
     bk, thick, waves, head = x[:4]
-    length, slope2 = 2.0 * np.pi * waves, bk * bk * (0.5 if kind == "plane_wave" else 1.0)
+    length, slope2 = 2.0 * np.pi * waves, bk * bk * (0.5 if kind.startswith("plane_wave") else 1.0)
     return head / thick, head / length, length * np.sqrt(1.0 + slope2) / thick
 
 
@@ -154,8 +153,6 @@ def unlike(swimmer: Swimmer) -> list[str]:
         return ["it holds helical tails and plane waves"]
     if not tail.is_plain:
         return ["it holds round filaments of one amplitude"]
-    if body.is_absent and tail.is_planar:
-        return ["it holds plane waves on a body, a sphere or a spheroid"]
     if not body.is_absent and not (
         body.is_ellipsoid and body.is_axisymmetric and np.all(np.real(body.semi_axes3[0]) > 0)
     ):

@@ -39,6 +39,7 @@ POWERS: dict[str, tuple[tuple[int, ...], ...]] = {
     "helix": SCALED,
     "plane_wave": (),
     "helix_alone": tuple((j, j + 1) for j in range(alone.REAL, alone.COLUMNS, 2)),
+    "plane_wave_alone": (),
 }
 PERIOD = np.pi * np.arange(SAMPLES) / HALF
 
@@ -48,9 +49,7 @@ def groups_of(kind: str) -> list[tuple[slice, bool, int]]:
     if kind == "helix_alone":
         return [(slice(alone.REAL), False, PHASORS), (slice(alone.REAL, None), True, PHASORS)]
     thrust, others, *lateral = of_region(kind == "helix")
-    if (
-        kind == "plane_wave"
-    ):  # over so wide a range the phase of the tip says nothing of what is even in it
+    if kind.startswith("plane_wave"):  # over so wide a range the tip says nothing of the even
         return [(thrust[0], False, 0), (others[0], False, 0), *lateral]
     middle = slice(others[0].start, TURNING), slice(TURNING, others[0].stop)
     return [thrust, *((part, *others[1:]) for part in middle), *lateral]
@@ -151,15 +150,20 @@ def held(R: np.ndarray) -> np.ndarray:
     return np.array([V[0], np.hypot(*V[1:3]), R[3, 3] + R[3, free] @ V, np.hypot(*V[3:])])
 
 
+def _is_held(swimmer: Swimmer) -> bool:
+    """Whether it can be judged only turned against the lab: a helix without a body."""
+    return swimmer.body.is_absent and swimmer.tail.is_rigid
+
+
 def _by_corrections(swimmer: Swimmer, y: np.ndarray) -> np.ndarray:
     """Return the same of a swimmer's corrections."""
     R, F = (x[0] for x in rebuilt(swimmer, y)[:2])
-    return held(R[0]) if swimmer.body.is_absent else velocities(R, F)
+    return held(R[0]) if _is_held(swimmer) else velocities(R, F)
 
 
 def _by_gait(swimmer: Swimmer, gait: Gait) -> np.ndarray:
     """Return `velocities` of a swimmer's gait, or `held`."""
-    if swimmer.body.is_absent:
+    if _is_held(swimmer):
         return held(np.real(gait.resistance(0.0)))
     phases = PERIOD if swimmer.tail.is_planar else np.zeros(1)
     return velocities(gait.resistance(phases), gait.propulsion(phases))

@@ -109,7 +109,8 @@ def rebuilt(swimmer: Swimmer, y: np.ndarray) -> tuple[Any, ...]:
 
     From corrections y (columns, ...) of n designs, or of one.
     """
-    known = _alone if swimmer.body.is_absent else _helix if swimmer.tail.is_rigid else _wave
+    turning = _alone if swimmer.body.is_absent else _helix
+    known = turning if swimmer.tail.is_rigid else _wave
     made = known(swimmer, y)
     if made[2].ndim == 1:  # one design
         made = tuple(x[..., None] for x in made)
@@ -148,7 +149,7 @@ def _wave(swimmer: Swimmer, y: np.ndarray) -> tuple[Any, ...]:
     R, F, G, D = base(swimmer, np.array(PHASES))
     kind = np.result_type(R, y)
     R, F, G = (x.astype(kind) for x in (np.moveaxis(R, 2, 0), np.moveaxis(F, 1, 0), G))
-    scale, a = scales.written(R, F, G), swimmer.body.semi_axes3[0]
+    scale, a = scales.written(R, F, G), shaded.unit(swimmer)
     for j in range(HALF):
         now = beat.written(y, PHASES[j])
         G[j] = blocks.decode_wave.written(now, R[j], F[j], G[j], a, scale)

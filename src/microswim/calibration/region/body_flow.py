@@ -180,6 +180,11 @@ def base(p: Any, D: Any, nodes: Any, phases: Any, g: float) -> Any:
     return R, F, G
 
 
+def unit(swimmer: Swimmer) -> Any:
+    """Return the length in which a plane wave's corrections count: r_s, or without a body L."""
+    return swimmer.tail.apparent_length if swimmer.body.is_absent else swimmer.body.semi_axes3[0]
+
+
 def parameters(swimmer: Swimmer) -> np.ndarray:
     """Return the kernel parameters (..., 11) of the left-handed tail, Gray and Hancock's law with
     spin.

@@ -79,7 +79,7 @@ def _helix_targets(s: Solved) -> np.ndarray:
 def _wave_targets(s: Solved) -> np.ndarray:
     phase = np.array(PHASES)
     base = shaded.base_of(s.swimmer, phase)
-    scale, a = scales(*base), s.swimmer.body.semi_axes3[0]
+    scale, a = scales(*base), shaded.unit(s.swimmer)
     R, F, G = s.gait.resistance(phase), s.gait.propulsion(phase), s.gait.activity(phase)
     y = np.array(
         [

@@ -15,6 +15,7 @@ from pathlib import Path
 from typing import Any
 
 import readme
+from aims import aims
 from matplotlib import rc_context
 from matplotlib.figure import Figure
 
@@ -46,9 +47,10 @@ HEADERS = {
 INTRO = """# Performance
 
 Made by `python benchmarks/report.py` from the results of `make bench`; do not edit. Processor
-seconds on one core, the least of several runs, measured on a shared two-core machine (Intel Xeon,
-AVX-512), so that ratios mean more than seconds. The cost of the reference solvers in full:
-[boundary elements](accuracy-bem.md), [finite elements](accuracy-fem.md).
+seconds on one core unless it says by the clock, the least of several runs, measured on a shared
+two-core machine, so that ratios mean more than seconds. Each part names its processor. The cost of
+the reference solvers in full: [boundary elements](accuracy-bem.md),
+[finite elements](accuracy-fem.md).
 """
 CAPTION = """<figure markdown>
 ![Seconds against size, log-log](assets/performance.svg)
@@ -153,6 +155,13 @@ def plot(lines: dict[str, Any], path: Path) -> None:
         figure.savefig(path, transparent=True, metadata={"Date": None})
 
 
+def part(name: str, data: dict[str, Any]) -> list[str]:
+    """A part of the page: heading, processor, tables."""
+    rest = {k: v for k, v in data.items() if k != "processor"}
+    on = f"On: {data['processor']}.\n" if "processor" in data else "On: Intel Xeon, AVX-512.\n"
+    return [f"## {TITLES.get(name, name.capitalize())}\n", on, *tables(rest, (name,))]
+
+
 def main() -> None:
     kept = json.loads(KEPT.read_text(encoding="utf-8")) if KEPT.exists() else {}
     for path in sorted((HERE / "results").glob("*.json")):
@@ -160,13 +169,13 @@ def main() -> None:
     kept = {k: v for k, v in kept.items() if k not in LEFT_OUT}
     kept.get("bem", {}).pop("designs", None)  # hundreds of rows; the page on accuracy has them
     KEPT.write_text(json.dumps(kept, indent=1) + "\n", encoding="utf-8")
-    page = [INTRO]
+    page = [INTRO, "## Aims and limits\n", table(("what", "aim", "reached", "limit"), aims(kept))]
     lines = curves(kept)
     if lines:
         plot(lines, DOCS / "assets" / "performance.svg")
         page.append(CAPTION)
     for name in sorted(kept, key=lambda n: (list(TITLES).index(n) if n in TITLES else 99, n)):
-        page += [f"## {TITLES.get(name, name.capitalize())}\n", *tables(kept[name], (name,))]
+        page += part(name, kept[name])
     (DOCS / "performance.md").write_text("\n".join(page), encoding="utf-8")
     readme.main()
 

@@ -37,7 +37,7 @@ AXES = (
 )
 MOST_DESIGNS = 4000
 MOST_SINGLY = (12, 9)  #: values along the sides where symmetry does not help and each design counts
-PIECE = 500  #: designs between two looks at the budget
+PIECE = 2000  #: designs between two looks at the budget
 SLOW = ("driven_speed",)  #: a tenth of a second a design: for `microswim sweep`
 TOLERANCE = 1e-3  #: of the quadrature of a map
 KERNELS = threading.Lock()  #: the batched kernels are parallel already: one caller at a time
@@ -94,9 +94,9 @@ def map_(tables: Any, x: Any, y: Any, output: Any = None) -> dict[str, Any]:
         X, Y = (np.linspace(v[0], v[-1], min(v.size, n)) for v, n in zip((X, Y), MOST_SINGLY))
     results, serves = _served(swimmer, fx, X, fy, Y, in_field)
     told = (*MAP_OUTPUTS, *([in_field] if in_field else ()))
-    values = {k: [_short(v) for v in results[k]] for k in told}
+    values = {k: _short(results[k]) for k in told}
     made = {"x": X.tolist(), "y": Y.tolist(), "values": values, "inside": None, "model": serves}
-    made["expected_error"] = [_short(v) for v in results["expected_error"]]
+    made["expected_error"] = _short(results["expected_error"])
     if swimmer.region is not None:
         made["inside"] = {"x": _calibrated(swimmer, fx), "y": _calibrated(swimmer, fy)}
     made["milliseconds"] = 1e3 * (time.perf_counter() - start)
@@ -150,8 +150,14 @@ def _grid(
     return {**made, "body_rate_hz": QUANTITIES["body_rate_hz"].of(SimpleNamespace(**made))}
 
 
-def _short(value: float) -> float | None:
-    return float(f"{value:.5g}") if math.isfinite(value) else None
+def _short(values: np.ndarray) -> list[float | None]:
+    """Return numbers to five digits, None where there is none."""
+    known = np.isfinite(values)
+    v = np.where(known, values, 0.0)
+    places = 4 - np.floor(np.log10(np.where(v == 0.0, 1.0, np.abs(v))))
+    over, under = 10.0 ** np.maximum(places, 0), 10.0 ** np.maximum(-places, 0)
+    short = np.rint(v * over / under) * under / over
+    return np.where(known, short.astype(object), None).tolist()
 
 
 def optimum(tables: Any, x: Any, y: Any, output: str, zooms: int = 5) -> dict[str, Any]:

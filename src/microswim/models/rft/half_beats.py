@@ -73,7 +73,8 @@ def half_beats(V: np.ndarray) -> tuple[np.ndarray, ...]:
     """
     moves = V.any(axis=(0, 1))
     odd = MIRROR_Q < 0.0
-    return _half_beats.over(len(V) // 4)(np.ascontiguousarray(V), moves, odd, *_tables(V.shape[1]))
+    beats = _half_beats.over(len(V) * V.shape[1])  # a phase costs as much as a helix
+    return beats(np.ascontiguousarray(V), moves, odd, *_tables(V.shape[1]))
 
 
 @compiled(fastmath=FAST)

@@ -87,8 +87,8 @@ def solve_waves(
     drives. Returns V (n, m, 6) and the powers (n, m) over the m phases.
     """
     turns = np.stack([phases, np.cos(phases), np.sin(phases)], axis=-1)
-    many, in_plane = len(p) * phases.size // 16, free & IN_PLANE
-    return _waves.over(many)(arc, p, body, turns, in_plane, ramp_rule, rule)
+    in_plane = free & IN_PLANE
+    return _waves.over(len(p) * phases.size)(arc, p, body, turns, in_plane, ramp_rule, rule)
 
 
 @loop(error_model="numpy")

@@ -17,7 +17,7 @@ from typing import Any
 
 from microswim.numerics.compiling.compiled import njit
 
-#: Cases from which on a second core is worth waking.
+#: Cases, each as dear as a helix in a batch, from which on a second core is worth waking.
 MANY = 256
 
 _turn = threading.RLock()

@@ -1,0 +1,119 @@
+"""What was aimed at, what was reached, and where it was not, which limit stands in the way."""
+
+from __future__ import annotations
+
+from typing import Any
+
+DISTANCES = (
+    "a kernel of 100 solves takes a root and an exponential for each of four groups, 1.6 ns each, "
+    "and sums as long; plain quadrature has become faster since the aim was set"
+)
+FLOWS = 5  #: of a step: the tail's, and one for each free motion of the paper's four
+FACTORS = (
+    "{share:.0%} is MKL's factorisation, at its best on one core. With an older factor as "
+    "preconditioner GMRES takes eight solves for each of the five flows of a step (1/40 of a "
+    "period), as long as a new one"
+)
+EVALUATE = (
+    "C has the twist alone; `evaluate` also has the law's integrals, whether a design can be "
+    "built, powers and efficiency, each as dear as the quadrature"
+)
+LU = "the factorisation runs at two thirds of what a matrix product reaches here"
+
+
+def aims(kept: dict[str, Any]) -> list[tuple[str, str, str, str]]:
+    """Rows of the table, from the results of all benchmarks."""
+    surrogate, start = kept["surrogate"], kept["startup"]["processor seconds"]
+    region, growth, studio = kept["region"], kept["growth"], kept["studio"]["milliseconds"]
+    bem, sweep, fem = kept["bem"], kept["sweep"], kept["fem"]["seconds by part"]
+    narrow = surrogate["AVX2 alone"]
+    each = surrogate["microseconds per design, 32 nodes"]
+    waves = growth["designs, plane wave"]
+    alone = surrogate["microseconds per plane wave, 6 phases x 32 nodes"]
+    step = next(row for row in fem if row["level"] == "paper")
+    took = step["again"] + FLOWS * step["solve"]
+    solve = bem["peers"]["rows"][1]
+    fitted = region["seconds of 100 solves and the fit, all cores"]
+    return [
+        (
+            "helix in a batch, over C with lanes",
+            "0.9",
+            f"{surrogate['C over microswim']:.2f}; {narrow['C over microswim']:.2f} for AVX2 alone",
+            "both wait for arithmetic: C by the same formulas, compiled for the same lanes",
+        ),
+        (
+            "the same through `evaluate`, over C",
+            "0.9",
+            f"{each['C'] / surrogate['microseconds per design of a map']:.2f}",
+            EVALUATE,
+        ),
+        (
+            "gait with its mean velocity; `ms.summary`",
+            "100 us; 0.5 ms",
+            f"{surrogate['microseconds with mean velocity']:.0f} us; "
+            f"{surrogate['milliseconds with summary']:.2f} ms",
+            "calls of Python, a microsecond each",
+        ),
+        (
+            "plane wave in a batch",
+            "12 us",
+            f"{1e6 * waves['seconds'][-1] / waves['x'][-1]:.1f} us",
+            f"twists at six phases alone: {alone['microswim']:.2f} us, in C {alone['C']:.2f}",
+        ),
+        (
+            "helix calibrated over a region, in a batch, over plain",
+            "2.0",
+            f"{region['helix']['batch']['ratio']:.1f}; over Gray and Hancock's law "
+            f"{region['helix']['batch']['ratio to Gray and Hancock']:.1f}",
+            DISTANCES,
+        ),
+        (
+            "helix by boundary elements to 0.1 %",
+            "0.12 s",
+            f"{solve[2]:.2f} s, off by {solve[3]:.2g} %",
+            LU,
+        ),
+        (
+            "plane wave by boundary elements",
+            "0.8 s",
+            f"{bem['cost']['seconds of a plane wave']:.2f} s",
+            "",
+        ),
+        (
+            "calibration by 100 solves on two cores: helix; plane wave",
+            "15; 60 s",
+            f"{fitted['helix']:.0f}; {fitted['plane_wave']:.0f} s",
+            "",
+        ),
+        (
+            "100 boundary-element designs in a sweep on two cores",
+            "6 s",
+            f"{sweep['reference']['wall_seconds']:.1f} s (level {sweep['reference']['level']})",
+            "",
+        ),
+        (
+            "finite elements, a step at 310,000 unknowns",
+            "30 s",
+            f"{took:.0f} s",
+            FACTORS.format(share=step["again"] / took),
+        ),
+        (
+            "first map of plane waves in a fresh process",
+            "2 s",
+            f"{start['import, and a map of 20 x 20, plane wave']['seconds']:.1f} s",
+            "",
+        ),
+        (
+            "`microswim run`",
+            "0.35 s",
+            f"{start['microswim run, helix']['seconds']:.2f} s",
+            f"import of NumPy and SciPy: {start['import numpy, scipy.linalg']['seconds']:.2f} s",
+        ),
+        (
+            "studio: numbers; map of plane waves",
+            "5; 40 ms",
+            f"{studio['tabak/helix']['numbers']['least']:.1f}; "
+            f"{studio['tabak/plane_wave']['map']['least']:.0f} ms",
+            "",
+        ),
+    ]

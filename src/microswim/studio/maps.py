@@ -156,8 +156,9 @@ def _short(values: np.ndarray) -> list[float | None]:
     v = np.where(known, values, 0.0)
     places = 4 - np.floor(np.log10(np.where(v == 0.0, 1.0, np.abs(v))))
     over, under = 10.0 ** np.maximum(places, 0), 10.0 ** np.maximum(-places, 0)
-    short = np.rint(v * over / under) * under / over
-    return np.where(known, short.astype(object), None).tolist()
+    short = (np.rint(v * over / under) * under / over).astype(object)
+    short[~known] = None
+    return short.tolist()
 
 
 def optimum(tables: Any, x: Any, y: Any, output: str, zooms: int = 5) -> dict[str, Any]:

@@ -1,6 +1,7 @@
 """Paths on the page: the circle beside a wall, a path seen from its start, two in one flow."""
 
 import json
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -9,9 +10,8 @@ from scipy.linalg import expm
 from test_studio import HELIX, answer, refusal
 
 import microswim as ms
-from microswim.calibration.poses.wall import start_of
+from boundaries import beside
 from microswim.gait.gait import Gait
-from microswim.gait.poses.face import FreePoses
 from microswim.spec.file import from_dict
 from microswim.studio.app import create_app
 from microswim.studio.brought import scenes
@@ -77,19 +77,12 @@ def test_a_path_in_free_fluid_is_that_of_the_package():
     assert made["numbers"]["speed"] == pytest.approx(screw.speed, rel=0.01)
 
 
-class Started(FreePoses):
-    """As in free fluid, from where a wall says."""
-
-    start = None
-    expected_error = {"us": 0.02, "or": 0.01, "how": "made up"}  # noqa: RUF012
-
-
 def test_a_path_beside_a_wall_is_seen_from_its_start(monkeypatch):
     """Lengths, and heights over the wall that the scene draws, are those of the path itself."""
     spec = {**FREE, "wall": {"distance": 0.9, "tilt": 0.2, "azimuth": 0.7}}
     swimmer = from_dict(spec)
-    poses = Started(from_dict(FREE).gait())
-    object.__setattr__(poses, "start", start_of(swimmer.wall))
+    errors = {"us": 0.02, "or": 0.01, "how": "made up"}
+    poses = replace(beside(swimmer), expected_error=errors)
     monkeypatch.setattr(path, "around", lambda swimmer, **options: poses)
     made = path.path({"tables": spec, "turns": 4}, quiet)
     x, q, _ = places(made)

@@ -229,10 +229,7 @@ def steady_turning(swimmer: Swimmer, gait: Gait) -> SteadyTurning:
     sense = float(np.sign(applied.frequency))
     cone = sense * applied.cone
     if magnet.susceptibility is not None:
-        if cone:
-            mend = "regimes are those of a field in a plane; microswim path follows it with a cone"
-            raise SpecError("field.cone", applied.cone, "zero with a soft magnet", mend)
-        return SoftTurning.of(mobility_of(gait), magnet.softness, applied.strength)
+        return SoftTurning.of(mobility_of(gait), magnet.softness, applied.strength, cone)
     return SteadyTurning(mobility_of(gait), magnet.vector, applied.strength, cone)
 
 

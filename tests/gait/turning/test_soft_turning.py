@@ -1,5 +1,7 @@
 """Soft magnets in a turning field: closed forms, traced curves, an integration of its own."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 from scipy.integrate import solve_ivp
@@ -168,14 +170,43 @@ def test_the_regimes_of_a_soft_helix_scale_with_the_square_of_the_field():
     assert two.velocity[0] == pytest.approx(4.0 * one.velocity[0], rel=1e-6)
 
 
-def test_a_cone_is_refused_in_one_sentence():
-    soft = ms.Magnet(susceptibility=(1.0, 2.5, 1.0), volume=1e-10)
-    robot = ms.Swimmer(
-        body=ms.Sphere(radius=0.5e-3), tail=ms.NoTail(), fluid=ms.Fluid(viscosity=0.34),
-        magnet=soft, field=ms.RotatingField(strength=5e-3, frequency=1.0, cone=0.1), units="SI",
-    )  # fmt: skip
-    with pytest.raises(ms.SpecError, match=r"field.cone = 0.1: must be zero with a soft magnet"):
-        ms.regimes(robot, [1.0], model="rft")
+@pytest.mark.parametrize(("seed", "cone"), [(0, 0.03), (1, 0.2), (2, -0.2)])
+def test_in_a_cone_it_ends_in_a_state_that_is_told(seed, cone):
+    robot = replace(any_robot(seed), cone=cone)
+    rate = 0.5 * robot.step_out
+    y, _ = turning(robot, rate, [1, 0, 0, np.sin(cone), np.cos(cone), 0], 60)
+    off = [np.linalg.norm(s.field - y[3:6]) + np.linalg.norm(s.axis - y[:3])
+           for s in robot.states(rate)]  # fmt: skip
+    assert min(off) < 1e-6
+
+
+@pytest.mark.parametrize("cone", [0.1, 0.5])
+def test_a_piece_of_one_axis_in_a_cone_is_the_limit_of_three(cone):
+    """By the curves of permanent magnets, and by curves that are traced."""
+    limit = replace(round_robot(1.2), cone=cone)
+    robot = replace(round_robot(1.2, (2.0, 0.6, 0.6 - 1e-4)), cone=cone)
+    assert robot.step_out == pytest.approx(limit.step_out, rel=1e-3)
+    for share in (0.4, 0.9):
+        rate = share * limit.step_out
+        angles, known = ([s.precession_angle for s in r.states(rate)] for r in (robot, limit))
+        assert known
+        assert max(min(abs(a - k) for k in known) for a in angles) < 1e-3
+        assert max(min(abs(a - k) for a in angles) for k in known) < 1e-3
+
+
+def test_quantities_in_a_cone_are_those_of_its_regimes():
+    robot = soft_helix().with_({"field.cone": 0.2})
+    gait = robot.gait("rft")
+    told = ms.regimes(robot, [0.01], gait=gait)
+    assert np.isnan(told.wobbling_onset)
+    assert ms.observed(gait, "step_out", drive=drive_of(robot)) == pytest.approx(told.step_out)
+    flat = ms.regimes(soft_helix(), [0.01], gait=gait)
+    assert abs(told.step_out / flat.step_out - 1.0) > 0.01
+
+
+def test_a_cone_too_narrow_to_trace_is_refused_in_one_sentence():
+    with pytest.raises(ms.SpecError, match=r"field.cone = 0.01: must be zero, or between 1 and 89"):
+        ms.regimes(soft_helix().with_({"field.cone": 0.01}), [1.0], model="rft")
 
 
 def soft_helix(strength=5e-3, chi=2.5, frequency=0.1):

@@ -62,7 +62,8 @@ def steady(gait: Gait, drive: Drive) -> SteadyTurning:
     """Return all steady states, of the real parts."""
     M, m = np.real(mobility_of(gait)), np.real(drive.moment)
     if drive.softness is not None:
-        return SoftTurning.of(M, np.real(drive.softness), float(np.real(drive.strength)))
+        return SoftTurning.of(M, np.real(drive.softness), float(np.real(drive.strength)),
+                              float(np.real(drive.cone)))  # fmt: skip
     return SteadyTurning(M, m, float(np.real(drive.strength)), float(np.real(drive.cone)))
 
 

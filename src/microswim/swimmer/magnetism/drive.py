@@ -11,15 +11,9 @@ from microswim.gait.turning.step_out import Drive
 
 
 def drive_of(swimmer: Any) -> Drive | None:
-    """Return the drive of a swimmer, None if it has no magnet or no field that rotates.
-
-    None as well of a soft magnet in a field with a cone, of which no steady states are known.
-    """
+    """Return the drive of a swimmer, None if it has no magnet or no field that rotates."""
     magnet, field = swimmer.magnet, swimmer.field
     if magnet is None or field is None or field.kind != "rotating":
-        return None
-    soft = magnet.susceptibility is not None
-    if soft and np.real(field.cone):
         return None
     sense = -1.0 if field.frequency.real < 0 else 1.0
     return Drive(
@@ -27,7 +21,7 @@ def drive_of(swimmer: Any) -> Drive | None:
         field.strength,
         sense * field.cone,
         2.0 * np.pi * sense * field.frequency,
-        magnet.softness if soft else None,
+        None if magnet.susceptibility is None else magnet.softness,
     )
 
 

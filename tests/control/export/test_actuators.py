@@ -137,6 +137,8 @@ def robot(field):
     )
 
 
+#: In the wire of the first coil: half of its diameter from its place, across its axis.
+WITHIN = (0.009, 0.009 * 0.9486833, 0.001 - 0.009 * 0.3162278)
 KINDS = ("dipole", "coils", "grid", "windings", *BODIES)
 #: What agrees less well: the gradient of magpylib's fields is a difference of order 8.
 LOOSE = dict.fromkeys(("windings", *BODIES), 1e-9)
@@ -207,8 +209,9 @@ def test_coils_are_called_by_their_names(tmp_path):
     assert "current_Left [A], current_Top_coil [A]" in header
 
 
-def test_outside_the_grid_is_a_status(tmp_path):
-    field, numbers = fields(tmp_path, "grid")
+@pytest.mark.parametrize(("kind", "place"), [("grid", (0.1, 0.0, 0.0)), ("windings", WITHIN)])
+def test_where_the_field_is_not_known_is_a_status(tmp_path, kind, place):
+    field, numbers = fields(tmp_path, kind)
     one = ms.Stepper.of(robot(field), "rft", locked=True)
     _, source = compiler.write(ms.c_model(one, "robot"), tmp_path)
     compiler.shared_library([source], tmp_path / "model.so")
@@ -216,9 +219,10 @@ def test_outside_the_grid_is_a_status(tmp_path):
     code.robot_message.restype = ctypes.c_char_p
     y, u, p = (ctypes.c_double * 8)(), (ctypes.c_double * 37)(), (ctypes.c_double * 10)()
     code.robot_defaults(y, u, p)
-    y[0] = 0.1
+    assert code.robot_actuate((ctypes.c_double * 2)(*numbers), y, u) == 0
+    y[:3] = place
     status = code.robot_actuate((ctypes.c_double * 2)(*numbers), y, u)
-    assert b"outside the grid" in code.robot_message(status)
+    assert b"outside the grid, or in a winding" in code.robot_message(status)
     assert code.robot_actuate((ctypes.c_double * 2)(np.nan, 1.0), y, u) == 11
 
 

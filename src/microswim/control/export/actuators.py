@@ -171,15 +171,23 @@ def _sources(coils: Any) -> str:
 
 
 def _loops(coils: Any) -> str:
-    """Loops of all windings as C."""
+    """Loops and measures of all windings as C."""
     rows = [
         f"    {{{i}, {_numbers((radius, turns))}, {{{_numbers(place)}}}, "
         f"{{{_numbers(unit(coil.axis))}}}}}"
         for i, coil in enumerate(coils)
         for radius, turns, place in coil.loops
     ]
-    listed = ",\n".join(rows)
-    return f"static const loop LOOPS[] = {{\n{listed}}};\n"
+    measures = [
+        f"    {{{{{_numbers(coil.position)}}}, {{{_numbers(unit(coil.axis))}}}, "
+        f"{_numbers((coil.diameter / 2.0, coil.thickness / 2.0, coil.length / 2.0))}}}"
+        for coil in coils
+    ]
+    loops, windings = (",\n".join(part) for part in (rows, measures))
+    return (
+        f"static const loop LOOPS[] = {{\n{loops}}};\n"
+        f"static const winding WINDINGS[] = {{\n{windings}}};\n\n"
+    )
 
 
 def _grids(coils: Any) -> str:

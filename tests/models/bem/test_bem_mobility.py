@@ -82,6 +82,19 @@ def test_what_sharp_edges_cost_is_told_neither_too_small_nor_much_too_large(mesh
     assert finer.expected_error < 0.5 * made.expected_error
 
 
+def test_more_triangles_on_flat_faces_change_no_more_than_is_told(tmp_path):
+    """They are the same box; with many there is room for constant densities alone."""
+    mesh = trimesh.creation.box((1.0, 2.0, 0.5))
+    few = found(mesh, tmp_path)
+    for _ in range(4):
+        mesh = mesh.subdivide()
+    many = found(mesh, tmp_path)
+    root = np.sqrt(np.diag(few.resistance))
+    off = (np.abs(many.resistance - few.resistance) / np.outer(root, root)).max()
+    assert few.surface.order > many.surface.order
+    assert off < many.expected_error < 0.01
+
+
 def test_errors_fall_with_the_triangles_at_second_order_at_least(tmp_path):
     """Of curved patches with one node each: what the level adds is left out."""
     off = [

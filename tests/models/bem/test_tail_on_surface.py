@@ -100,6 +100,16 @@ def test_a_root_at_an_edge_or_beside_the_body_is_refused(tmp_path, position, wor
     assert "\n" not in str(told.value)
 
 
+def test_a_root_that_reaches_an_edge_at_a_later_phase_is_refused_before_the_first_solve(tmp_path):
+    body = from_file(tmp_path, trimesh.creation.box((1.0, 1.0, 1.0)))
+    wide = {"length": 0.8, "amplitude": 0.1, "waves": 1, "radius": 0.04, "ramp": 0.0}
+    robot = swimmer(body, ms.HelicalTail(**wide, position=(0.0, -0.4, 0.0)))
+    solved = []
+    with pytest.raises(ms.SpecError, match="sharp edge"):
+        robot.gait("bem", level="coarse", progress=lambda n, _: solved.append(n))
+    assert not solved
+
+
 def test_two_roots_in_one_place_are_refused(tmp_path):
     body = from_file(tmp_path, trimesh.creation.icosphere(2, radius=0.5))
     tails = [

@@ -15,7 +15,9 @@ import numpy as np
 from microswim import checks
 from microswim.gait.gait import Gait
 from microswim.gait.poses.one_pose import remark
+from microswim.models import rooting
 from microswim.models.bem.levels import Level, coarser, get_level
+from microswim.models.bem.patches.mesh import swimmer_surface
 from microswim.models.bem.solution import Solution
 from microswim.models.bem.trust import doubts, trusted
 from microswim.numerics.array import Array
@@ -141,9 +143,10 @@ def gait(
     count = 1 if turns_as_a_whole(swimmer) else chosen.phases * quickest
     signs = half_period_signs(swimmer)
     wanted = count // 2 if count > 1 and signs is not None else count
+    phases = 2 * np.pi * np.arange(wanted) / count
+    _check_roots(swimmer, phases[1:], chosen)
     solutions = []
-    for n in range(wanted):
-        phase = 2 * np.pi * n / count
+    for n, phase in enumerate(phases.tolist()):
         solutions.append(trusted(swimmer, phase, chosen))
         if progress is not None:
             progress(n + 1, wanted)
@@ -158,6 +161,15 @@ def gait(
         else _difference(result, gait(swimmer, level=below, order=order), below)
     )
     return _assembled(swimmer, solutions, count, signs, info)
+
+
+def _check_roots(swimmer: Swimmer, phases: Array, level: Level) -> None:
+    """Refuse, before the first solve, a tail that at a later phase has no room on its file."""
+    if swimmer.body.triangles is None:
+        return
+    for phase in phases.tolist():
+        rooting.check_all(swimmer.body, swimmer.tail, phase)
+        swimmer_surface(swimmer.body, swimmer.tail, phase, level.resolution)
 
 
 def _assembled(

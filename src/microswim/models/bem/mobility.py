@@ -274,12 +274,8 @@ def _of_triangles(
     if used is not triangles:
         said.append(f"{len(triangles.faces)} triangles were coarsened to {len(used.faces)}: the "
                     f"answer at level {level} needs no more")  # fmt: skip
-    others: list[Other] = []
-    fewer, recut = patches.fewer(used, level, fine.order), patches.recut(used, level, fine.order)
-    if fewer is not None:
-        others.append((fewer, patches.RULE, 1.0))
-    if recut is not None:
-        others.append((recut[0], patches.RULE, recut[1]))
+    compared = patches.fewer(used, level, fine.order), patches.recut(used, level, fine.order)
+    others: list[Other] = [(c[0], patches.RULE, c[1]) for c in compared if c is not None]
     return fine, others, about, mu, units, tuple(said), patches.RULE
 
 

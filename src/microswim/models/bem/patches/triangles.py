@@ -75,60 +75,101 @@ def surface_of(triangles: Triangles, level: str = "standard") -> tuple[Surface, 
     if level not in LEVELS:
         raise SpecError("level", level, "coarse, standard or fine")
     wanted = LEVELS[level]
+    facets, used, order = _fitted(triangles, wanted, wanted.layers + 1)
+    if not (_like(used, triangles) and _as_sharp(used, triangles)):
+        facets, used, order = _fitted(triangles, wanted, wanted.layers)
+    return still(sampled(facets), order), used
+
+
+def _fitted(
+    triangles: Triangles, wanted: Fineness, layers: int
+) -> tuple[list[Facet], Triangles, int]:
+    """Patches within a level's unknowns, their triangles, fewer if need be, and the order.
+
+    Constant densities take so many `layers` at sharp edges.
+    """
     for _ in range(4):
-        facets = _cut(triangles, wanted)
-        count = _count(facets)
-        if 3 * count <= wanted.unknowns:
+        order, facets = 2, _pieces(triangles, wanted, wanted.layers)
+        if 12 * _count(facets) > wanted.unknowns:
+            order, facets = 1, _pieces(triangles, wanted, layers)
+        count = 3 * order**2 * _count(facets)
+        if count <= wanted.unknowns:
             break
-        fewer = coarsened(
-            triangles, int(0.8 * len(triangles.faces) * wanted.unknowns / (3 * count))
-        )
+        fewer = coarsened(triangles, int(0.8 * len(triangles.faces) * wanted.unknowns / count))
         if fewer is triangles:
             break
         triangles = fewer
-    order = 2 if 12 * count <= wanted.unknowns else 1
-    return still(sampled(facets), order), triangles
+    return facets, triangles, order
 
 
-#: Change of the volume up to which fewer triangles are still the shape, and the shares tried.
-KEPT, SHARES = 3e-3, (0.5, 0.75, 0.875)
+#: Error over what other cuts at sharp edges change: the cuts of the level below, also for constant
+#: densities, and those of the level above.
+OF_RECUT, OF_RECUT_CONSTANT, OF_FINER_CUTS = 0.25, 0.5, 1.7
+#: Change of the volume and of the length of sharp edges up to which fewer triangles are still the
+#: shape, and the shares tried.
+KEPT, SHARP_KEPT, SHARES = 3e-3, 1e-2, (0.5, 0.75, 0.875)
 
 
-def fewer(triangles: Triangles, level: str, order: int) -> Surface | None:
-    """Return a level's surface on fewer triangles, None where all faces are flat and few do.
+def fewer(triangles: Triangles, level: str, order: int) -> tuple[Surface, float] | None:
+    """Return a level's surface on fewer triangles, and the error over what they change.
 
-    On half of them if those keep the volume, else on more: what that changes bounds what the
-    triangles leave out of a curved shape.
+    None where all faces are flat and few do. Half of them if those keep the volume, else more: what
+    n triangles leave out of a curved shape goes with 1/n, so a share f changes it by 1/f - 1.
     """
     if not triangles.is_curved:
         return None
-    made = triangles
     for share in SHARES:
         made = coarsened(triangles, int(share * len(triangles.faces)))
-        if abs(made.curved_volume / triangles.curved_volume - 1.0) < KEPT:
+        if _like(made, triangles):
             break
-    return still(sampled(_cut(made, LEVELS[level])), order)
+    layers = LEVELS[level].layers + _more(triangles, level, order)
+    surface = still(sampled(_pieces(made, LEVELS[level], layers)), order)
+    return surface, share / (1.0 - share)
 
 
 def recut(triangles: Triangles, level: str, order: int) -> tuple[Surface, float] | None:
     """Return other cuts towards the sharp edges, and the error over what they change.
 
-    None where no edge is sharp. From level to level that error falls to a fifth or so; coarse,
-    which has no level below, is compared with the cuts of the next finer one.
+    None where no edge is sharp. From level to level that error falls to a fifth or so, of constant
+    densities to a third; coarse, which has no level below, is compared with the cuts of the next
+    finer one.
     """
     if not triangles.is_sharp.any():
         return None
     names = list(LEVELS)
     at = names.index(level)
-    facets = _cut(triangles, LEVELS[names[at - 1 if at else 1]])
+    other = LEVELS[names[at - 1 if at else 1]]
+    facets = _pieces(triangles, other, other.layers + _more(triangles, level, order))
     if 3 * order**2 * _count(facets) > LEVELS["standard"].unknowns:
         order = 1
-    return still(sampled(facets), order), 0.25 if at else 1.4
+    share = OF_RECUT if order == 2 else OF_RECUT_CONSTANT
+    return still(sampled(facets), order), share if at else OF_FINER_CUTS
 
 
-def _cut(triangles: Triangles, wanted: Fineness) -> list[Facet]:
+def _like(fewer: Triangles, triangles: Triangles) -> bool:
+    return abs(fewer.curved_volume / triangles.curved_volume - 1.0) < KEPT
+
+
+def _as_sharp(fewer: Triangles, triangles: Triangles) -> bool:
+    whole = _sharp_length(triangles)
+    return abs(_sharp_length(fewer) - whole) <= SHARP_KEPT * whole
+
+
+def _sharp_length(triangles: Triangles) -> float:
+    ends = triangles.points[triangles.edges[0][triangles.is_sharp]]
+    return float(np.linalg.norm(ends[:, 1] - ends[:, 0], axis=1).sum())
+
+
+def _more(triangles: Triangles, level: str, order: int) -> int:
+    """Layers more at sharp edges for constant densities: one, where there is room."""
+    wanted = LEVELS[level]
+    thin = order == 1 and _count(_pieces(triangles, wanted, wanted.layers + 1))
+    return int(0 < 3 * thin <= wanted.unknowns)
+
+
+def _pieces(triangles: Triangles, wanted: Fineness, layers: int) -> list[Facet]:
     size = 1.5 * float(np.sqrt(triangles.area / wanted.patches))
-    return facets_of(triangles, size, wanted.layers)
+    return facets_of(triangles, size, layers)
 
 
 def _count(facets: list[Facet]) -> int:

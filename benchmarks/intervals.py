@@ -27,7 +27,7 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-from scipy.stats import beta
+from scipy.stats import beta, norm
 
 import microswim as ms
 from microswim.numerics.rigid_motion import multiply
@@ -211,7 +211,22 @@ def told(path: Path) -> None:
             low = beta.ppf(0.025, hits, n - hits + 1) if hits else 0.0
             high = beta.ppf(0.975, hits + 1, n - hits) if hits < n else 1.0
             said = f"{name} (one design)" if only else name
-            print(f"  {said:34s} {hits}/{n} = {hits / n:.3f}   ({low:.3f} to {high:.3f})")
+            rate = f"{hits}/{n} = {hits / n:.3f}   ({low:.3f} to {high:.3f})"
+            print(f"  {said:34s} {rate}   {deviation(some)}")
+
+
+def deviation(rows: list[dict[str, str]]) -> str:
+    """Return the deviation of the values in those that the intervals state: 1 where they are right.
+
+    Values more than two half widths away are of another design and are counted apart.
+    """
+    truth, value, low, high = (
+        np.array([float(row[name]) for row in rows]) for name in ("truth", "value", "low", "high")
+    )
+    off = (truth - value) / np.where(truth > value, high - value, value - low)
+    near = np.abs(off) < 2.0
+    size = norm.ppf(0.975) * np.sqrt(np.mean(off[near] ** 2))
+    return f"deviation {size:.2f}, {np.count_nonzero(~near)} far away"
 
 
 def main() -> None:

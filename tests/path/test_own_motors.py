@@ -134,6 +134,19 @@ def test_a_path_by_torque_that_was_stopped_goes_on_to_the_same_numbers(tmp_path)
         ms.path(robot.with_({"fluid.viscosity": 2.0}), **asked, keep=tmp_path / "kept.npz")
 
 
+def test_motors_that_are_reversed_on_the_way_lead_back_along_it():
+    robot = replace(swimmer(pair()), motor=ms.Motor(torque=(1.2, -0.7)))
+    there = ms.path(robot, 0.5, samples=3, tolerance=1e-8)
+    phases = {f"tail[{n}].phase": float(there.phase[-1, n]) for n in range(2)}
+    turned = replace(robot.with_(phases), motor=ms.Motor(torque=(-1.2, 0.7)))
+    pose = {"position": there.position[-1].values, "quaternion": there.quaternion[-1].values}
+    back = ms.path(turned, 0.5, samples=3, tolerance=1e-8, **pose)
+    assert back.position.values[::-1] == pytest.approx(there.position.values, abs=1e-6)
+    assert back.phase.values[-1] - back.phase.values[0] == pytest.approx(
+        there.phase.values[0] - there.phase.values[-1], abs=1e-6
+    )
+
+
 def test_a_path_of_too_many_turns_is_refused_at_once():
     robot = replace(swimmer(pair()), motor=ms.Motor(torque=1.0))
     with pytest.raises(ms.SpecError, match="turns of the motors"):

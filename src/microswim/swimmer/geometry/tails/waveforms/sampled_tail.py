@@ -159,7 +159,7 @@ def _resolve(
         phase = 2.0 * np.pi * np.arange(m) / m
         s = (lo + hi + (hi - lo) * x[:, None]) / 2.0
         P = _sample(shape, s, phase)
-        along = chebyshev.chebfit(x, P.reshape(n, -1), n - 1).reshape(n, m, 3)
+        along = _interpolated(x, P)
         F = np.fft.rfft(along, axis=1) / m
         scale = np.abs(P).max() or 1.0
         rough_s = np.abs(F[-max(n // 8, 2) :]).max() > max(tolerance, 1e-14 * n) * scale
@@ -180,6 +180,17 @@ def _resolve(
     series[:, 0] = F[:, 0].real
     series[:, 1::2], series[:, 2::2] = 2.0 * F[:, 1 : H + 1].real, -2.0 * F[:, 1 : H + 1].imag
     return _trim(series, max(0.1 * tolerance, 1e-16) * scale)
+
+
+def _interpolated(x: np.ndarray, P: np.ndarray) -> np.ndarray:
+    """Chebyshev series through values at the zeros x_k of T_n, along the first axis.
+
+    ``c_j = 2/n sum_k P(x_k) T_j(x_k)``, half of it for j = 0: the T_j are orthogonal there.
+    """
+    n = len(x)
+    c = 2.0 / n * (chebyshev.chebvander(x, n - 1).T @ P.reshape(n, -1))
+    c[0] /= 2.0
+    return c.reshape(P.shape)
 
 
 def _sample(shape: Callable[[Any, Any], Any], s: np.ndarray, phase: np.ndarray) -> np.ndarray:

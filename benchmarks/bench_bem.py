@@ -4,6 +4,7 @@
     python benchmarks/bench_bem.py cost           # split of three designs, per cent of peak
     python benchmarks/bench_bem.py scaling        # seconds against unknowns, fitted exponents
     python benchmarks/bench_bem.py peers          # regularised Stokeslets at equal accuracy
+    python benchmarks/bench_bem.py others PYTHON_WITH_MIME PYTHON_WITH_PYGRPY   # one matrix R
     python benchmarks/bench_bem.py designs 60     # coarse, standard against fine over the range
     python benchmarks/bench_bem.py levels         # base case by level and order
     python benchmarks/bench_bem.py rodenborn      # measured helix, five pitches
@@ -28,6 +29,7 @@ from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
+import peers_of_bem
 from clock import RESULTS, keep, least, timed
 from scipy.linalg import lu_factor
 from scipy.spatial.distance import cdist
@@ -358,7 +360,12 @@ def peers():
     return {"rows": rows, "time to per cent": ratios}
 
 
-PARTS = {f.__name__: f for f in (cost, scaling, peers, designs, levels, rodenborn, wall)}
+def others(mime, pygrpy):
+    """One resistance matrix of the base case, by ours, MIME and PyGRPY."""
+    return {"rows": peers_of_bem.rows(swimmer(), mime, pygrpy)}
+
+
+PARTS = {f.__name__: f for f in (cost, scaling, peers, others, designs, levels, rodenborn, wall)}
 
 
 def main(arguments):

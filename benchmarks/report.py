@@ -42,6 +42,7 @@ HEADERS = {
         *("method", "unknowns", "seconds"),
         *("error of u_s (%)", "error of Omega_s (%)"),
     ),
+    ("bem", "others", "rows"): ("method", "unknowns", "seconds", "largest error in R (%)"),
     ("bem", "peers", "time to per cent"): ("to (%)", "ours (s)", "theirs (s)", "ratio", "how"),
 }
 INTRO = """# Performance

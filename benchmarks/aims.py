@@ -31,6 +31,7 @@ def aims(kept: dict[str, Any]) -> list[tuple[str, str, str, str]]:
     waves = growth["designs, plane wave"]
     alone = surrogate["microseconds per plane wave, 6 phases x 32 nodes"]
     step = next(row for row in fem if row["level"] == "paper")
+    extra = bem["cost"]["estimate of the error, over the solve"]
     took = step["again"] + FLOWS * step["solve"]
     solve = bem["peers"]["rows"][1]
     fitted = region["seconds of 100 solves and the fit, all cores"]
@@ -78,6 +79,12 @@ def aims(kept: dict[str, Any]) -> list[tuple[str, str, str, str]]:
             "0.8 s",
             f"{bem['cost']['seconds of a plane wave']:.2f} s",
             "",
+        ),
+        (
+            "error estimate of `run --model bem`, over the solve",
+            "0.5",
+            f"{extra['helix']:.2f}; plane wave {extra['plane wave']:.2f}",
+            "a helix has one phase to solve, and two thirds of its unknowns at the coarser level",
         ),
         (
             "calibration by 100 solves on two cores: helix; plane wave",

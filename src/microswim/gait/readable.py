@@ -21,11 +21,14 @@ _READ_IN = {
     "T": {"T": 1.0, "mT": 1e-3, "µT": 1e-6},
     "A": {"A": 1.0, "mA": 1e-3, "µA": 1e-6},
     "A m^2": {"A m^2": 1.0, "mA m^2": 1e-3, "µA m^2": 1e-6, "nA m^2": 1e-9},
-    "N m": {"N m": 1.0, "mN m": 1e-3, "µN m": 1e-6, "nN m": 1e-9, "pN µm": 1e-18},
+    "N m": {
+        **{"N m": 1.0, "mN m": 1e-3, "µN m": 1e-6, "nN m": 1e-9},
+        **{"nN µm": 1e-15, "pN µm": 1e-18},
+    },
 }
 
 #: Of each SI unit: name, size, and least value that is read in it, from large to small;
-#: 0.001 nN m is read rather than a million pN µm.
+#: 0.001 nN m is read rather than a thousand nN µm.
 READ_IN = {
     si: [(name, size, 1e-3 * size if name == "nN m" else size) for name, size in units.items()]
     for si, units in _READ_IN.items()
@@ -41,7 +44,7 @@ def prefixed(largest: float, unit: str) -> tuple[float, str]:
         Largest magnitude to be shown.
     unit
         Its SI unit; lengths, speeds, times, rates, powers, forces and torques get a prefix that
-        people of the field use: nN m, pN µm, fW, never aW or fN µm.
+        people of the field use: nN m, nN µm, pN µm, fW, never aW or fN µm.
 
     Returns
     -------

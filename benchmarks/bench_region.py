@@ -24,6 +24,7 @@ import numpy as np
 from clock import keep, least
 
 import microswim as ms
+from microswim.calibration.atlas.everywhere import everywhere
 
 REGION = {
     "tail.amplitude": (0.03, 0.2),
@@ -62,6 +63,22 @@ def measured(kind):
     return out
 
 
+def atlas(kind):
+    """Microseconds per gait and per design of a batch, by the atlas and by plain local drag."""
+    known = ms.Swimmer.preset(f"tabak/{kind}")
+    one = ms.Swimmer(body=known.body, tail=known.tail, fluid=known.fluid)
+    many = everywhere(one)
+    rng = np.random.default_rng(0)
+    values = {name: rng.uniform(*bounds, DESIGNS) for name, bounds in REGION.items()}
+    found = {
+        "gait, plain": 1e6 * least(lambda: velocity(known), 5, 100),
+        "gait": 1e6 * least(lambda: one.gait("atlas").mean_velocity, 5, 20),
+        "batch": 1e6 * least(lambda: ms.evaluate(many, values), 3) / DESIGNS,
+        "solves": many.region.atlas.about["solves"],
+    }
+    return {**found, "gait over plain": found["gait"] / found["gait, plain"]}
+
+
 def calibration(kind):
     """Seconds by the clock of a calibration over the region by 100 boundary-element solves."""
     swimmer = ms.Swimmer.preset(f"tabak/{kind}")
@@ -80,8 +97,11 @@ def main():
         for what, t in parts.items():
             shown = ", ".join(f"{name} {value:.2f}" for name, value in t.items())
             print(f"{kind}, {what}: {shown}")
+    shipped = {kind: atlas(kind) for kind in kinds}
+    print("by the atlas:", shipped)
     seconds = {kind: calibration(kind) for kind in kinds}
     print("seconds of 100 solves and the fit:", seconds)
+    results["by the atlas"] = shipped
     keep("region", {**results, "seconds of 100 solves and the fit, all cores": seconds})
 
 

@@ -28,7 +28,7 @@ STYLES += (("#E69F00", "D-"), ("#56B4E9", "P--"))
 TITLES = {
     "surrogate": "The surrogate",
     "startup": "Start-up",
-    "region": "Calibrated over a region (microseconds)",
+    "region": "Calibrated over a region, and the atlas (microseconds)",
     "bem": "Boundary elements",
     "fem": "Finite elements",
     "growth": "How the cost grows",

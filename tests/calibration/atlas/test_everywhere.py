@@ -9,6 +9,7 @@ import pytest
 from click.testing import CliRunner
 
 import microswim as ms
+from microswim.calibration.atlas.choice import not_atlas
 from microswim.calibration.atlas.everywhere import everywhere
 from microswim.cli import main
 from microswim.models.rft.batch import expected_errors
@@ -50,6 +51,11 @@ def test_the_atlas_alone_says_why_it_does_not_serve():
     made = ms.sweep(ROBOT, {"body.radius": [0.5, 3.0]}, "atlas")
     assert made.status.values.tolist() == [1, 2]
     assert "body radius" in str(made.reason.values[1])
+
+
+def test_a_beat_from_a_film_is_said_to_be_of_another_kind():
+    """Not that no atlas came along, which a user would look for."""
+    assert "it holds helical tails" in not_atlas(ms.Swimmer.preset("cells/sperm"))
 
 
 @pytest.mark.parametrize(

@@ -82,7 +82,7 @@ def not_atlas(swimmer: Swimmer) -> str:
     if not swimmer.is_open:
         return "rft, as the spec chooses its law or its coefficients"
     missing = coordinates.outside(swimmer)
-    if of(swimmer) is None and not swimmer.tail.is_placed:
+    if not missing and of(swimmer) is None:
         return "rft, as no atlas comes with this build"
     advice = "boundary elements do better: accuracy 2%, or model bem"
     return (

@@ -286,6 +286,8 @@ def test_held_rotations_are_said():
         ms.Stepper.of(held, locked=True)
     with pytest.warns(HeldWarning):
         ms.trajectory(held.gait(), [0.0, 1.0], rate=0.0, moment=held.magnet, field=held.field)
+    with pytest.warns(HeldWarning):
+        ms.path(held, 0.1)
     ms.Stepper(held.gait())  # no magnet: nothing to say
 
 

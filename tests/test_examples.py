@@ -9,6 +9,7 @@ import pytest
 
 ROOT = Path(__file__).parents[1] / "examples"
 SCRIPTS = sorted(ROOT.rglob("*.py"))
+SLOW = {"cells_in_noise": pytest.mark.slow}
 
 
 def module(path):
@@ -225,7 +226,9 @@ def test_scripts_have_a_title_and_a_caption(path):
     assert len(caption) > 80
 
 
-@pytest.mark.parametrize("path", SCRIPTS, ids=lambda p: p.stem)
+@pytest.mark.parametrize(
+    "path", [pytest.param(p, marks=SLOW.get(p.stem, ()), id=p.stem) for p in SCRIPTS]
+)
 def test_numbers_and_axes(path):
     script = module(path)
     results = script.main()

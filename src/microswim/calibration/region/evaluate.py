@@ -19,6 +19,20 @@ from microswim.swimmer.swimmer import Swimmer
 BLOCK = 16  #: designs that share scratch arrays
 
 
+@njit(cache=True, nogil=True)
+def corrections(
+    Z: Any, N: Any, size: Any, nodes: Any, tips: Any, lengths: Any, phasors: Any, cut: Any,
+    alpha: Any, mean: Any,
+) -> Any:  # fmt: skip
+    """Return the corrections (d, columns) of the designs of a block, to their size."""
+    y = np.empty((len(Z), len(mean)), dtype=Z.dtype)
+    predict(y, Z, N, nodes, tips, lengths, phasors, cut, alpha, mean, scratch(Z, nodes))
+    for d in range(len(y)):
+        for i in range(len(mean)):
+            y[d, i] *= size[d, i]
+    return y
+
+
 @loop()
 def helices(
     p: Any, D: Any, mu: Any, Z: Any, N: Any, size: Any, sizes: Any, ramp_rule: Any, xi: Any,
@@ -33,14 +47,10 @@ def helices(
     extra = np.empty((n, 3), dtype=p.dtype)
     for block in prange((n + BLOCK - 1) // BLOCK):
         first, last = block * BLOCK, min(n, (block + 1) * BLOCK)
-        every = np.empty((last - first, len(mean)), dtype=p.dtype)
-        work = scratch(Z, nodes)
-        here = Z[first:last], N[first:last]
-        predict(every, *here, nodes, tips, lengths, phasors, cut, alpha, mean, work)
+        here = Z[first:last], N[first:last], size[first:last]
+        every = corrections(*here, nodes, tips, lengths, phasors, cut, alpha, mean)
         for d in range(first, last):
             y = every[d - first]
-            for i in range(len(mean)):
-                y[i] *= size[d, i]
             tail = shaded.table(p[d], sizes[d], ramp_rule, xi, weight)
             G0 = shaded.fill_base(R[d, 0], F[d, 0], p[d], D[d], tail, 0.0, 1.0)
             a = p[d, 8]
@@ -67,14 +77,10 @@ def waves(
     extra = np.zeros((n, 3), dtype=p.dtype)
     for block in prange((n + BLOCK - 1) // BLOCK):
         first, last = block * BLOCK, min(n, (block + 1) * BLOCK)
-        every = np.empty((last - first, len(mean)), dtype=p.dtype)
-        work = scratch(Z, nodes)
-        here = Z[first:last], N[first:last]
-        predict(every, *here, nodes, tips, lengths, phasors, cut, alpha, mean, work)
+        here = Z[first:last], N[first:last], size[first:last]
+        every = corrections(*here, nodes, tips, lengths, phasors, cut, alpha, mean)
         for d in range(first, last):
             y = every[d - first]
-            for i in range(len(mean)):
-                y[i] *= size[d, i]
             tail = shaded.table(p[d], sizes[d], ramp_rule, xi, weight)
             r, f, g = R[d, :HALF], F[d, :HALF], G[d, :HALF]
             for j in range(HALF):

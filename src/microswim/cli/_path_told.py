@@ -115,14 +115,13 @@ def table(who: str, report: dict[str, Any]) -> Table:
     model = f"u_s of model {report['model']} within {100 * of_speed:.2g} %" if of_speed else ""
     if "motor_frequency" in report:
         model = f"how wrong the model may be is {BY_TORQUE}"
-    known = f"end within {q(error, 'length')} by the time steps" if error == error else ""
-    note = "; ".join(part for part in (known, model) if part)
-    if "motor_frequency" in report:
         turns = [q(f, "frequency") for f in report["motor_frequency"]]
         rows.append(("motors turn at, on average", ", ".join(turns)))
         if len(turns) > 1:
             late = [f"{value:.4g} rad" for value in report["phase_difference"][1:]]
             rows.append(("phases against the first, at the end", ", ".join(late)))
+    known = f"end within {q(error, 'length')} by the time steps" if error == error else ""
+    note = "; ".join(part for part in (known, model) if part)
     steps = "" if report["steps"] is None else f", {report['steps']:,} steps"
     title = f"{who}: path over {q(report['time'], 'time')}{steps}"
     note = f"{note}; {significant(report['wall_seconds'], 2)} s".lstrip("; ")

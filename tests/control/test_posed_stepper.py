@@ -11,6 +11,7 @@ import pytest
 import microswim as ms
 from boundaries import RADIUS, beside, inside
 from microswim.numerics.rigid_motion import rotation_matrix
+from microswim.path.weight import arm, excess
 
 ROBOT = ms.Swimmer.preset("tabak/helix").with_({"motion.free": "all"})
 BY_WALL = replace(ROBOT, wall=ms.Wall(1.0, tilt=0.2))
@@ -52,6 +53,33 @@ def test_steps_are_the_path_under_the_same_loads(where, flow, given):
     end = carried(one, ms.State.at(AT[where]), 8, 1 / 8, force=pull, **given)
     assert end.position == pytest.approx(path.position.values[-1], abs=2e-5)
     assert end.quaternion == pytest.approx(path.quaternion.values[-1], abs=2e-5)
+
+
+LAID = replace(ROBOT.with_({"tail.frequency": 0.0}), wall=ms.Wall(0.6))
+HEAVY = replace(
+    LAID, fluid=replace(LAID.fluid, density=1.0), gravity=ms.Gravity(density=100.0, acceleration=9.0)
+)
+FLIPPED = replace(
+    LAID, magnet=ms.Magnet(moment=(2.0, 0.0, 0.0)),
+    field=ms.RotatingField(strength=5e3, frequency=0.1, axis=(0, 1, 0)),
+)  # fmt: skip
+
+
+@pytest.mark.parametrize("swimmer", [HEAVY, FLIPPED])
+def test_a_stepper_holds_the_gap_of_the_path_under_weight_and_under_a_magnet(swimmer):
+    """What lies on the wall, or is turned over on it, with no motor."""
+    poses, dt = beside(swimmer), 0.5
+    path = ms.path(swimmer, 20.0, poses=poses, samples=41, contact=0.02)
+    one = ms.Stepper.of(swimmer, poses=poses, contact=0.02)
+    state, gaps = one.start, []
+    pull = np.array([0.0, 0.0, -9.0 * excess(swimmer)])
+    for k in range(40):
+        gaps.append(float(one.gap(state)))
+        felt = {} if swimmer.field is None else swimmer.field.felt(k * dt)
+        turned = rotation_matrix(state.quaternion) @ arm(swimmer, np.zeros(1))[0]
+        state = one.step(state, dt=dt, force=pull, torque=np.cross(turned, [0, 0, -9.0]), **felt)
+    assert min(gaps) < 0.03  # they touch
+    assert gaps == pytest.approx(path.gap.values[:-1], abs=2e-4)
 
 
 def test_the_start_of_a_stepper_is_that_of_the_spec():

@@ -28,7 +28,8 @@ from microswim.gait.stepping import row
 from microswim.numerics.compiling.compiled import njit, prange
 from microswim.numerics.compiling.cores import loop
 from microswim.numerics.solve6 import solve
-from microswim.path.velocity import add_carried, add_contact, add_kept_off, matrix
+from microswim.path.contact import add_contact
+from microswim.path.velocity import add_carried, add_kept_off, matrix
 
 SHARE = 0.5  #: of the gap by which it may change in a part of a step
 DONE, INSIDE, TOO_FAR = 0, 1, 2  #: how a step ends
@@ -48,7 +49,7 @@ class Around(NamedTuple):
     strain
         Series of S (1 + 2 H, 36): wrench on the swimmer held in a strain.
     contact
-        Size of the short-range repulsion and its range.
+        As `microswim.path.contact.repulsion` has it.
     """
 
     table: Any
@@ -101,10 +102,8 @@ def velocity(
     for i in range(6):
         for j in range(6):
             A[i, j] = R[i, j]
-    for part in (0, 7):
-        if touch[part] < 40.0 * around.contact[1]:
-            add_contact(around, touch[part : part + 7], W)
     f0, f1, f2 = flow_at(around, u, x, G)
+    add_contact(around.contact, touch, W, u[0], (f0, f1, f2), G)
     flows = bends & FLOW_BENDS or f0 != 0.0 or f1 != 0.0 or f2 != 0.0
     if around.table.kind == TUBE:
         if flows:

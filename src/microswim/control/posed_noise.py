@@ -13,6 +13,7 @@ from typing import Any
 import numpy as np
 
 from microswim.control.thermal import moved
+from microswim.gait.stepping import length_of
 from microswim.numerics.array import Array
 
 SMALL = 1e-4  #: of a length and a radian, of the random difference
@@ -36,9 +37,7 @@ def displaced(
     dt, random
         Time, and where the random numbers come from.
     """
-    R = np.real(poses.gait.resistance(0.0))
-    length = np.sqrt(np.trace(R[3:, 3:]) / np.trace(R[:3, :3]))
-    unit = np.repeat([length, 1.0], 3)
+    unit = np.repeat([length_of(poses.gait), 1.0], 3)
     z = np.zeros((len(values), 6))
     for i, y in enumerate(values):
         kick, way = random.standard_normal((2, 6))

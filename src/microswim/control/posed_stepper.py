@@ -28,7 +28,8 @@ from microswim.numerics.array import still_read_only
 from microswim.numerics.rigid_motion import rotation_matrix
 from microswim.numerics.series.fourier import evaluate
 from microswim.path import in_tube, strain
-from microswim.path.loads import periodic, repulsion
+from microswim.path.contact import DRAG, LENGTH, THRUST, repulsion
+from microswim.path.loads import periodic
 from microswim.path.start import check_bounds
 from microswim.swimmer.swimmer import Swimmer
 
@@ -80,7 +81,7 @@ class PosedStepper(Stepper):
         series = periodic(lambda p: strain.coupling(swimmer, p)[0].reshape(-1, 36), felt, 36)
         return posed.Around(
             self.poses.table, np.array(self.gait.free), series,
-            repulsion(swimmer, self.gait, reach=self.contact),
+            repulsion(swimmer, self.gait, self.contact),
         )  # fmt: skip
 
     @property
@@ -220,7 +221,7 @@ class PosedStepper(Stepper):
             self._advance(Y, u[None], dt, steps)
             return Y[0]
 
-        return self._slopes(after, state, u[0], columns_of(wrt))
+        return self._slopes(after, state, u[0], columns_of(wrt), dt)
 
     def state_space(
         self,
@@ -239,14 +240,15 @@ class PosedStepper(Stepper):
         def slope(y: np.ndarray, u: np.ndarray) -> np.ndarray:
             return np.append(self._lab(y[None], u[None])[0, :6], u[0])
 
-        A, B = self._slopes(slope, state, u, columns_of(wrt))
+        A, B = self._slopes(slope, state, u, columns_of(wrt), 1.0)
         return linear.continuous(slope(np.array(state.values), u), A, B, state.quaternion)
 
     def _slopes(
-        self, function: Callable[..., np.ndarray], state: State, u: np.ndarray, columns: np.ndarray
-    ) -> tuple[np.ndarray, np.ndarray]:
+        self, function: Callable[..., np.ndarray], state: State, u: np.ndarray,
+        columns: np.ndarray, dt: float,
+    ) -> tuple[np.ndarray, np.ndarray]:  # fmt: skip
         """Return derivatives of a function of state and inputs, by central differences."""
-        steps, both = self._natural(state), []
+        steps, both = self._natural(state, u, dt), []
         for k in [*range(STATE), *(STATE + c for c in columns)]:
             ends = []
             for sense in (1.0, -1.0):
@@ -260,11 +262,14 @@ class PosedStepper(Stepper):
         J = np.array(both).T
         return J[:, :STATE], J[:, STATE:]
 
-    def _natural(self, state: State) -> np.ndarray:
-        """Small changes of the state and of the 37 inputs, by what drives the swimmer itself."""
-        R, push = np.real(self.gait.resistance(0.0)), float(self.around.contact[0])
-        length = float(np.sqrt(np.trace(R[3:, 3:]) / np.trace(R[:3, :3])))
-        rate = abs(float(np.real(self.gait.rate))) or push * length / float(R[3, 3])
+    def _natural(self, state: State, u: np.ndarray, dt: float) -> np.ndarray:
+        """Small changes of the state and of the 37 inputs, by what moves a swimmer in time dt.
+
+        That is its motor, or else what takes it on by its own length.
+        """
+        contact = self.around.contact
+        length, rate = float(contact[LENGTH]), float(abs(u[0]) or abs(self._rest[0, 0]))
+        push, rate = float(contact[THRUST] * rate or contact[DRAG] * length / dt), rate or 1.0 / dt
         moment = float(np.linalg.norm(self.magnetic)) or push * length
         field = push * length / moment
         place = SMALL * min(length, float(np.min(self.gap(state))))

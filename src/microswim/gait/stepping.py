@@ -18,6 +18,12 @@ from microswim.numerics.solve6 import solve
 LOWER = [(i, j) for i in range(6) for j in range(i + 1)]
 
 
+def length_of(gait: Gait) -> float:
+    """Return a length of the swimmer, from its resistances to turning and to moving."""
+    R = np.real(gait.resistance(0.0))
+    return float(np.sqrt(np.trace(R[3:, 3:]) / np.trace(R[:3, :3])))
+
+
 def pack(gait: Gait) -> np.ndarray:
     """Return series of the lower triangle of R (21 columns) and F_p (6 columns), shape (1 + 2 H,
     27).

@@ -17,11 +17,12 @@ from microswim.gait.gait import Gait
 from microswim.gait.held import warn_if_held
 from microswim.gait.poses.face import FreePoses, Poses
 from microswim.gait.poses.table import FREE, TUBE
+from microswim.gait.stepping import length_of
 from microswim.numerics.array import Array
 from microswim.path import in_tube, outcome
 from microswim.path.by_torque import check_alone, fastest, follow_motors
+from microswim.path.contact import REACH
 from microswim.path.course import Course, Followed, follow
-from microswim.path.in_space import length_of
 from microswim.path.loads import loads_of
 from microswim.path.march import gaps_along
 from microswim.path.remembering import period_of, remember, remembers
@@ -317,14 +318,14 @@ def _ends(
     length = 2.0 * float(swimmer.body.semi_axes3[0]) + float(swimmer.tail.apparent_length)
     last = np.atleast_2d(told["gap"])[0] if bounded else gaps
     return {
-        "outcome": outcome.ended(last, gaps.min(), length, course.loads.contact[1], turn),
+        "outcome": outcome.ended(last, gaps.min(), length, course.loads.contact[REACH], turn),
         "circle_radius": np.nan if radius is None else radius,
         "circle_sense": sense or "",
         "gap_mean": float(np.mean(last)) if bounded else np.nan,
         "drift": (x[-1] - x[0]) / span,
         "position_error": np.nan if course.energy else _off(course, found),
         "steps": found.steps,
-        "contact": course.loads.contact[1],
+        "contact": course.loads.contact[REACH],
         "boundary": ("none", "wall", "tube")[course.table.kind],
         "tube_radius": float(course.table.boundary[6]) if course.table.kind == TUBE else np.nan,
     }

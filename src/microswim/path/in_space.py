@@ -14,6 +14,7 @@ import numpy as np
 
 from microswim.errors import MicroswimError
 from microswim.gait.gait import Gait
+from microswim.gait.stepping import length_of
 from microswim.numerics.array import Array
 from microswim.numerics.rigid_motion import multiply, rotation_matrix
 from microswim.path.velocity import WORK, Loads, velocity
@@ -153,9 +154,3 @@ def _integrated(
             "field changes too fast"
         )
     return found.y.T
-
-
-def length_of(gait: Gait) -> float:
-    """Return a length of the swimmer, from its resistances to turning and to moving."""
-    R = np.real(gait.resistance(0.0))
-    return float(np.sqrt(np.trace(R[3:, 3:]) / np.trace(R[:3, :3])))

@@ -11,6 +11,7 @@ from microswim.gait.gait import DEGREES_OF_FREEDOM, Gait
 from microswim.numerics.array import Array
 from microswim.numerics.series.fourier import series_of, trimmed
 from microswim.path import strain, weight
+from microswim.path.contact import repulsion
 from microswim.path.velocity import CURVED, LINEAR, STILL, Loads
 from microswim.swimmer.magnetism.applied_field import AppliedField, unit
 from microswim.swimmer.magnetism.magnet import magnetic_of
@@ -18,8 +19,6 @@ from microswim.swimmer.surroundings.flow import Flow, PoiseuilleFlow
 from microswim.swimmer.swimmer import Swimmer
 
 FINEST = 512
-#: Range of the repulsion that keeps a swimmer off a boundary, of its body's girth.
-CONTACT = 0.01
 
 
 def loads_of(
@@ -62,17 +61,8 @@ def loads_of(
             lambda p: strain.curved_coupling(swimmer, p).reshape(-1, 108), bends == CURVED, 108
         ),
         activity=np.ascontiguousarray(np.real(gait.activity_series)[:, None]),
-        contact=repulsion(swimmer, gait, whole, reach),
+        contact=repulsion(swimmer, gait, reach),
     )
-
-
-def repulsion(swimmer: Swimmer, gait: Gait, pull: Any = (0, 0, 0), reach: Any = None) -> Array:
-    """Return size and range of the repulsion that keeps a swimmer off a boundary, (2,).
-
-    `pull`: a constant force on it (3,).
-    """
-    size = _push(gait, np.asarray(pull, float))
-    return np.array([size, _reach(swimmer) if reach is None else float(reach)])
 
 
 def periodic(function: Callable[[Array], Array], wanted: Any, width: int) -> Array:
@@ -111,18 +101,6 @@ def _tube(flow: Flow | None) -> Array:
     if not isinstance(flow, PoiseuilleFlow):
         return np.zeros(8)
     return np.concatenate([unit(flow.axis), flow.centre, [flow.speed, (2.0 / flow.diameter) ** 2]])
-
-
-def _push(gait: Gait, force: Array) -> float:
-    """Size of the repulsion: of the thrust, or of what pulls if that is more."""
-    phases = np.linspace(0.0, 2.0 * np.pi, 16, endpoint=False)
-    thrust = np.abs(np.real(gait.propulsion(phases)[:, :3] * gait.rate)).max()
-    return float(max(thrust, np.linalg.norm(force))) or 1.0
-
-
-def _reach(swimmer: Swimmer) -> float:
-    girth = max(np.real(np.array(swimmer.body.semi_axes3, float)[1:])) or float(swimmer.tail.radius)
-    return CONTACT * float(girth)
 
 
 def left_out(swimmer: Swimmer) -> list[str]:

@@ -20,6 +20,7 @@ from microswim.gait.poses.table import WORK as POSE_WORK
 from microswim.gait.stepping import row
 from microswim.numerics.compiling.compiled import compiled
 from microswim.numerics.solve6 import solve
+from microswim.path.contact import add_contact, cross_to
 
 STILL, LINEAR, CURVED = 0, 1, 2  #: flows: none that bends or turns, one gradient, Poiseuille's
 
@@ -56,7 +57,7 @@ class Loads(NamedTuple):
     activity
         Series of the motor's power per squared rate with the body held.
     contact
-        Size of the short-range repulsion and its range.
+        As `contact.repulsion` has it.
     """
 
     rate: float
@@ -90,14 +91,6 @@ def matrix(q: Any, Q: Any) -> None:
     Q[0, 0], Q[0, 1], Q[0, 2] = 1 - 2 * (y * y + z * z), 2 * (x * y - w * z), 2 * (x * z + w * y)
     Q[1, 0], Q[1, 1], Q[1, 2] = 2 * (x * y + w * z), 1 - 2 * (x * x + z * z), 2 * (y * z - w * x)
     Q[2, 0], Q[2, 1], Q[2, 2] = 2 * (x * z - w * y), 2 * (y * z + w * x), 1 - 2 * (x * x + y * y)
-
-
-@compiled()
-def cross_to(W: Any, k: int, a: Any, b0: Any, b1: Any, b2: Any) -> None:
-    """Add ``a x b`` to W[k:k+3]."""
-    W[k] += a[1] * b2 - a[2] * b1
-    W[k + 1] += a[2] * b0 - a[0] * b2
-    W[k + 2] += a[0] * b1 - a[1] * b0
 
 
 @compiled()
@@ -196,21 +189,6 @@ def background(loads: Any, x: Any, A: Any) -> Any:
 
 
 @compiled()
-def add_contact(loads: Any, touch: Any, W: Any) -> None:
-    """Add the short-range repulsion ``F e^-d / (1 - e^-d)``, d = gap / range, along the normal.
-
-    It grows beyond all bounds as the gap closes.
-    """
-    near = np.exp(-touch[0] / loads.contact[1])
-    push = loads.contact[0] * near / (1.0 - near)
-    f0, f1, f2 = push * touch[4], push * touch[5], push * touch[6]
-    W[0] += f0
-    W[1] += f1
-    W[2] += f2
-    cross_to(W, 3, touch[1:4], f0, f1, f2)
-
-
-@compiled()
 def flow_twist(Q: Any, u: Any, G: Any, U: Any) -> None:
     """Write velocity and rotation (6,) of a flow at the body's centre, body frame."""
     U[0], U[1], U[2] = into_body(Q, u)
@@ -281,10 +259,8 @@ def velocity(
         for j in range(6):
             A[i, j] = R[i, j]
     lifted = add_loads(loads, t, phase, Q, W, values)
-    for part in (0, 7):
-        if touch[part] < 40.0 * loads.contact[1]:
-            add_contact(loads, touch[part : part + 7], W)
     u0, u1, u2 = background(loads, x, G)
+    add_contact(loads.contact, touch, W, loads.rate, (u0, u1, u2), G)
     if table.kind == TUBE:
         if loads.bends == CURVED:
             speed = 0.0

@@ -47,8 +47,6 @@ class Twin:
         one = ms.Stepper.of(
             bound.swimmer, poses=bound.options["poses"], moment=moment, resolution=100, **options
         )
-        around = one.around._replace(contact=bound.around.contact)  # the same repulsion
-        object.__setattr__(one, "around", around)
         start = world.memory[0, :8]
         self.one, self.state = one, ms.State.at(start[:3] + self.depth, start[3:7], start[7])
         self.flow = {"flow": [flow[0], 0.0, 0.0]}

@@ -21,7 +21,7 @@ from microswim.errors import SpecError
 from microswim.gait.gait import Gait
 from microswim.gait.poses import in_tube as inside
 from microswim.gait.poses.table import TUBE, PoseTable
-from microswim.gait.stepping import pack
+from microswim.gait.stepping import length_of, pack
 from microswim.models.bem.solution import middle_of
 from microswim.numerics.array import Array
 from microswim.numerics.compiling.compiled import settled
@@ -99,7 +99,9 @@ def in_tube(
     radius = 0.5 * channel.diameter
     numbers = numbers_of(shape, scatter.smallest)
     lines, Z = places(shape, numbers, radius, scatter.poses, AMONG * scatter.poses)
-    out, _ = places(shape, numbers, radius, scatter.left_out, among=scatter.left_out, seed=1)
+    out = np.zeros((0, 6))
+    if scatter.left_out:
+        out, _ = places(shape, numbers, radius, scatter.left_out, among=scatter.left_out, seed=1)
     free_swimmer = replace(swimmer, wall=None, channel=None)
     asked = [beside(free_swimmer, radius, line) for line in np.concatenate([lines, out])]
     free, found, judged = solved(
@@ -222,8 +224,7 @@ def beside(swimmer: Swimmer, radius: float, line: Array) -> Swimmer:
 def root_of(free: Gait) -> Array:
     """Return `PoseTable.root` (8, 6): S of ``R = S exp(L) S'``, R^-1 F_p and P in free fluid."""
     R, F = free.resistance(0.0), free.propulsion(0.0)
-    length = np.sqrt(np.trace(R[3:, 3:]) / np.trace(R[:3, :3]))
-    unit = np.repeat([1.0, length], 3)
+    unit = np.repeat([1.0, length_of(free)], 3)
     values, vectors = np.linalg.eigh(R / np.outer(unit, unit))
     S = unit[:, None] * ((vectors * np.sqrt(values)) @ vectors.T)
     w = np.linalg.solve(R, F)

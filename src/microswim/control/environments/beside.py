@@ -83,23 +83,14 @@ class Boundary:
         """How many axes a task spans: along the wall, along the tube."""
         return 2 if self.swimmer.wall is not None else 1
 
-    def hold(self, free: Stepper, strength: float) -> None:
-        """Hold the gait at every pose, for a robot as in free fluid.
-
-        The repulsion is as large as what the magnet in a field of that strength may press with, or
-        the motor.
-        """
+    def hold(self, free: Stepper) -> None:
+        """Hold the gait at every pose, for a robot as in free fluid."""
         made: Any = Stepper.of(self.swimmer, moment=free.moment, locked=free.locked, **self.options)
         assert isinstance(made, PosedStepper)
         table = made.around.table
         if self.depth:
             table = table._replace(boundary=np.array([0.0, 0.0, -self.depth, 0.0, 0.0, 1.0]))
-        lever = float(self.swimmer.tail.apparent_length)
-        push = float(np.linalg.norm(free.magnetic[:3])) * strength / lever
-        if not free.locked:
-            push = max(push, float(made.around.contact[0]))
-        contact = np.array([push, made.around.contact[1]])
-        self.around = made.around._replace(table=table, contact=contact)
+        self.around = made.around._replace(table=table)
         self.magnetic, self.limits, self.work = made.magnetic, made.limits, posed.rows_of_work(8)
 
     def flowing(self, U: np.ndarray) -> None:

@@ -66,7 +66,7 @@ class World(ABC):
         stepper = self.stepper()
         if self.boundary is not None:
             self.settings = s = s._replace(ways=self.boundary.ways)
-            self.boundary.hold(stepper, s.field)
+            self.boundary.hold(stepper)
         made = np.zeros((0 if self.bench is None else n, NUMBERS))
         table = stepper.response
         self.model = (table.twist, table.strain, stepper.magnetic, made)

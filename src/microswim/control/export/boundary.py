@@ -15,6 +15,7 @@ import numpy as np
 from microswim.control.stepper import Stepper
 from microswim.gait.poses.table import TUBE
 from microswim.numerics.array import Array
+from microswim.path.contact import REACH
 
 DECLARED = """
 /* The smallest distance of the surface to the boundary, negative inside [@length@]. */
@@ -66,7 +67,7 @@ def boundary_of(stepper: Stepper) -> Boundary:
     posed: Any = stepper
     tube, table = around.table.kind == TUBE, around.table
     about = WHERE[tube].format(radius=float(table.boundary[6]) if tube else 0.0)
-    about += ABOUT.format(reach=float(around.contact[1])) + _wrong(posed.poses.expected_error)
+    about += ABOUT.format(reach=float(around.contact[REACH])) + _wrong(posed.poses.expected_error)
     code = _text("boundary").replace("@kind@", _text("tube" if tube else "wall"))
     code = code.replace("@about@", "The axis of the tube is x." if tube else "The wall is z = 0.")
     start = np.concatenate(posed.poses.start)

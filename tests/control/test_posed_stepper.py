@@ -57,7 +57,9 @@ def test_steps_are_the_path_under_the_same_loads(where, flow, given):
 
 LAID = replace(ROBOT.with_({"tail.frequency": 0.0}), wall=ms.Wall(0.6))
 HEAVY = replace(
-    LAID, fluid=replace(LAID.fluid, density=1.0), gravity=ms.Gravity(density=100.0, acceleration=9.0)
+    LAID,
+    fluid=replace(LAID.fluid, density=1.0),
+    gravity=ms.Gravity(density=100.0, acceleration=9.0),
 )
 FLIPPED = replace(
     LAID, magnet=ms.Magnet(moment=(2.0, 0.0, 0.0)),

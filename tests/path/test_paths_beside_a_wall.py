@@ -68,12 +68,12 @@ def test_the_start_is_that_of_the_wall_and_far_away_is_free():
     assert np.allclose(far.position, free.position, atol=1e-4)
 
 
-@pytest.mark.parametrize("tilt", [-0.5, 0.0, 0.5])
-def test_a_shear_presses_nothing_through_the_wall(tilt):
+@pytest.mark.parametrize(("rate", "tilt"), [(2.0, -0.5), (2.0, 0.5), (50.0, 0.0)])
+def test_a_shear_presses_nothing_through_the_wall(rate, tilt):
     """It turns the robot over, tail onto the wall, again and again."""
-    swimmer = replace(ROBOT, flow=ms.ShearFlow(rate=2.0))
+    swimmer = replace(ROBOT, flow=ms.ShearFlow(rate=rate))
     found = ms.path(swimmer, 30.0, poses=POSES, position=(0, 0, 2.1), tilt=tilt, samples=400)
-    assert 0.0 < float(found.gap.min()) < 0.01  # two ranges of the contact
+    assert 0.0 < float(found.gap.min()) < 0.015  # three ranges of the contact
 
 
 def test_a_flow_onto_the_wall_presses_as_in_free_fluid():

@@ -7,6 +7,7 @@ that would be skipped for want of NGSolve, PyVista or a Chromium fails instead.
 import os
 
 import pytest
+from threadpoolctl import threadpool_limits
 
 WORKER = os.environ.get("PYTEST_XDIST_WORKER")
 CI = os.environ.get("CI", "").lower() not in ("", "0", "false")
@@ -14,6 +15,7 @@ CI = os.environ.get("CI", "").lower() not in ("", "0", "false")
 if WORKER:
     for variable in ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS"):
         os.environ[variable] = "1"
+    threadpool_limits(1)  # a plugin has loaded NumPy by now, which reads no variable any more
 
 
 def _not_left_out(report):

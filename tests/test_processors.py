@@ -1,9 +1,13 @@
-"""Numbers that hang on the last bits hold on other processors than the one that runs the tests."""
+"""Numbers that hang on the last bits hold on other processors than the one that runs the tests,
+whose workers have one thread each.
+"""
 
 import os
 import subprocess
 import sys
 from pathlib import Path
+
+from threadpoolctl import threadpool_info
 
 ROOT = Path(__file__).parents[1]
 SENSITIVE = [
@@ -21,3 +25,9 @@ def test_last_bits_hold_without_the_lanes_of_this_processor():
         command, cwd=ROOT, env=os.environ | other, capture_output=True, text=True, check=False
     )
     assert run.returncode == 0, run.stdout + run.stderr
+
+
+def test_a_worker_of_the_tests_has_one_thread():
+    """Two for a solve of 300 unknowns on two busy cores take forty times as long as one."""
+    threads = {pool["num_threads"] for pool in threadpool_info() if pool["user_api"] == "blas"}
+    assert threads == {1} or "PYTEST_XDIST_WORKER" not in os.environ

@@ -6,6 +6,7 @@ from dataclasses import replace
 from typing import Any
 
 import numpy as np
+from threadpoolctl import threadpool_limits
 
 from microswim import checks
 from microswim.gait.gait import Gait
@@ -26,6 +27,7 @@ from microswim.swimmer import physical_sense
 from microswim.swimmer.swimmer import SURROUNDINGS, Swimmer
 
 
+@threadpool_limits.wrap(limits=1)  # small matrices
 def settled_swimmer(swimmer: Swimmer) -> Swimmer:
     """Return the swimmer with the tail that its elastic one settles to.
 
@@ -42,6 +44,7 @@ def settled_swimmer(swimmer: Swimmer) -> Swimmer:
     return replace(swimmer, tail=settled_tail(tail, settled(problem(swimmer))), hook=None)
 
 
+@threadpool_limits.wrap(limits=1)
 def gait(swimmer: Swimmer, *, phases: int | None = None) -> Gait:
     """Return the gait of the motion that the elastic tail settles to, by resistive force theory.
 

@@ -13,6 +13,7 @@ from typing import Any, Literal, get_args
 
 import numpy as np
 from scipy.optimize import brentq
+from threadpoolctl import threadpool_limits
 
 from microswim import checks
 from microswim.errors import MicroswimError, SpecError
@@ -64,6 +65,7 @@ class Threshold:
 
 
 @checks.given(swimmer=checks.swimmer, load=checks.one_of(*get_args(Pull)))
+@threadpool_limits.wrap(limits=1)  # small matrices
 def stability(swimmer: Swimmer, load: Pull = "tip") -> Threshold:
     """Return the load that the shape of an elastic tail does not survive.
 

@@ -10,6 +10,7 @@ from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
+from threadpoolctl import threadpool_limits
 
 from microswim.errors import MicroswimError
 from microswim.models.elastic.rod import integrals
@@ -65,6 +66,7 @@ class March:
     places: np.ndarray
 
 
+@threadpool_limits.wrap(limits=1)  # small matrices
 def marched(
     swimmer: Swimmer, start: Shape, times: np.ndarray, tolerance: float, begun: float = 0.0,
     **more: Any,

@@ -12,14 +12,21 @@ from microswim.models.elastic.beat import drive, settled
 from microswim.models.elastic.growth import growth
 from microswim.models.elastic.plane import Loads, balance
 from microswim.models.elastic.problem import problem
+from microswim.numerics.series.fourier import MIRROR_Q
 from oracles.elastic_filament import chain_thrust, moment_thrust, thrust
 
 RATE = 2.0 * np.pi
 
 
-def swimmer(sperm_number, size, *, ratio=0.5, drive="heave", base="clamped", **parts):
+#: A shape at rest that begins beside the joint and bends both ways, and a straight one.
+AWRY = tuple((s, 0.1 + 0.1 * np.sin(4.0 * s), 0.0) for s in np.linspace(0.0, 1.0, 21))
+STRAIGHT = tuple((s, 0.0, 0.0) for s in np.linspace(0.0, 1.0, 5))
+
+
+def swimmer(sperm_number, size, *, ratio=0.5, drive="heave", base="clamped", rest=None, **parts):
     """A swimmer whose tail has c_n = 1 and length 1, held unless said otherwise."""
     own = {"base": base, "drive": drive, "amplitude" if drive == "heave" else "angle": size}
+    own["rest"] = rest
     tail = ms.ElasticTail(length=1.0, radius=0.01, bending=RATE / sperm_number**4, **own)
     parts = {"body": ms.NoBody(), "motion": ms.Motion(free="none")} | parts
     law = ms.Constant(normal=1.0, tangential=ratio, spin=False)
@@ -126,14 +133,64 @@ def test_a_stiff_tail_moves_as_one():
     np.testing.assert_allclose(one.resistance(phases), other.resistance(phases), atol=1e-5)
 
 
+@pytest.mark.parametrize("drive", ["heave", "pivot"])
+def test_a_whole_period_finds_the_beat_of_half_of_it(drive):
+    """A straight shape at rest that is said by points asks for no mirror image."""
+    parts = {"drive": drive, "body": ms.Sphere(radius=0.2), "motion": ms.Motion()}
+    half, whole = (swimmer(3.0, 0.4, rest=rest, **parts).gait() for rest in (None, STRAIGHT))
+    np.testing.assert_allclose(whole.mean_velocity, half.mean_velocity, atol=1e-9)
+    for name in ("growth", "tip_amplitude"):
+        assert whole.info[name] == pytest.approx(half.info[name], rel=1e-4)
+    assert whole.mean_power == pytest.approx(half.mean_power, rel=1e-7)
+
+
+def test_a_stiff_bent_tail_moves_as_one():
+    """Against the same arc as a given motion, turned about the joint."""
+
+    def arc(s, phase):
+        angle, turn = s / 0.6, 0.3 * np.cos(phase)
+        x, y, c, d = 0.6 * np.sin(angle), 0.6 * (1 - np.cos(angle)), np.cos(turn), np.sin(turn)
+        return np.stack([c * x - d * y, d * x + c * y, 0.0 * (x + c)], axis=-1)
+
+    stiff = swimmer(0.02, 0.3, drive="pivot", body=ms.Sphere(radius=0.3), motion=ms.Motion())
+    bent: Any = replace(stiff.tail, rest_radius=0.6)  # type: ignore[call-arg]
+    rigid = ms.CustomTail(shape=arc, length=1.0, radius=0.01)
+    phases = np.linspace(0.0, RATE, 9)
+    one, other = (replace(stiff, tail=t).gait(m) for t, m in ((bent, "elastic"), (rigid, "rft")))
+    np.testing.assert_allclose(one.velocity(phases), other.velocity(phases), atol=1e-5)
+    np.testing.assert_allclose(one.resistance(phases), other.resistance(phases), atol=1e-5)
+
+
+def test_the_mirror_image_of_a_bent_tail_swims_as_the_mirror_image():
+    image = [(s, -q, r) for s, q, r in AWRY]
+    parts = {"body": ms.Sphere(radius=0.2), "motion": ms.Motion()}
+    one, other = (swimmer(3.0, 0.3, rest=rest, **parts).gait() for rest in (AWRY, image))
+    np.testing.assert_allclose(other.velocity(np.pi), one.velocity(0.0) * MIRROR_Q, atol=1e-9)
+    assert abs(one.mean_velocity[5]) > 1e-3  # it swims in circles
+
+
+def test_a_body_that_drifts_aside_leaves_no_mirror_image():
+    """It turns as it goes along s: what marching in time settles to."""
+    entries = ((0.0, 0.0, 0.4), (0.0, 0.0, 0.0), (0.0, 0.0, 0.0))
+    one = swimmer(2.0, 0.3, body=ms.Sphere(radius=0.2), motion=ms.Motion(),
+                  interaction=ms.Interaction(coupling=entries))  # fmt: skip
+    beat = settled(problem(one))
+    assert not beat.problem.mirrors
+    (end,) = marched(beat, 0.0 * beat.shape[0], [8.0 * np.pi])
+    np.testing.assert_allclose(end, beat.shape[0], atol=5e-5)
+
+
 @pytest.mark.parametrize("free", ["none", "all"])
-@pytest.mark.parametrize(("base", "drive", "size"), [
-    ("clamped", "heave", 0.2), ("hinged", "heave", 0.2), ("clamped", "pivot", 0.6),
+@pytest.mark.parametrize(("base", "drive", "size", "rest"), [
+    ("clamped", "heave", 0.2, None), ("hinged", "heave", 0.2, None),
+    ("clamped", "pivot", 0.6, None),
+    ("clamped", "heave", 0.2, AWRY), ("clamped", "pivot", 0.6, AWRY),
 ])  # fmt: skip
-def test_the_drive_gives_what_the_fluid_takes(free, base, drive, size):
+def test_the_drive_gives_what_the_fluid_takes(free, base, drive, size, rest):
     """Elastic energy comes back after a period, so the means are equal."""
     body = ms.Sphere(radius=0.2)
-    one = swimmer(3.0, size, drive=drive, base=base, body=body, motion=ms.Motion(free=free))
+    motion = ms.Motion(free=free)
+    one = swimmer(3.0, size, drive=drive, base=base, rest=rest, body=body, motion=motion)
     gait = one.gait("elastic")
     phase = RATE * np.arange(256) / 256
     place = gait.velocity(phase)
@@ -270,10 +327,11 @@ def test_units_do_not_matter():
     assert si.mean_power == pytest.approx(mu * f**2 * um**3 * bare.mean_power, rel=1e-9)
 
 
-def test_the_gait_is_that_of_the_settled_tail():
+@pytest.mark.parametrize("rest", [None, AWRY])
+def test_the_gait_is_that_of_the_settled_tail(rest):
     """Sums at the rod's own nodes, and those of any tail with that centreline."""
     hook = ms.Hook(stiffness=0.5, length=0.05)
-    one = swimmer(3.0, 0.2, body=ms.Sphere(radius=0.2), motion=ms.Motion(), hook=hook)
+    one = swimmer(3.0, 0.2, rest=rest, body=ms.Sphere(radius=0.2), motion=ms.Motion(), hook=hook)
     ours, other = one.gait("elastic"), one.settled.gait("rft")
     phases = np.linspace(0.0, RATE, 9)
     np.testing.assert_allclose(ours.velocity(phases), other.velocity(phases), atol=1e-9)

@@ -31,9 +31,10 @@ def march(one, times, tolerance=1e-6, **more):
     return marched(one, at_rest(one, np.zeros(3), HEADING, 0.0), times, tolerance, **more)
 
 
+AWRY = [(s, 0.1 + 0.1 * np.sin(4.0 * s), 0.0) for s in np.linspace(0.0, 1.0, 21)]
 DRIVES = [
-    {"drive": "heave", "amplitude": 0.2},
-    {"drive": "moment", "moment": 0.5, "wavelength": 1.0},
+    {"drive": "heave", "amplitude": 0.2, "rest": AWRY},
+    {"drive": "moment", "moment": 0.5, "wavelength": 1.0, "rest_radius": 0.8},
     {"drive": "rotate", "angle": 0.4, "twisting": 0.3},
     {"drive": "rotate", "rest_radius": 0.05, "rest_pitch": -0.5},
 ]

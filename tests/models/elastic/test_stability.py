@@ -57,6 +57,13 @@ def test_a_hook_buckles_under_its_stiffness_over_the_length_of_a_stiff_tail():
     assert ms.stability(hooked, "end").load == pytest.approx(0.2 / 1.0, rel=1e-3)
 
 
+def test_a_bent_tail_has_no_threshold_of_a_straight_one():
+    tail = ms.ElasticTail(length=1.0, radius=0.01, bending=1.0, drive="none", rest_radius=0.5)
+    one = ms.Swimmer(body=ms.NoBody(), tail=tail, fluid=ms.Fluid(viscosity=1.0))
+    with pytest.raises(ms.SpecError, match="straight for the load"):
+        ms.stability(one, "end")
+
+
 def test_an_unknown_load_is_refused():
     with pytest.raises(ms.SpecError, match="load"):
         ms.stability(swimmer(), "sideways")  # type: ignore[arg-type]

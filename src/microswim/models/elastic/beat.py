@@ -2,21 +2,24 @@
 
 Straight at rest and driven by a cosine, the tail half a period on is its own mirror image,
 ``q(phi + pi) = -q(phi)``: half a period at T equal phases holds the beat, and its derivative by the
-trigonometric polynomial through these and their images is exact up to harmonic T. Newton's method
-on all phases at once finds the beat however slowly a tail would settle to it.
+trigonometric polynomial through these and their images is exact up to harmonic T. A tail that is
+bent at rest, or whose body drifts aside, has no such image: a whole period at an odd number of
+phases holds its beat. Newton's method on all phases at once finds it however slowly a tail would
+settle to it.
 """
 
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
 from functools import lru_cache
+from typing import Any
 
 import numpy as np
 
 from microswim.errors import MicroswimError
 from microswim.models.elastic.plane import Balance, Base, Loads, balance
 from microswim.models.elastic.problem import Problem
-from microswim.models.elastic.rod import Rod, rod
+from microswim.models.elastic.rod import Rod
 from microswim.numerics.series.fourier import evaluate, series_of
 
 #: Phases over half a period and curvatures of the rod, to begin with; their product, at most.
@@ -34,7 +37,8 @@ class Beat:
     problem, rod
         What was solved, and with which shapes.
     shape
-        Coordinates of the rod at T phases over half a period, (T, n).
+        Coordinates of the rod at T phases, (T, n): over half a period, or all of it where half
+        a period on the tail is not its mirror image.
     velocity
         Free velocities of the body at these phases, (T, f).
     steps
@@ -49,13 +53,13 @@ class Beat:
 
     @property
     def phases(self) -> np.ndarray:
-        """Phases over half a period, (T,)."""
-        return np.pi * np.arange(len(self.shape)) / len(self.shape)
+        """Its phases, (T,)."""
+        return phases_of(self.problem, len(self.shape))
 
     @property
     def velocities(self) -> np.ndarray:
         """All velocities ``w = (V, dq/dphi)``, (T, f + n)."""
-        rates = antiperiodic_derivative(len(self.shape)) @ self.shape
+        rates = derivative_of(self.problem, len(self.shape)) @ self.shape
         return np.concatenate([self.velocity, rates], axis=1)
 
     @property
@@ -71,10 +75,19 @@ class Beat:
         size = np.abs(self.shape).max(initial=0.0)
         if size == 0.0:
             return True, True
-        harmonics = np.abs(np.fft.fft(np.concatenate([self.shape, -self.shape]), axis=0))
-        last = harmonics[len(self.shape) // 2 * 2 - 1 : len(self.shape) + 1].max()
-        curved = np.abs(self.shape[:, -2:]).max()
-        return bool(last <= TOLERANCE * harmonics.max()), bool(curved <= TOLERANCE * size)
+        harmonics = np.abs(np.fft.fft(self.over_period(self.shape), axis=0))
+        half = len(harmonics) // 2
+        last = harmonics[half // 2 * 2 - 1 : half + 1].max()
+        curved = np.abs((self.shape - self.rod.rest)[:, -2:]).max()
+        least = 1e-12 * harmonics.max()  # of a bent tail that hardly beats
+        enough = last <= max(TOLERANCE * harmonics[1:].max(), least)
+        return bool(enough), bool(curved <= TOLERANCE * size)
+
+    def over_period(self, samples: np.ndarray, sense: Any = -1.0) -> np.ndarray:
+        """Return samples at its phases over a whole period, of what gets `sense` half of it on."""
+        if not self.problem.mirrors:
+            return samples
+        return np.concatenate([samples, sense * samples])
 
 
 def drive(problem: Problem, phase: np.ndarray) -> Base:
@@ -90,7 +103,17 @@ def unstressed(problem: Problem, rod: Rod, phase: np.ndarray) -> np.ndarray:
     """
     k = 2.0 * np.pi * problem.waves
     wave = problem.moment * np.cos(phase[:, None] - k * rod.s)
-    return (wave * rod.weight) @ rod.curvatures
+    return rod.rest + (wave * rod.weight) @ rod.curvatures
+
+
+def phases_of(problem: Problem, T: int) -> np.ndarray:
+    """Return T equal phases over half a period, or all of it."""
+    return (np.pi if problem.mirrors else 2.0 * np.pi) * np.arange(T) / T
+
+
+def derivative_of(problem: Problem, T: int) -> np.ndarray:
+    """Return the derivative of the coordinates at these phases, (T, T)."""
+    return antiperiodic_derivative(T) if problem.mirrors else periodic_derivative(T)
 
 
 @lru_cache(16)
@@ -106,6 +129,15 @@ def antiperiodic_derivative(T: int) -> np.ndarray:
     return whole[:, :T] - whole[:, T:]
 
 
+@lru_cache(16)
+def periodic_derivative(T: int) -> np.ndarray:
+    """Return the Fourier derivative at an odd number of phases, ``(-1)^j / (2 sin(j h / 2))``."""
+    j = np.arange(1, T)
+    row = np.append(0.0, 0.5 * (-1.0) ** j / np.sin(j * np.pi / T))
+    i = np.arange(T)
+    return row[(i[:, None] - i) % T]
+
+
 def settled(problem: Problem) -> Beat:
     """Return the beat, with as many phases and curvatures as it takes.
 
@@ -117,14 +149,17 @@ def settled(problem: Problem) -> Beat:
     if not np.real(problem.drag.normal) > 0.0 or not problem.is_driven:
         return _still(problem)
     T, n = FIRST
+    T = T if problem.mirrors else 2 * T + 1
     n = max(n, int(6 + 2 * problem.sperm_number + 4 * abs(np.real(problem.waves))))
+    n = max(n, 0 if problem.rest is None else problem.rest.modes() + 2)
     beat = None
     while T * n <= MOST:
         beat = (beat and _newton(_finer(beat, T, n))) or found(problem, T, n)
         in_time, along = beat.is_resolved
         if in_time and along:
             return beat
-        T, n = (T if in_time else 2 * T), (n if along else n + max(6, n // 3))
+        more = 2 * T if problem.mirrors else 2 * T - 1  # odd again
+        T, n = (T if in_time else more), (n if along else n + max(6, n // 3))
     raise MicroswimError(
         f"the elastic tail bends too sharply to be resolved (sperm number "
         f"{problem.sperm_number:.3g}): stiffen it, drive it less, or slower"
@@ -133,32 +168,34 @@ def settled(problem: Problem) -> Beat:
 
 def _finer(beat: Beat, T: int, n: int) -> Beat:
     """The same beat at more phases, of more curvatures."""
-    shapes = rod(n, beat.problem.turning)
-    phase = np.pi * np.arange(T) / T
+    shapes, phase = beat.problem.rod(n), phases_of(beat.problem, T)
     sense = np.array([1.0, -1.0, -1.0])[list(beat.problem.drag.free)]  # half a period on
     q, V = (
-        evaluate(series_of(np.concatenate([x, sign * x])), phase)
+        evaluate(series_of(beat.over_period(x, sign)), phase)
         for x, sign in ((beat.shape, -1.0), (beat.velocity, sense))
     )
     more = shapes.count - beat.rod.count
-    return replace(beat, rod=shapes, shape=np.pad(q, ((0, 0), (0, more))), velocity=V)
+    own = shapes.rest + np.pad(q - beat.rod.rest, ((0, 0), (0, more)))
+    return replace(beat, rod=shapes, shape=own, velocity=V)
 
 
 def _still(problem: Problem) -> Beat:
-    shapes = rod(FIRST[1], problem.turning)
-    nought = np.zeros((FIRST[0], shapes.count + len(problem.drag.free)))
-    return Beat(problem, shapes, nought[:, : shapes.count], nought[:, shapes.count :], 0)
+    rest, T = problem.rest, FIRST[0] if problem.mirrors else 2 * FIRST[0] + 1
+    shapes = problem.rod(max(FIRST[1], 0 if rest is None else rest.modes() + 2))
+    own = np.tile(shapes.rest, (T, 1))
+    return Beat(problem, shapes, own, np.zeros((T, len(problem.drag.free))), 0)
 
 
 def found(problem: Problem, T: int, n: int) -> Beat:
     """Return Newton's method, at a smaller drive first where the whole is too far from rest."""
-    shapes, f = rod(n, problem.turning), len(problem.drag.free)
-    beat = Beat(problem, shapes, np.zeros((T, shapes.count)), np.zeros((T, f)), 0)
+    shapes, f = problem.rod(n), len(problem.drag.free)
+    beat = Beat(problem, shapes, np.tile(shapes.rest, (T, 1)), np.zeros((T, f)), 0)
     done, step = 0.0, 1.0
     while done < 1.0:
         share = min(1.0, done + step)
         grown = share / done if done else 0.0
-        start = replace(beat, problem=problem.share(share), shape=grown * beat.shape)
+        near = shapes.rest + grown * (beat.shape - shapes.rest)
+        start = replace(beat, problem=problem.share(share), shape=near)
         found = _newton(start)
         if found is None:
             step /= 2.0
@@ -199,7 +236,7 @@ def _correction(beat: Beat) -> np.ndarray:
     A = np.zeros((T, N, T, N), dtype=at.residual.dtype)
     i = np.arange(T)
     A[i, :, i, :f] = at.resistance[:, :, :f]
-    D = antiperiodic_derivative(T)
+    D = derivative_of(beat.problem, T)
     A[:, :, :, f:] = at.resistance[:, :, None, f:] * D[:, None, :, None]
     A[i, :, i, f:] += at.stiffness
     return np.linalg.solve(A.reshape(T * N, T * N), -at.residual.ravel()).reshape(T, N)

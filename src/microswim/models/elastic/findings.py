@@ -10,19 +10,24 @@ import numpy as np
 from microswim.models.elastic.beat import Beat, drive
 from microswim.models.elastic.growth import NEUTRAL, growth
 from microswim.models.elastic.whirl import Whirl
+from microswim.numerics.series.fourier import evaluate, series_of
+
+OFTEN = 65  #: phases at which the tip is looked for where it is farthest out
 
 
 def of_beat(beat: Beat) -> dict[str, Any]:
     """Return the numbers of a beat in the plane: see `microswim.models.elastic.gait.gait`."""
     rod, q = beat.rod, np.real(beat.shape)
     base = drive(beat.problem, beat.phases)
-    tip = base.place + np.sin(base.angle[:, None] + q @ rod.shapes.T) @ rod.along[-1]
+    heading = np.real(base.angle[:, None] + rod.tilt + q @ rod.shapes.T)
+    often = np.linspace(0.0, 2.0 * np.pi, OFTEN)
+    tip = beat.over_period(np.real(base.place) + np.sin(heading) @ rod.along[-1])
     return {
         "sperm_number": beat.problem.sperm_number,
         "unknowns": int(np.size(q) + np.size(beat.velocity)),
         "newton_steps": beat.steps,
         **_settling(growth(beat)),
-        "tip_amplitude": float(np.abs(np.real(tip)).max()),
+        "tip_amplitude": float(np.ptp(evaluate(series_of(tip), often))) / 2.0,
         "largest_curvature": float(np.abs(q @ rod.curvatures.T).max()),
     }
 

@@ -103,9 +103,11 @@ def _turning(swimmer: Swimmer, phases: int | None) -> tuple[tuple[np.ndarray, ..
 
 
 def _samples(swimmer: Swimmer, beat: Beat, n: int) -> tuple[np.ndarray, ...]:
-    """Samples of ``B_t``, ``F_p``, G at 2 n phases; half of them are mirror images."""
-    at = centreline(beat, elastic_tail(swimmer), np.pi * np.arange(n) / n)
-    return with_mirror_image(*_summed(swimmer, at, beat.rod.weight))
+    """Samples of ``B_t``, ``F_p``, G at 2 n phases; half of them may be mirror images."""
+    half, mirrors = np.pi * np.arange(2 * n) / n, beat.problem.mirrors
+    at = centreline(beat, elastic_tail(swimmer), half[:n] if mirrors else half)
+    sums = _summed(swimmer, at, beat.rod.weight)
+    return with_mirror_image(*sums) if mirrors else sums
 
 
 def _summed(

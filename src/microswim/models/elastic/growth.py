@@ -1,8 +1,9 @@
 """Whether a tail settles to its beat: what becomes of a small disturbance in a period.
 
 Linearised about the beat, with the body's free velocities eliminated, a disturbance follows
-``dz/dphi = A(phi) z``, A of period pi. Radau's method of order five carries n of them over half a
-period; the largest multiplier in magnitude, squared, is the growth in a period.
+``dz/dphi = A(phi) z``. Radau's method of order five carries n of them over a period; the largest
+multiplier in magnitude is the growth. Where half a period on the tail is its mirror image A repeats
+there, and the square of half a period's is taken.
 """
 
 from __future__ import annotations
@@ -28,10 +29,10 @@ def growth(beat: Beat) -> float:
     """Return the factor by which the slowest disturbance changes in a period."""
     if not np.real(beat.problem.drag.normal) > 0.0:
         return 0.0
-    carried = np.eye(beat.rod.count)
-    for step in _steps(_rates(beat)):
+    carried, times = np.eye(beat.rod.count), 2 if beat.problem.mirrors else 1
+    for step in _steps(_rates(beat), times):
         carried = step @ carried
-    return float(np.abs(np.linalg.eigvals(carried)).max() ** 2)
+    return float(np.abs(np.linalg.eigvals(carried)).max() ** times)
 
 
 def _rates(beat: Beat) -> np.ndarray:
@@ -40,12 +41,12 @@ def _rates(beat: Beat) -> np.ndarray:
     return -np.linalg.solve(np.real(at.resistance), np.real(at.stiffness))[:, f:]
 
 
-def _steps(A: np.ndarray) -> np.ndarray:
-    """Matrices that carry a disturbance over each of T equal steps of half a period."""
+def _steps(A: np.ndarray, times: int) -> np.ndarray:
+    """Matrices that carry a disturbance over T equal steps, of an A so many times in a period."""
     T, n, _ = A.shape
-    h = np.pi / T
+    h = 2.0 * np.pi / (times * T)
     when = h * (np.arange(T)[:, None] + TIMES)
-    at_stages = evaluate(series_of(A), 2.0 * when)  # of period pi: twice the phase
+    at_stages = evaluate(series_of(A), times * when)
     system = np.eye(3 * n) - h * np.einsum("ij,tjab->tiajb", STAGES, at_stages).reshape(
         T, 3 * n, 3 * n
     )

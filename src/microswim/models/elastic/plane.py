@@ -111,7 +111,7 @@ def balance(
     S, Phi, f = rod.along, rod.shapes, len(drag.free)
     given = (drag.normal, drag.tangential, drag.tip, drag.body, drag.offset, base.place, base.angle)
     q = q.astype(np.result_type(q, w, rest, rod.stiffness, *given))
-    theta = base.angle[:, None] + q @ Phi.T
+    theta = base.angle[:, None] + rod.tilt + q @ Phi.T
     turning = base.angle_rate[:, None] + w[:, f:] @ Phi.T
     c, s = np.cos(theta), np.sin(theta)
     X, Y = c @ S.T, base.place[:, None] + s @ S.T

@@ -10,8 +10,10 @@ import numpy as np
 from microswim.errors import SpecError
 from microswim.gait.quantities import magnitude
 from microswim.models.elastic.plane import Drag
+from microswim.models.elastic.rod import Rod, bent, rod
 from microswim.models.rft.gait import body_resistance
 from microswim.swimmer.geometry.tails.elastic.elastic_tail import ElasticTail
+from microswim.swimmer.geometry.tails.elastic.rest_shape import RestShape
 from microswim.swimmer.swimmer import Swimmer
 
 #: Degrees of freedom in the plane s-q, and those that would leave it.
@@ -33,6 +35,8 @@ class Problem:
     moment, waves
         Of the wave of inner moment: its size times ``L / B``, and waves in L, positive towards
         the tip.
+    rest
+        Its shape at rest in the plane; None where that is straight.
     """
 
     drag: Drag
@@ -41,6 +45,19 @@ class Problem:
     turning: float | None
     moment: float = 0.0
     waves: float = 0.0
+    rest: RestShape | None = None
+
+    @property
+    def mirrors(self) -> bool:
+        """Whether the tail half a period on is its mirror image: straight at rest, on a body whose
+        drag along s does not push it aside.
+        """
+        return self.rest is None and not self.drag.body[0, 1:].any()
+
+    def rod(self, modes: int) -> Rod:
+        """Return its rod of so many curvatures."""
+        straight = rod(modes, self.turning)
+        return straight if self.rest is None else bent(straight, self.rest)
 
     @property
     def is_driven(self) -> bool:
@@ -78,17 +95,15 @@ def problem(swimmer: Swimmer) -> Problem:
     Raises
     ------
     SpecError
-        If its tail is not elastic, or it would leave the plane in which its tail beats.
+        If its tail is not elastic, is bent out of the plane in which it beats, or would leave it.
     """
     tail = elastic_tail(swimmer)
     check_options(swimmer)
-    if tail.is_bent:
-        raise SpecError(
-            "tail.rest",
-            "bent",
-            f'straight for the drive "{tail.drive}"',
-            'or take the drive "rotate"',
-        )
+    rest = tail.rest_shape
+    if rest is not None and not rest.is_planar:
+        raise SpecError("tail.rest", "out of the plane s-q",
+                        f'straight or in the plane s-q for the drive "{tail.drive}"',
+                        'give points with r = 0, no rest_pitch, or the drive "rotate"')  # fmt: skip
     if np.any(body_resistance(swimmer)[np.ix_(PLANE, ACROSS)]):
         raise SpecError("interaction.coupling", swimmer.interaction.coupling,
                         "one that keeps the swimmer in the plane s-q, in which its tail beats",
@@ -113,7 +128,8 @@ def problem(swimmer: Swimmer) -> Problem:
         turning = swimmer.hook.turning * L / tail.bending
     waves = tail.number_of_waves * float(np.sign(np.real(tail.rate)) or 1.0)
     moment = (tail.moment or 0.0) * L / tail.bending
-    return Problem(drag, (tail.amplitude or 0.0) / L, tail.angle or 0.0, turning, moment, waves)
+    heave, pivot = (tail.amplitude or 0.0) / L, tail.angle or 0.0
+    return Problem(drag, heave, pivot, turning, moment, waves, rest)
 
 
 def check_options(swimmer: Swimmer) -> None:

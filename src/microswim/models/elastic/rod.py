@@ -8,13 +8,14 @@ coordinate more, ``Phi = 1``.
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import lru_cache
 
 import numpy as np
 from numpy.polynomial import legendre
 
 from microswim.numerics.quadrature import gauss
+from microswim.swimmer.geometry.tails.elastic.rest_shape import RestShape
 
 
 @dataclass(frozen=True, eq=False)
@@ -35,6 +36,10 @@ class Rod:
         ``p_k`` at the nodes, shape (m, n).
     stiffness
         Of each coordinate, shape (n,): 1 for bending, the base's own for its turning.
+    rest
+        Coordinates at rest, shape (n,).
+    tilt
+        Angle at each node of what is straight, from the base, shape (m,).
     """
 
     s: np.ndarray
@@ -43,6 +48,8 @@ class Rod:
     shapes: np.ndarray
     curvatures: np.ndarray
     stiffness: np.ndarray
+    rest: np.ndarray
+    tilt: np.ndarray
 
     @property
     def end(self) -> np.ndarray:
@@ -81,7 +88,31 @@ def rod(modes: int, base: float | None = None) -> Rod:
         shapes = np.column_stack([np.ones(m + 1), shapes])
         curvatures = np.column_stack([np.zeros(m + 1), curvatures])
         stiffness = np.append(base, stiffness)
-    return Rod(s, np.append(w, 0.0), along, shapes, curvatures, stiffness)
+    straight = np.zeros(len(stiffness)), np.zeros(m + 1)
+    return Rod(s, np.append(w, 0.0), along, shapes, curvatures, stiffness, *straight)
+
+
+def bent(straight: Rod, rest: RestShape) -> Rod:
+    """Return a rod with a shape at rest in the plane; an arm without drag leads to its root."""
+    own = (rest.strains(straight.s)[1] * straight.weight) @ straight.curvatures
+    angle, arm = rest.root_in_plane
+    tilt = straight.tilt + angle
+    made, size = replace(straight, rest=own, tilt=tilt), np.hypot(*arm)
+    if not size:
+        return made
+    along = np.pad(made.along, ((1, 0), (1, 0)))
+    along[1:, 0] = size
+    turns = np.zeros((1, made.count))
+    turns[0, 0] = 0.0 if made.curvatures[:, 0].any() else 1.0  # with the base, where it can turn
+    return replace(
+        made,
+        s=np.append(0.0, made.s),
+        weight=np.append(0.0, made.weight),
+        along=along,
+        shapes=np.vstack([turns, made.shapes]),
+        curvatures=np.pad(made.curvatures, ((1, 0), (0, 0))),
+        tilt=np.append(np.arctan2(arm[1], arm[0]), tilt),
+    )
 
 
 def integrals(s: np.ndarray, count: int) -> np.ndarray:

@@ -28,11 +28,17 @@ class Centreline:
         (1 + 2 H, 1 + n).
     place
         Series of the joint's place across s over the length, (1 + 2 H,).
+    tilt
+        Angle of the root at rest.
+    arm
+        From the joint to the root at rest, along s and q over the length, (2,).
     """
 
     length: float
     angles: np.ndarray
     place: np.ndarray
+    tilt: float = 0.0
+    arm: tuple[float, float] = (0.0, 0.0)
 
     def __call__(self, s: Any, phase: Any) -> np.ndarray:
         """Position at s and phase, broadcast(s, phase) + (3,)."""
@@ -44,11 +50,13 @@ class Centreline:
         x, w = gauss(2 * q.shape[1] + 8)
         # P(s) = int_0^s (cos theta, sin theta), by nodes of its own on each [0, s]
         shapes = shapes_at((at[:, None] / self.length * x).ravel(), q.shape[1])
-        theta = (shapes @ q.T).reshape(len(at), len(x), len(when))
+        theta = self.tilt + (shapes @ q.T).reshape(len(at), len(x), len(when))
         along, across = (
             at[:, None] * np.einsum("k,akt->at", w, f(theta)) for f in (np.cos, np.sin)
         )
-        across = across + self.length * evaluate(self.place, when)
+        c, d, (a, b) = np.cos(q[:, 0]), np.sin(q[:, 0]), self.arm
+        along = along + self.length * (c * a - d * b)
+        across = across + self.length * (evaluate(self.place, when) + d * a + c * b)
         return np.stack([along[i, j], across[i, j], 0.0 * s], axis=-1)
 
 
@@ -69,11 +77,23 @@ class SettledTail(CustomTail):
     half_period_signs: ClassVar[np.ndarray | None] = MIRROR_Q
 
 
+@dataclass(frozen=True, kw_only=True)
+class LopsidedTail(SettledTail):
+    """The same of a beat that is not its own image after half a period.
+
+    Parameters are those of `CustomTail`.
+    """
+
+    half_period_signs: ClassVar[np.ndarray | None] = None
+
+
 def settled_tail(tail: ElasticTail, beat: Beat) -> SettledTail:
     """Return the tail that beats as an elastic one has settled to."""
-    angles, place = beat_series(tail, beat)
-    return SettledTail(
-        shape=Centreline(tail.length, trimmed(angles, 1e-15), trimmed(place, 1e-15)),
+    angles, place = (trimmed(x, 1e-15) for x in beat_series(tail, beat))
+    at_rest = () if beat.problem.rest is None else beat.problem.rest.root_in_plane
+    kind = SettledTail if beat.problem.mirrors else LopsidedTail
+    return kind(
+        shape=Centreline(tail.length, angles, place, *at_rest),
         length=tail.length,
         radius=tail.radius,
         frequency=tail.frequency,
@@ -92,10 +112,10 @@ def beat_series(tail: ElasticTail, beat: Beat) -> tuple[np.ndarray, np.ndarray]:
     clamped = beat.problem.turning is None
     q = np.pad(beat.shape, ((0, 0), (1, 0))) if clamped else 1.0 * beat.shape
     q[:, 0] += base.angle
+    whole, place = beat.over_period(q), beat.over_period(base.place)
     if np.real(tail.rate) < 0.0:  # the same beat, run through backwards by its phase
-        q = np.concatenate([q[:1], -q[:0:-1]])
-    angles, place = (series_of(np.concatenate([x, -x])) for x in (q, base.place))
-    return angles, place
+        whole = np.concatenate([whole[:1], whole[:0:-1]])
+    return series_of(whole), series_of(place)
 
 
 def centreline(
@@ -108,6 +128,7 @@ def centreline(
     rod = beat.rod
     shapes = rod.shapes if beat.problem.turning is not None else _with_one(rod.shapes)
     theta, turning = (evaluate(x, phase) @ shapes.T for x in (angles, derivative(angles)))
+    theta = rod.tilt + theta
     y, y_rate = (evaluate(x, phase)[:, None] for x in (place, derivative(place)))
     c, s, S = np.cos(theta), np.sin(theta), rod.along.T
     X, Y = c @ S, y + s @ S

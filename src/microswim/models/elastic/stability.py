@@ -89,7 +89,8 @@ def stability(swimmer: Swimmer, load: Pull = "tip") -> Threshold:
     Raises
     ------
     SpecError
-        If the tail is not elastic or the load is none of these.
+        If the tail is not elastic, or bent at rest where not a motor turns it, or the load is none
+        of these.
     MicroswimError
         If the shape survives any load up to 1000 ``B / L^2`` (or per length).
 
@@ -110,6 +111,9 @@ def stability(swimmer: Swimmer, load: Pull = "tip") -> Threshold:
             raise SpecError("tail.drive", tail.drive, '"rotate" for the load motor')
         motor_rate, torque, beats = critical(swimmer)
         return Threshold(load=torque, rate=beats, motor_rate=motor_rate)
+    if tail.is_bent:
+        raise SpecError("tail.rest", "bent", f'straight for the load "{load}"',
+                        'or take the load "motor"')  # fmt: skip
     made = problem(swimmer)
     loads = np.linspace(0.0, LARGEST, STEPS + 1)[1:]
     below = 0.0

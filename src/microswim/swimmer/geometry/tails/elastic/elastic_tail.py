@@ -69,7 +69,8 @@ class ElasticTail(Tail):
         the arc at the joint. Straight by default.
     rest
         Points ``(s, q, r)`` along the filament at rest, from the joint on, in place of the helix;
-        the curve through them is drawn to the length.
+        the curve through them is drawn to the length. For any drive but one that rotates, in the
+        plane s-q.
     magnet
         Magnetic moment of the filament, spread evenly along `magnet_span`: along its tangent and
         across it, ``(s, q, r)`` where it is straight (A m^2, or torque per field).

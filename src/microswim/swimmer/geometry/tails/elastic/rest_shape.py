@@ -16,6 +16,7 @@ import numpy as np
 #: Directors of a filament along s: ``d_1`` along q, ``d_2`` along r.
 STRAIGHT = np.array([[0.0, 1.0, 0.0], [0.0, 0.0, 1.0], [1.0, 0.0, 0.0]])
 DRAWN = 400  #: points between which a drawn curve is followed
+IN_PLANE = 1e-6  #: rounding of a drawn curve's strains out of its plane
 
 
 @dataclass(frozen=True, eq=False)
@@ -36,6 +37,19 @@ class RestShape:
     values: np.ndarray
     base: np.ndarray
     arm: np.ndarray
+
+    @property
+    def is_planar(self) -> bool:
+        """Whether the curve lies in the plane s-q, its second director along r everywhere."""
+        bend, across = self.values[:, 1], self.values[:, [0, 2]]
+        out = [*across.ravel(), *(self.base[1] - STRAIGHT[1]), self.arm[2] * np.abs(bend).max()]
+        return bool(np.abs(out).max() <= IN_PLANE * max(np.abs(bend).max(), 1.0))
+
+    @property
+    def root_in_plane(self) -> tuple[float, tuple[float, float]]:
+        """Angle of a planar curve's root from s, and its place along s and q."""
+        (c, s, _), (x, y, _) = np.real(self.base[2]).tolist(), np.real(self.arm).tolist()
+        return float(np.arctan2(s, c)), (x, y)
 
     def modes(self, tolerance: float = 2e-3, most: int = 40) -> int:
         """Return how many Legendre polynomials a strain it takes, to a part of its bends."""
@@ -103,14 +117,15 @@ def drawn_at_rest(points: Any) -> RestShape:
 def _mean_turning(bend: np.ndarray) -> float:
     """Rate at which a bend turns about the curve, where it bends most."""
     size = np.abs(bend)
-    turning = np.gradient(np.unwrap(np.angle(bend)), 1.0 / (len(bend) - 1))
+    angle = np.unwrap(np.angle(bend**2)) / 2.0  # where it bends back nothing turns
+    turning = np.gradient(angle, 1.0 / (len(bend) - 1))
     return float(np.average(turning, weights=size)) if size.any() else 0.0
 
 
 def _carried(tangents: np.ndarray) -> np.ndarray:
     """Two directors across each tangent that do not turn about it, (n, 2, 3)."""
-    t = tangents[0]
-    across = STRAIGHT[0] - t[1] * t if abs(t[1]) < 0.9 else STRAIGHT[2] - t[0] * t
+    t = tangents[0]  # in the plane s-q the first director stays there
+    across = np.cross(STRAIGHT[1], t) if abs(t[2]) < 0.9 else STRAIGHT[2] - t[0] * t
     pair = [across / np.linalg.norm(across)]
     for old, t in zip(tangents, tangents[1:]):  # the least rotation that takes old to t
         d = pair[-1]

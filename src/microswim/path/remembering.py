@@ -41,7 +41,7 @@ class Remembered:
 def remembers(swimmer: Swimmer) -> bool:
     """Return whether a swimmer has an elastic tail that no drive brings to a beat of its own."""
     tail: Any = swimmer.tail
-    return bool(tail.settles) and (tail.drive == "none" or tail.magnet is not None)
+    return bool(tail.settles) and (tail.drive == "none" or tail.is_magnetic)
 
 
 def period_of(swimmer: Swimmer) -> float:

@@ -8,7 +8,9 @@ import pytest
 
 import microswim as ms
 from microswim.models.elastic.plane import Loads
+from microswim.models.elastic.space import pose
 from microswim.models.elastic.statics import static_shape
+from microswim.models.elastic.unsteady.loads import pull
 from microswim.models.elastic.unsteady.march import at_rest, marched
 from microswim.models.elastic.unsteady.numbers import in_time
 from microswim.models.elastic.unsteady.swimmer_in_time import derivative, rates
@@ -103,11 +105,54 @@ def test_a_magnetic_part_has_its_share_of_the_moment():
         field=ms.UniformField(strength=1.0),
     )
     made = in_time(one, 12)
-    share, s = made.loads.share, made.rod.s
-    assert share is not None
+    assert made.loads.moments is not None
+    share, s = made.loads.moments[:, 0] * 0.2, made.rod.s  # over bending / length
     assert share.sum() == pytest.approx(1.0, abs=1e-12)
     assert share @ s == pytest.approx(0.375, abs=1e-12)
     assert share @ s**3 == pytest.approx((0.55**4 - 0.2**4) / 4 / 0.35, abs=1e-12)
+
+
+def test_many_short_links_are_one_that_is_spread_evenly():
+    """To second order in their length; a moment for each that is its share is that of them all."""
+    starts = np.arange(32) / 32 + 1 / 128
+    links = tuple((float(a), float(a) + 1 / 64) for a in starts)
+    field = ms.UniformField(strength=1.0, direction=(0.0, 1.0, 0.3))
+
+    def held(**magnet):
+        return replace(swimmer(0, drive="none", bending=0.5, **magnet), field=field)
+
+    whole = (1.0, 0.0, 0.0)
+    even, linked = held(magnet=whole), held(magnet=whole, magnet_span=links)
+    shared = held(magnet=((1 / 32, 0.0, 0.0),) * 32, magnet_span=links)
+
+    def work(one):
+        of = in_time(one, 8)
+        y = np.concatenate([np.zeros(3), HEADING, of.rod.rest.ravel(), np.zeros(2)])
+        return of.moment(0.0, y).balance(0.0, y)[1]
+
+    assert np.abs(work(even)).max() > 0.5
+    np.testing.assert_allclose(work(linked), work(even), atol=1e-3)
+    np.testing.assert_allclose(work(shared), work(linked), atol=1e-12)
+
+
+def test_a_stiff_chain_that_the_field_magnetises_turns_as_a_soft_magnet():
+    field = ms.RotatingField(strength=1.0, frequency=0.1, axis=(0.0, 0.0, 1.0))
+    chain = {"bending": 500.0, "drive": "none", "magnet_span": ((0.0, 0.5), (0.5, 1.0))}
+    soft = swimmer(**chain, magnet_susceptibility=(3e-3, 1e-3))
+    with pytest.raises(ms.SpecError, match="for a swimmer in SI"):
+        ms.path(replace(soft, field=field), 1.0)
+    stiff = replace(soft, field=field, units="SI")
+    tail: Any = stiff.tail
+    rigid = ms.CustomTail(shape=lambda s, phase: tail.stiff(s, phase)[0], length=1.0, radius=0.02,
+                          frequency=0.0)  # fmt: skip
+    magnet = ms.Magnet(susceptibility=(3e-3, 1e-3, 1e-3), volume=np.pi * 0.02**2)
+    body = replace(stiff, tail=rigid, magnet=magnet)
+    start = {"samples": 2, "quaternion": [np.cos(0.4), 0.0, 0.0, np.sin(0.4)]}
+    ours, other = ms.path(stiff, 0.6, **start), ms.path(body, 0.6, model="rft", **start)
+    q, p = ours.quaternion.values, other.quaternion.values
+    assert abs(q[-1] @ q[0]) < 0.9995  # it turns by some degrees
+    np.testing.assert_allclose(np.abs((q * p).sum(axis=1)), 1.0, atol=1e-4)
+    np.testing.assert_allclose(ours.position, other.position, atol=2e-3)
 
 
 def test_nothing_falls_through_a_wall():
@@ -149,6 +194,21 @@ def test_the_derivative_that_the_steps_use():
         slope = (rates(of, 0.0, y + step) - rates(of, 0.0, y - step)) / 2e-6
         ours = derivative(of, 0.0, y) @ step / 1e-6
         assert np.linalg.norm((slope - ours)[:-2]) < 0.05 * np.linalg.norm(slope[:-2])
+
+
+def test_a_field_lets_go_of_a_piece_that_turns_as_foretold():
+    magnetic = {"magnet": (0.2, 0.1, 0.0), "magnet_susceptibility": (3e-4, 1e-4)}
+    field = ms.UniformField(strength=1.0, direction=(1.0, -2.0, 0.5))
+    of = in_time(replace(swimmer(drive="none", **magnetic), field=field, units="SI"), 5)
+    rng, nought = np.random.default_rng(4), (0.0, np.zeros(3), np.eye(3))
+    at = pose(of.rod, rng.normal(size=(3, 5)))
+    turn, now = rng.normal(size=3), pull(of.loads, of.rod, at, at.place, *nought)
+    turned = 1e-6 * np.cross(turn, at.directors)
+    after, before = (
+        pull(of.loads, of.rod, replace(at, directors=d), at.place, *nought).torque
+        for d in (at.directors + turned, at.directors - turned)
+    )
+    np.testing.assert_allclose((before - after) / 2e-6, now.turning @ turn, atol=1e-8)
 
 
 @pytest.mark.parametrize(("part", "value", "sentence"), [

@@ -90,10 +90,11 @@ class LopsidedTail(SettledTail):
 def settled_tail(tail: ElasticTail, beat: Beat) -> SettledTail:
     """Return the tail that beats as an elastic one has settled to."""
     angles, place = (trimmed(x, 1e-15) for x in beat_series(tail, beat))
-    at_rest = () if beat.problem.rest is None else beat.problem.rest.root_in_plane
+    rest = beat.problem.rest
+    tilt, arm = (0.0, (0.0, 0.0)) if rest is None else rest.root_in_plane
     kind = SettledTail if beat.problem.mirrors else LopsidedTail
     return kind(
-        shape=Centreline(tail.length, angles, place, *at_rest),
+        shape=Centreline(tail.length, angles, place, tilt, arm),
         length=tail.length,
         radius=tail.radius,
         frequency=tail.frequency,

@@ -45,12 +45,18 @@ class ElasticFields(Table):
         str | None, About("File", "table of s, q, r (or x, y, z): points of the shape at rest")
     ] = None
     magnet: Annotated[
-        list[Moment] | None,
+        list[Moment] | list[list[Moment]] | None,
         About("Moment of the filament", "magnetic, spread along it: [along, across, across]",
               entries=("Moment along", "Moment across, q", "Moment across, r")),
     ] = None  # fmt: skip
+    magnet_susceptibility: Annotated[
+        list[Number] | None,
+        About("Susceptibility of the filament", "of beads that the field magnetises: along, across",
+              entries=("Susceptibility along", "Susceptibility across")),
+    ] = None  # fmt: skip
     magnet_span: Annotated[
-        list[Number] | None, About("Magnetic part", "of the filament, from and to: [0, 0.3]")
+        list[Number] | list[list[Number]] | None,
+        About("Magnetic part", "of the filament, from and to: [0, 0.3], or such pairs: links"),
     ] = None
 
 

@@ -1,6 +1,7 @@
 """What pulls at body and filament: weight, magnetic field, wall, and the fluid's own flow.
 
     filament, per length   (rho - rho_f) pi r^2 g,   m_l x B and J' m_l,   push exp(-gap / reach) n
+                           with m_l = m_0 + c B, c of what the field magnetises
     body                   (rho_b - rho_f) V_b g,    m x B and J' m,       the same push
 
 The repulsion of a wall is short-ranged and has no lubrication in it: it lets nothing through.
@@ -49,10 +50,9 @@ class Loads:
         Further ones on the body about its centre, lab frame, (3,).
     magnetic
         Torque per field of the body's magnet: m_0, then C row by row, body frame, (12,).
-    along
-        Moment of the whole filament by its own axes ``t, d_1, d_2``, (3,).
-    share
-        Of that moment at each node, (m,).
+    moments, soft
+        Moment of each node and what a field adds to it, moment per field, by the node's own axes
+        ``t, d_1, d_2``, (m, 3) each; None: not magnetic.
     field, gradient
         B (3,) at a time, and ``dB_i/dx_j`` (3, 3), lab frame, at a place; None: no field.
     flow
@@ -69,8 +69,8 @@ class Loads:
     force: np.ndarray
     torque: np.ndarray
     magnetic: np.ndarray | None
-    along: np.ndarray | None
-    share: np.ndarray | None
+    moments: np.ndarray | None
+    soft: np.ndarray | None
     field: Callable[[float, np.ndarray], tuple[np.ndarray, np.ndarray]] | None
     flow: Callable[[np.ndarray], np.ndarray] | None
     spin: np.ndarray
@@ -123,10 +123,14 @@ def pull(
             wrench[:3] += J.T @ moment
             wrench[3:] += np.cross(moment, B)
             body[3:, 3:] += _turned(moment, B)
-        if loads.along is not None and loads.share is not None:
+        if loads.moments is not None:
             axes = at.directors[:, [2, 0, 1]]
-            moment = np.einsum("m,i,mij->mj", loads.share, loads.along, axes)
             here = B + X @ J.T
+            moment = np.einsum("mi,mij->mj", loads.moments, axes)
+            if loads.soft is not None:
+                own = loads.soft * np.einsum("mij,mj->mi", axes, here)
+                moment = moment + np.einsum("mi,mij->mj", own, axes)
+                turning += _as_soft_turns(loads.soft, axes, here)
             torque += np.cross(moment, here)
             force += moment @ J
             turning += _turned(moment, here)
@@ -139,6 +143,12 @@ def _turned(moment: np.ndarray, B: np.ndarray) -> np.ndarray:
     """How ``m x B`` falls as m turns: ``(m . B) I - m B'``."""
     size = (moment * B).sum(axis=-1)[..., None, None] * np.eye(3)
     return size - moment[..., :, None] * B[..., None, :]
+
+
+def _as_soft_turns(soft: np.ndarray, axes: np.ndarray, B: np.ndarray) -> np.ndarray:
+    """How ``(C B) x B`` falls beside that as the axes of C turn: ``[B] C [B]``."""
+    across = np.cross(axes, B[:, None])  # rows e_i x B
+    return -np.einsum("mi,mij,mik->mjk", soft, across, across)
 
 
 def _push(

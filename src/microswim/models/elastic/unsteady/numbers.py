@@ -14,6 +14,7 @@ from microswim.models.elastic.unsteady.swimmer_in_time import InTime
 from microswim.models.elastic.whirl import filament_of, resistances
 from microswim.swimmer.geometry.solids.volume import volume_and_middle
 from microswim.swimmer.geometry.tails.elastic.elastic_tail import SIZE
+from microswim.swimmer.magnetism.magnet import MU_0
 from microswim.swimmer.swimmer import Swimmer
 
 REACH, PUSH = 0.01, 20.0  #: of a wall: range over L, and push per length over ``B / L^3``
@@ -91,7 +92,7 @@ def in_time(swimmer: Swimmer, modes: int, phase: float = 0.0, **more: Any) -> In
 def _loads(swimmer: Swimmer, rod: Any, units: Units, force: Any = (0, 0, 0),
            torque: Any = (0, 0, 0)) -> Loads:  # fmt: skip
     weight, body_weight, arm = _weights(swimmer, units)
-    magnetic, along, share = _magnets(swimmer, rod, units)
+    magnetic, moments, soft = _magnets(swimmer, rod, units)
     flow = swimmer.flow
     return Loads(
         weight=weight,
@@ -100,8 +101,8 @@ def _loads(swimmer: Swimmer, rod: Any, units: Units, force: Any = (0, 0, 0),
         force=np.asarray(force, float) / units.force,
         torque=np.asarray(torque, float) / units.torque,
         magnetic=magnetic,
-        along=along,
-        share=share,
+        moments=moments,
+        soft=soft,
         field=_field(swimmer, units),
         flow=_flow(swimmer, units),
         spin=np.zeros(3) if flow is None else half_curl(flow) * units.time,
@@ -149,11 +150,21 @@ def _magnets(swimmer: Swimmer, rod: Any, units: Units) -> tuple[Any, Any, Any]:
     if swimmer.field is None:
         return None, None, None
     own = None if swimmer.magnet is None else swimmer.magnet.magnetic / units.torque
-    if tail.magnet is None:
+    if not tail.is_magnetic:
         return own, None, None
-    first, last = tail.magnet_span
-    share = rod.over(first, last) / (last - first)
-    return own, np.array(tail.magnet, float) / units.torque, share
+    pieces = tail.pieces
+    over = np.array([rod.over(p.first, p.last) for p in pieces])  # (k, m)
+    per_length = np.array([np.divide(p.moment, p.last - p.first) for p in pieces])
+    moments = over.T @ per_length / units.torque
+    if tail.magnet_susceptibility is None:
+        return own, moments, None
+    if swimmer.units != "SI":
+        raise SpecError(
+            "tail.magnet_susceptibility: for a swimmer in SI; without units give magnet"
+        )
+    along, across = tail.magnet_susceptibility
+    per_length = np.array([along, across, across]) * np.pi * tail.radius**2 * tail.length / MU_0
+    return own, moments, np.outer(over.sum(axis=0), per_length) / units.torque
 
 
 def _wall(swimmer: Swimmer, units: Units) -> Wall | None:

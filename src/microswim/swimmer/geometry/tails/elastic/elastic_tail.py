@@ -13,6 +13,7 @@ import numpy as np
 
 from microswim import checks
 from microswim.errors import SpecError
+from microswim.swimmer.geometry.tails.elastic import magnetic_pieces
 from microswim.swimmer.geometry.tails.elastic.rest_shape import (
     RestShape,
     drawn_at_rest,
@@ -73,9 +74,14 @@ class ElasticTail(Tail):
         plane s-q.
     magnet
         Magnetic moment of the filament, spread evenly along `magnet_span`: along its tangent and
-        across it, ``(s, q, r)`` where it is straight (A m^2, or torque per field).
+        across it, ``(s, q, r)`` where it is straight (A m^2, or torque per field). Or a list of
+        them, one for each piece.
+    magnet_susceptibility
+        Along and across the filament, of magnetic pieces that a field magnetises, such as a chain
+        of beads: apparent susceptibility of the filament's own volume there. For swimmers in SI.
     magnet_span
-        Where the filament is magnetic, from and to which part of its length.
+        Where the filament is magnetic, from and to which part of its length; a list of such pairs
+        for links, or a head and links.
     wavelength
         Of the inner moments, along the filament. Else for laws of local resistance that need
         one (by default the pitch at rest); Cox's law, which needs none, where the swimmer
@@ -111,8 +117,9 @@ class ElasticTail(Tail):
     rest_radius: float | None = None
     rest_pitch: float | None = None
     rest: Any = None
-    magnet: tuple[float, float, float] | None = None
-    magnet_span: tuple[float, float] = (0.0, 1.0)
+    magnet: tuple[Any, ...] | None = None
+    magnet_susceptibility: tuple[float, float] | None = None
+    magnet_span: tuple[Any, ...] = (0.0, 1.0)
     wavelength: float | None = None
     sections: Sections = "perpendicular"
     surface_motion: SurfaceMotion = "bending"
@@ -186,14 +193,27 @@ class ElasticTail(Tail):
         object.__setattr__(self, "rest", tuple(map(tuple, points.tolist())))
 
     def _check_magnet(self) -> None:
+        own = {"magnet_span": magnetic_pieces.spans(self.magnet_span)}
         if self.magnet is not None:
-            checks.numbers("tail.magnet", self.magnet, 3, "three numbers [s, q, r]")
-            object.__setattr__(self, "magnet", tuple(map(float, self.magnet)))
-        checks.numbers("tail.magnet_span", self.magnet_span, 2, "two fractions of the length")
-        first, last = map(float, self.magnet_span)
-        if not 0.0 <= first < last <= 1.0:
-            raise SpecError("tail.magnet_span", [first, last], "rising, from 0 to 1")
-        object.__setattr__(self, "magnet_span", (first, last))
+            count = len(own["magnet_span"]) if np.ndim(self.magnet_span) == 2 else 1
+            own["magnet"] = magnetic_pieces.moments(self.magnet, count)
+        soft = self.magnet_susceptibility
+        if soft is not None:
+            checks.numbers("tail.magnet_susceptibility", soft, 2,
+                           "two numbers above -1: along and across", least=-1.0)  # fmt: skip
+            own["magnet_susceptibility"] = tuple(map(float, soft))
+        for name, value in own.items():
+            object.__setattr__(self, name, value)
+
+    @property
+    def is_magnetic(self) -> bool:
+        """Whether a field pulls at the filament."""
+        return self.magnet is not None or self.magnet_susceptibility is not None
+
+    @property
+    def pieces(self) -> list[magnetic_pieces.Piece]:
+        """Where it is magnetic, and the moment of each piece."""
+        return magnetic_pieces.pieces(self.magnet, self.magnet_span)
 
     @property
     def is_bent(self) -> bool:

@@ -19,6 +19,9 @@ ASTRAY = """() => [...document.querySelectorAll("button, select, summary, input"
   return lost || (e.tagName === "BUTTON" && r.height < 32);
 }).map((e) => e.id || e.className || e.textContent)"""
 
+#: Distance of the camera from what it looks at.
+FAR = "() => studio.stage.camera.position.distanceTo(studio.stage.controls.target)"
+
 
 @pytest.fixture(scope="module", params=SIZES)
 def phone(request, browser, server):
@@ -34,6 +37,16 @@ def phone(request, browser, server):
 def box(page, selector):
     found = page.locator(selector).bounding_box()
     return found["x"], found["y"], found["x"] + found["width"], found["y"] + found["height"]
+
+
+def spread(page, x, y):
+    """Two fingers on the scene, drawn apart to twice their distance."""
+    browser = page.context.new_cdp_session(page)
+    for event, apart in (("Start", 40), ("Move", 60), ("Move", 80)):
+        points = [{"x": x + side * apart, "y": y, "id": side} for side in (0, 1)]
+        browser.send("Input.dispatchTouchEvent", {"type": f"touch{event}", "touchPoints": points})
+    browser.send("Input.dispatchTouchEvent", {"type": "touchEnd", "touchPoints": []})
+    browser.detach()
 
 
 def apart(a, b):
@@ -77,11 +90,15 @@ def test_a_thumb_moves_a_slider_and_the_number_follows(phone):
     phone.tap("#sheet-design")
 
 
-def test_a_touch_of_the_scene_lowers_the_sheet(phone):
+def test_a_touch_of_the_scene_lowers_the_sheet_and_two_fingers_come_nearer(phone):
     phone.tap("#sheet-numbers")
     x0, _, _, y1 = box(phone, "#glance")
     phone.touchscreen.tap(x0 + 5, y1 + 30)
     assert not phone.is_visible(".panel.right")
+    before = phone.evaluate(FAR)
+    spread(phone, x0 + 100, y1 + 60)
+    phone.wait_for_function(f"before => ({FAR})() < 0.6 * before", arg=before)
+    assert phone.evaluate("visualViewport.scale") == 1  # the scene came nearer, not the page
 
 
 def test_the_header_folds_and_all_of_it_is_reached(phone):

@@ -41,6 +41,7 @@ export class Drop {
     if (file.size > most) return notice(`${file.name} has ${kib(file.size)}; at most ${kib(most)} are read here.`, "error");
     if (surfaces.some((ending) => name.endsWith(ending))) return this.surface(file);
     if (films.some((ending) => name.endsWith(ending))) return this.film(file, {});
+    if (/\.ya?ml$/.test(name)) return notice(`${file.name} is no spec: if it tells coils, a spec names it as file in its [field], and \`microswim studio SPEC\` opens both.`, "error");
     const text = await file.text();
     await attempt(() => this.store.load(file.name.replace(/\.toml$/, ""), text));
   }

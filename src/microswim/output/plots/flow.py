@@ -54,12 +54,14 @@ def cut(
         shown, norm = rate * speed, None
         if decades is not None:
             norm = LogNorm(float(shown.max()) * 10.0**-decades, float(shown.max()))
-        filled = axes.pcolormesh(x, y, shown, shading="gouraud", cmap="viridis", norm=norm)
+        filled = axes.pcolormesh(
+            x, y, shown, shading="gouraud", rasterized=True, cmap="viridis", norm=norm
+        )
         u, v = velocity[..., 0], velocity[..., 1]
         axes.streamplot(x, y, u, v, color="w", linewidth=0.6, density=1.1, arrowsize=0.7)
         axes.figure.colorbar(filled, ax=axes, label=colours)
         grey = {"facecolor": "0.75", "edgecolor": "0.75", "linewidth": 0.3}
-        axes.add_collection(PolyCollection(list(shadow), zorder=3, **grey))
+        axes.add_collection(PolyCollection(list(shadow), zorder=3, rasterized=True, **grey))
         axes.set(xlabel=name_x, ylabel=name_y, aspect="equal")
         axes.set(xlim=(x[0], x[-1]), ylim=(y[0], y[-1]))
     return axes.figure  # type: ignore[return-value]

@@ -57,6 +57,10 @@ def compiled():
     return ctypes.CDLL(str(folder / "helix.so")).designs
 
 
+def diagonal(body):
+    return np.ascontiguousarray(np.einsum("nii->ni", body))
+
+
 def plain_numpy(p, body, x, weight, on_ramp):
     """The same in vectorised NumPy: arrays (designs, nodes), LAPACK for the solve."""
     L, b, k, ramp, sign, c_t, c_n, c_r, offset, spin, _ = p.T[:, :, None]
@@ -120,10 +124,11 @@ def designs(count):
 def by_the_clock():
     """Designs per second on all cores, the most of several runs."""
     p, body, free, counts = designs(20 * DESIGNS)
+    drag = diagonal(body)
     seconds = []
     for _ in range(12):
         start = time.perf_counter()
-        manydesigns.solve_helices(True, p, body, free, counts[8.0])
+        manydesigns.solve_helices(True, p, drag, free, counts[8.0])
         seconds.append(time.perf_counter() - start)
     return len(p) / min(seconds)
 
@@ -154,11 +159,12 @@ def in_c(function, p, body, V, rules, phases):
 def throughput():
     """Microseconds per design: ours, and 32 nodes in plain Numba, NumPy and C."""
     p, body, free, counts = designs(DESIGNS)
+    drag = diagonal(body)
     rules = [gauss(n) for n in NODES]
     V = {}
 
     def closed(digits):
-        return manydesigns.solve_helices(True, p, body, free, counts[digits])[0]
+        return manydesigns.solve_helices(True, p, drag, free, counts[digits])[0]
 
     def ours():
         V["microswim"] = closed(8.0)
@@ -202,11 +208,12 @@ def of_waves():
     many = lifted(wave, {"tail.amplitude": np.random.default_rng(0).uniform(0.03, 0.2, count)})
     p = np.ascontiguousarray(rft.parameters(many))
     body = np.ascontiguousarray(np.broadcast_to(rft.body_resistance(many), (count, 6, 6)))
+    drag = diagonal(body)
     phases, rules = np.pi * np.arange(HALF) / HALF, [gauss(n) for n in NODES]
     in_plane = [0, 1, 5]
 
     def ours():
-        return manydesigns.solve_waves(True, p, body, phases, np.ones(6, bool), *rules)[0]
+        return manydesigns.solve_waves(True, p, drag, phases, np.ones(6, bool), *rules)[0]
 
     micro = {"microswim": 1e6 * least(ours, 15) / count}
     if (function := compiled()) is not None:

@@ -8,6 +8,7 @@ from hypothesis import strategies as st
 import microswim as ms
 from microswim.models.rft import gait as rft
 from microswim.models.rft import helix as rigidhelix
+from microswim.models.rft import loops_compiled, loops_python
 from microswim.models.rft import plane_wave as planarwave
 from microswim.models.rft import segment as kernels
 from microswim.models.rft.segment import HELIX, PLANE_WAVE
@@ -97,6 +98,25 @@ def test_a_batch_equals_gaits_also_where_the_closed_integrals_do_not_serve():
     for i, n in enumerate(waves):
         gait = helix.with_({"tail.waves": n}).gait()
         assert batch["mean_velocity"][i] == pytest.approx(gait.mean_velocity, rel=1e-9, abs=1e-13)
+
+
+def test_a_design_does_not_know_what_stands_beside_it():
+    """Designs go through the processor side by side: with ramps of few nodes, of many, of none."""
+    rng = np.random.default_rng(3)
+    shapes = zip(rng.uniform(0.3, 5.0, 40), rng.uniform(0.05, 4.0, 40), rng.uniform(0.0, 1.0, 40))
+    p = np.array([parameters(N, bk, ramp * (ramp > 0.3), 1.0, 1.0) for N, bk, ramp in shapes])
+    drag, free = rng.uniform(1.0, 3.0, (40, 6)), np.array([True] * 5 + [False])
+    waves, steep, ramp = p[:, 2] / np.pi, p[:, 1] * p[:, 2], p[:, 3]
+    counts = rigidhelix.ramp_nodes.written(waves * ramp, steep, 12.0).astype(np.int64)
+    counts[7] = -1
+    solved = np.column_stack(loops_compiled.solve_helices(True, p, drag, free, counts))
+    assert np.isnan(solved[7]).all()
+    assert not solved[:7, 5].any()  # held
+    some = rng.permutation(40)[:11]
+    alone = loops_compiled.solve_helices(True, p[some], drag[some], free, counts[some])
+    np.testing.assert_array_equal(np.column_stack(alone), solved[some])
+    other = np.column_stack(loops_python.solve_helices(True, p, drag, free, counts))
+    np.testing.assert_allclose(solved, other, rtol=1e-10, atol=1e-12 * np.nanmax(np.abs(other)))
 
 
 def test_nodes_asked_for_are_used():

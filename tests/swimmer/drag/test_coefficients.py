@@ -6,7 +6,8 @@ from scipy.integrate import quad
 from scipy.special import sici
 
 import microswim as ms
-from microswim.swimmer.drag.lighthill import lighthill_integrals
+from microswim.numerics.compiling.compiled import settled
+from microswim.swimmer.drag.lighthill import THIN, lighthill_integrals
 
 
 @pytest.mark.parametrize("epsilon", [1e-3, 0.1, 0.5, 2.0])
@@ -36,6 +37,20 @@ def test_integrals_against_direct_summation(alpha, epsilon):
         sums = np.log(epsilon) + np.cumsum(parts)[2 * n - 1]
         powers = np.stack([(100 / n) ** j for j in (0, 1, 2, 3, 4, 5)], axis=1)
         assert ours == pytest.approx(np.linalg.lstsq(powers, sums)[0][0], abs=1e-10)
+
+
+def test_many_integrals_are_those_of_each():
+    """Series and quadrature meet at the edge between them; compiled side by side, the same."""
+    alpha = np.exp(np.linspace(np.log(0.02), 0.0, 37))
+    edge = np.array([lighthill_integrals(a, THIN) for a in alpha])
+    beyond = np.array([lighthill_integrals(a, np.nextafter(THIN, 1.0)) for a in alpha])
+    assert edge == pytest.approx(beyond, rel=1e-12, abs=1e-12)
+    epsilon = np.linspace(0.0, 0.7, 37)
+    each = np.array([lighthill_integrals(*pair) for pair in zip(alpha, epsilon)]).T
+    for compile_it in (False, True):
+        with settled(compile_it):
+            many = np.array(lighthill_integrals(alpha, epsilon))
+        assert many == pytest.approx(each, rel=1e-13, abs=1e-13)
 
 
 def test_integrals_of_arrays_and_their_range():

@@ -28,7 +28,7 @@ from microswim.models.rft.batch_of_waves import (
     solved_waves,
     wave_nodes,
 )
-from microswim.models.rft.gait import body_resistance, parameters
+from microswim.models.rft.gait import parameters
 from microswim.models.rft.helix import FEWEST_WAVES, MOST_ON_RAMP, ramp_nodes
 from microswim.models.rft.segment import (
     AMPLITUDE,
@@ -115,11 +115,12 @@ def evaluate(swimmer: Swimmer, values: dict[str, Any], tolerance: float = 1e-8) 
         _check_heeded(arrays)
     swimmer = in_terms_of(swimmer, arrays)
     seconds = as_python(swimmer, n)
-    results = [
-        _chunk(swimmer, {k: v[i : i + CHUNK] for k, v in arrays.items()}, tolerance, seconds)
-        for i in range(0, n, CHUNK)
-    ]
-    return {name: np.concatenate([r[name] for r in results]) for name in OUTPUTS}
+    out = blank(n)
+    for i in range(0, n, CHUNK):
+        some = {k: v[i : i + CHUNK] for k, v in arrays.items()}
+        there = {name: values[i : i + CHUNK] for name, values in out.items()}
+        _fill(there, swimmer, some, tolerance, seconds)
+    return out
 
 
 def _check_heeded(names: Any) -> None:
@@ -146,49 +147,61 @@ def expected_errors(swimmer: Swimmer, values: dict[str, Any]) -> np.ndarray:
     return swimmer.region.expected_of_many(many, max(a.size for a in arrays.values()))
 
 
-def _chunk(
-    swimmer: Swimmer, arrays: dict[str, Any], tolerance: float, seconds: float
-) -> dict[str, Any]:
+def _fill(
+    out: dict[str, Any],
+    swimmer: Swimmer,
+    arrays: dict[str, Any],
+    tolerance: float,
+    seconds: float,
+) -> None:
+    """Fill in the results of a chunk of designs."""
     n = max((a.size for a in arrays.values()), default=1)
     if not is_regular(swimmer, arrays):
-        return _one_by_one(swimmer, arrays, n)
+        _one_by_one(out, swimmer, arrays)
+        return
     with np.errstate(all="ignore"), warnings.catch_warnings():
         warnings.simplefilter("ignore")
         many = lifted(swimmer, arrays)
         own = parameters if swimmer.region is None else swimmer.region.parameters
-        p = np.ascontiguousarray(np.broadcast_to(own(many), (n, PARAMETERS)))
-        body = np.ascontiguousarray(np.broadcast_to(body_resistance(many), (n, 6, 6)))
-        good = _buildable(many, p, body)
+        with settled(swimmer.region is None and pays(seconds)):
+            p = np.ascontiguousarray(np.broadcast_to(own(many), (n, PARAMETERS)))
+        isolated = many.body.diagonal(many.fluid.viscosity)
+        drag = np.stack(np.broadcast_arrays(*many.interaction.scaled(isolated)), axis=-1)
+        drag = np.ascontiguousarray(np.broadcast_to(drag, (n, 6)))
+        good = _buildable(many, p) & np.isfinite(drag @ np.ones(6))
         rate = np.broadcast_to(many.tail.rate, (n,))
     if swimmer.region is not None:
         good &= wave_nodes(p).sum(axis=1) <= MOST_NODES
-        return _calibrated(swimmer, arrays, p, good, rate, seconds)
+        _calibrated(out, swimmer, arrays, p, good, rate, seconds)
+        return
     if swimmer.tail.is_planar:
         good &= (shapes(p)[1] <= STEEPEST) & (wave_nodes(p).sum(axis=1) <= MOST_NODES)
     if swimmer.tail.is_rigid:
         good &= np.sum(node_numbers.written(HELIX, *shapes(p)), axis=0) <= MOST_NODES
         how = tolerance, loops_for(seconds)
-        return of_helices(swimmer, *_solved_helices(swimmer, p, body, good, *how), body, rate)
+        twists = _solved_helices(swimmer, p, drag, good, *how)
+        of_helices(out, swimmer, *twists, drag, rate)
+        return
 
     def solved(rows: np.ndarray, phase: np.ndarray) -> tuple[Any, Any]:
-        return solved_waves(swimmer, p[rows], body[rows], phase, tolerance, seconds)
+        return solved_waves(swimmer, p[rows], drag[rows], phase, tolerance, seconds)
 
-    return of_waves(solved, shapes(p)[1], good, body, rate, seconds)
+    of_waves(out, solved, shapes(p)[1], good, drag, rate, seconds)
 
 
 def _solved_helices(
-    swimmer: Swimmer, p: Any, body: Any, good: Any, tolerance: float, loops: Any
+    swimmer: Swimmer, p: Any, drag: Any, good: Any, tolerance: float, loops: Any
 ) -> tuple[Any, Any]:
     """Twists (n, 1, 6) and tail powers (n, 1) of helices at phase 0."""
     arc, free = swimmer.motion.line_element == "arc", np.array(swimmer.motion.mask)
     waves, bk, ramp = shapes(p)
     counts = _ramp_counts(waves, bk, ramp, min(12.0, MARGIN - np.log10(tolerance)), good)
-    V, power = loops.solve_helices(arc, p, body, free, counts)
+    V, power = loops.solve_helices(arc, p, drag, free, counts)
     for i in np.flatnonzero(good & (counts < 0)):
         rules = node_numbers(HELIX, waves[i], bk[i], ramp[i])
         R, F, G = wave_tail(HELIX, arc, p[i], 0.0, *map(panels, rules))
         V[i] = -F
-        solve(R + body[i], V[i], free)
+        solve(R + np.diag(drag[i]), V[i], free)
         power[i] = G + F @ V[i]
     return V[:, None], power[:, None]
 
@@ -201,9 +214,15 @@ def _ramp_counts(waves: Any, bk: Any, ramp: Any, digits: float, good: Any) -> np
 
 
 def _calibrated(
-    swimmer: Swimmer, arrays: dict, p: Any, good: np.ndarray, rate: Any, seconds: float
-) -> dict[str, Any]:
-    """Results of a surrogate that carries a region calibration."""
+    out: dict[str, Any],
+    swimmer: Swimmer,
+    arrays: dict,
+    p: Any,
+    good: np.ndarray,
+    rate: Any,
+    seconds: float,
+) -> None:
+    """Fill in the results of a surrogate that carries a region calibration."""
     region, free, n = swimmer.region, np.array(swimmer.motion.mask), len(good)
     assert region is not None
 
@@ -214,12 +233,13 @@ def _calibrated(
         return [x[:, first :: 1 + first] for x in every]
 
     if not swimmer.tail.is_rigid:
-        return of_waves(solved, shapes(p)[1], good, None, rate, seconds)
+        of_waves(out, solved, shapes(p)[1], good, None, rate, seconds)
+        return
     V, power, work = np.full((n, 1, 6), np.nan), *np.full((2, n, 1), np.nan)
     if good.any():
         V[good], power[good], work[good] = solved(np.flatnonzero(good), np.zeros(1))
-    out = of_helices(swimmer, V, power, np.zeros((n, 6, 6)), rate)
-    return out | {"efficiency": share_of(work[:, 0], power[:, 0])}
+    of_helices(out, swimmer, V, power, np.zeros((n, 6)), rate)
+    out["efficiency"][:] = share_of(work[:, 0], power[:, 0])
 
 
 def is_regular(swimmer: Swimmer, arrays: dict[str, Any]) -> bool:
@@ -247,11 +267,12 @@ def _may_gain(swimmer: Swimmer, arrays: dict[str, Any]) -> bool:
     return any(np.min(np.real(v)) < 0.0 for v in own)
 
 
-def _buildable(many: Swimmer, p: np.ndarray, body: np.ndarray) -> np.ndarray:
+def _buildable(many: Swimmer, p: np.ndarray) -> np.ndarray:
     """Designs that make sense; the others stay NaN."""
     tail, numbers = as_wave(many.tail), many.numbers
-    good = np.isfinite(p).all(axis=1) & np.isfinite(body).all(axis=(1, 2))
-    good &= (p[:, [LENGTH, WAVENUMBER, C_T, C_N]] > 0).all(axis=1) & (p[:, AMPLITUDE] >= 0)
+    good = np.isfinite(p @ np.ones(PARAMETERS)) & (p[:, AMPLITUDE] >= 0)
+    for i in (LENGTH, WAVENUMBER, C_T, C_N):
+        good &= p[:, i] > 0
     good &= (np.asarray(tail.radius) > 0) & (tail.radius < tail.room())
     good &= (p[:, RAMP] >= 0) & (p[:, RAMP] <= 1) & (np.asarray(many.fluid.viscosity) > 0)
     for name, value in numbers.items():
@@ -262,9 +283,9 @@ def _buildable(many: Swimmer, p: np.ndarray, body: np.ndarray) -> np.ndarray:
     return good
 
 
-def _one_by_one(swimmer: Swimmer, arrays: dict[str, Any], n: int) -> dict[str, Any]:
-    """Designs without the symmetries: each by its own gait."""
-    out = blank(n)
+def _one_by_one(out: dict[str, Any], swimmer: Swimmer, arrays: dict[str, Any]) -> None:
+    """Fill in designs without the symmetries: each by its own gait."""
+    n = len(out["efficiency"])
     with settled(pays(n * ONE_GAIT)), warnings.catch_warnings():
         warnings.simplefilter("ignore")
         for i in range(n):
@@ -275,4 +296,3 @@ def _one_by_one(swimmer: Swimmer, arrays: dict[str, Any], n: int) -> dict[str, A
                 continue
             for name in OUTPUTS:
                 out[name][i] = made[name]
-    return out

@@ -24,8 +24,10 @@ OUTPUTS = (
 )
 
 
-def of_helices(swimmer: Swimmer, V: Any, power: Any, body: Any, rate: Any) -> dict[str, Any]:
-    """Return results of rigid helices from phase 0: the lateral parts turn with the tail.
+def of_helices(
+    out: dict[str, Any], swimmer: Swimmer, V: Any, power: Any, drag: Any, rate: Any
+) -> None:
+    """Fill in results of rigid helices from phase 0: the lateral parts turn with the tail.
 
     In the frame of the tail the twist is constant, so the axis of the screw motion is along
     ``W + sign rate e_s`` and the swimming speed ``U . (W + sign rate e_s) / |W + sign rate e_s|``;
@@ -35,21 +37,19 @@ def of_helices(swimmer: Swimmer, V: Any, power: Any, body: Any, rate: Any) -> di
     sign = swimmer.tail.sign
     if swimmer.motion.frequency_frame == "lab":
         rate = rate / (1.0 + sign * V[:, 3])
-    W = V * rate[:, None]
-    mean, amplitude = np.zeros_like(W), np.zeros_like(W)
-    mean[:, ::3] = W[:, ::3]
-    for i in (1, 4):
-        amplitude[:, i] = amplitude[:, i + 1] = np.hypot(W[:, i], W[:, i + 1])
-    mean[np.isnan(W[:, 0])] = amplitude[np.isnan(W[:, 0])] = np.nan
-    spin = W[:, 3:].copy()
-    spin[:, 0] += sign * rate
-    size = np.linalg.norm(spin, axis=1)
+    us, uq, ur, os, oq, or_ = V.T * rate
+    across, swing, spin = np.sqrt(uq * uq + ur * ur), np.sqrt(oq * oq + or_ * or_), os + sign * rate
+    mean, amplitude, nothing = out["mean_velocity"], out["velocity_amplitude"], 0.0 * us
+    for of, columns in ((mean, (us, nothing, nothing, os, nothing, nothing)),
+                        (amplitude, (nothing, across, across, nothing, swing, swing))):  # fmt: skip
+        for i, column in enumerate(columns):
+            of[:, i] = column
+    size = np.sqrt(spin * spin + swing * swing)
     with np.errstate(invalid="ignore", divide="ignore"):
-        along = np.abs(np.sum(W[:, :3] * spin, axis=1)) / size
-    speed = np.where(size == 0, np.linalg.norm(W[:, :3], axis=1), along)
-    total = power * rate**2
-    work = np.einsum("nj,nj,n->n", body[:, 0], W, W[:, 0])
-    return _results(mean, amplitude, speed, total, work, rate)
+        along = np.abs(us * spin + uq * oq + ur * or_) / size
+    out["swimming_speed"][:] = np.where(size == 0, np.sqrt(us * us + across * across), along)
+    for name, values in _of_work(power * rate**2, drag[:, 0] * us * us, rate).items():
+        out[name][:] = values
 
 
 def beat_series(V: np.ndarray) -> np.ndarray:
@@ -92,15 +92,20 @@ def half_beats(V: np.ndarray) -> tuple[np.ndarray, ...]:
 
 
 def of_plane_waves(
-    V: Any, beats: Any, power: Any, rate: Any, body: Any, work: Any = None
+    V: Any, beats: Any, power: Any, rate: Any, drag: Any, work: Any = None
 ) -> dict[str, Any]:
     """Return results of plane waves from half a period, per unit rate, and its `half_beats`."""
     mean, amplitude, speed = beats
     size = np.abs(rate)
     total = power.mean(axis=1) * rate**2
-    drag = np.einsum("nmj,nj,nm->nm", V, body[:, 0], V[..., 0]) if work is None else work
-    moved = mean * rate[:, None], amplitude * size[:, None], speed * size
-    return _results(*moved, total, drag.mean(axis=1) * rate**2, rate)
+    if work is None:
+        work = drag[:, :1] * V[..., 0] ** 2
+    return {
+        "mean_velocity": mean * rate[:, None],
+        "velocity_amplitude": amplitude * size[:, None],
+        "swimming_speed": speed * size,
+        **_of_work(total, work.mean(axis=1) * rate**2, rate),
+    }
 
 
 def _integral_of(series: np.ndarray, m: int) -> np.ndarray:
@@ -113,10 +118,11 @@ def _integral_of(series: np.ndarray, m: int) -> np.ndarray:
     return evaluate(whole, np.pi * np.arange(m) / m).T
 
 
-def _results(mean: Any, amplitude: Any, speed: Any, power: Any, work: Any, rate: Any) -> dict:
+def _of_work(power: Any, work: Any, rate: Any) -> dict[str, Any]:
+    """Return what power and rate of the tail and the body's share of work tell."""
     with np.errstate(invalid="ignore", divide="ignore"):
         torque = np.where(rate != 0, power / rate, 0.0 * power)
-    return dict(zip(OUTPUTS, (mean, amplitude, speed, power, torque, share_of(work, power))))
+    return {"mean_power": power, "mean_torque": torque, "efficiency": share_of(work, power)}
 
 
 def share_of(work: Any, power: Any) -> Any:

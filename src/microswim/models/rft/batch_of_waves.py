@@ -6,7 +6,7 @@ from typing import Any
 
 import numpy as np
 
-from microswim.models.rft.batch_numbers import blank, of_plane_waves
+from microswim.models.rft.batch_numbers import of_plane_waves
 from microswim.models.rft.gait import MOST_PHASES
 from microswim.models.rft.plane_wave import SEGMENT
 from microswim.models.rft.segment import (
@@ -29,22 +29,28 @@ MARGIN = 1.0  #: digits of the quadrature beyond the tolerance
 
 
 def of_waves(
-    solved: Any, bk: np.ndarray, good: np.ndarray, body: Any, rate: Any, seconds: float
-) -> dict[str, Any]:
-    """Return results of plane waves, at as many phases as each takes.
+    out: dict[str, Any],
+    solved: Any,
+    bk: np.ndarray,
+    good: np.ndarray,
+    drag: Any,
+    rate: Any,
+    seconds: float,
+) -> None:
+    """Fill in results of plane waves, at as many phases as each takes.
 
-    NaN where even the most do not do. ``solved(rows, phase)`` gives twists, tail powers and,
-    without `body`, drag times speed; `bk` is amplitude times wavenumber.
+    They stay NaN where even the most do not do. ``solved(rows, phase)`` gives twists, tail powers
+    and, without `drag`, the body's drag times speed; `bk` is amplitude times wavenumber.
     """
-    out, loops = blank(len(good)), loops_for(seconds)
+    loops = loops_for(seconds)
     for some, phases in _chunks(bk, good):
         found = solved(some, np.pi * np.arange(phases) / phases)
         while len(some):
             fine, *beats = loops.half_beats(found[0])
             V, power, *work = (x[fine] for x in found)
             done = some[fine]
-            drag = None if body is None else body[done]
-            results = of_plane_waves(V, [x[fine] for x in beats], power, rate[done], drag, *work)
+            own = None if drag is None else drag[done]
+            results = of_plane_waves(V, [x[fine] for x in beats], power, rate[done], own, *work)
             for name, value in results.items():
                 out[name][done] = value
             some = some[~fine]
@@ -53,7 +59,6 @@ def of_waves(
             between = solved(some, np.pi * (np.arange(phases) + 0.5) / phases)
             found = [_interleaved(a[~fine], b) for a, b in zip(found, between)]
             phases *= 2
-    return out
 
 
 def _chunks(bk: np.ndarray, good: np.ndarray) -> Any:
@@ -73,14 +78,14 @@ def _interleaved(a: np.ndarray, b: np.ndarray) -> np.ndarray:
 
 
 def solved_waves(
-    swimmer: Swimmer, p: Any, body: Any, phase: np.ndarray, tolerance: float, seconds: float
+    swimmer: Swimmer, p: Any, drag: Any, phase: np.ndarray, tolerance: float, seconds: float
 ) -> tuple[Any, Any]:
     """Return twists (n, m, 6) and tail powers (n, m) of plane waves at m phases."""
     V, power = np.empty((len(p), phase.size, 6)), np.empty((len(p), phase.size))
     arc, free = swimmer.motion.line_element == "arc", np.array(swimmer.motion.mask)
     loops = loops_for(max(seconds, phase.size * wave_nodes(p).sum() * SEGMENT))
     for rules, group in _groups(p, tolerance):
-        own = p[group], body[group]
+        own = p[group], drag[group]
         V[group], power[group] = loops.solve_waves(arc, *own, phase, free, *rules)
     return V, power
 

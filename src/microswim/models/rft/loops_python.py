@@ -17,21 +17,21 @@ from microswim.numerics.solve6 import solve
 
 
 def solve_helices(
-    arc: bool, p: np.ndarray, body: np.ndarray, free: np.ndarray, counts: np.ndarray
+    arc: bool, p: np.ndarray, drag: np.ndarray, free: np.ndarray, counts: np.ndarray
 ) -> tuple[np.ndarray, np.ndarray]:
     """Return what `loops_compiled.solve_helices` does."""
     V, power = np.full((len(p), 6), np.nan), np.full(len(p), np.nan)
     for count in np.unique(counts[counts >= 0]):
         group = counts == count
         R, F, G = helix_tail.written(arc, p[group].T, 0.0, gauss(count))
-        V[group], power[group] = _solved(R, F, G, body[group], free)
+        V[group], power[group] = _solved(R, F, G, drag[group], free)
     return V, power
 
 
 def solve_waves(
     arc: bool,
     p: np.ndarray,
-    body: np.ndarray,
+    drag: np.ndarray,
     phases: np.ndarray,
     free: np.ndarray,
     ramp_rule: Any,
@@ -39,15 +39,18 @@ def solve_waves(
 ) -> tuple[np.ndarray, np.ndarray]:
     """Return what `loops_compiled.solve_waves` does."""
     sums = side_by_side(arc, p.T, phases, ramp_rule, rule)
-    solved = [_solved(R, F, G, body, free) for R, F, G in zip(*sums)]
+    solved = [_solved(R, F, G, drag, free) for R, F, G in zip(*sums)]
     V, power = (np.stack(part, axis=1) for part in zip(*solved))
     return V, power
 
 
 def _solved(
-    R: np.ndarray, F: np.ndarray, G: np.ndarray, body: np.ndarray, free: np.ndarray
+    R: np.ndarray, F: np.ndarray, G: np.ndarray, drag: np.ndarray, free: np.ndarray
 ) -> tuple[np.ndarray, np.ndarray]:
-    """Twists (n, 6) and tail powers (n,) from R (6, 6, n), F (6, n), G (n,) of the tails."""
+    """Twists (n, 6) and tail powers (n,) from R (6, 6, n), F (6, n), G (n,) of the tails and the
+    drag (n, 6) of the bodies.
+    """
     V = -F
-    solve.written(R + np.moveaxis(body, 0, -1), V, free)
+    R[range(6), range(6)] += drag.T
+    solve.written(R, V, free)
     return V.T, G + np.sum(F * V, axis=0)

@@ -20,6 +20,7 @@ HELIX, PLANE_WAVE = 0, 1
 #: rate, drag of the tip: called as the fields of tail, coefficients and body are.
 LENGTH, AMPLITUDE, WAVENUMBER, RAMP, SIGN, C_T, C_N, C_R, OFFSET, SPIN, TIP = range(11)
 PARAMETERS = 11
+SUMS = 28  #: what a `segment` adds to
 
 #: Amplitude times wavenumber up to which plane waves are resolved.
 STEEPEST = 25.0
@@ -58,14 +59,14 @@ def cosine_sine(x: Any) -> tuple[Any, Any]:
     return c, s
 
 
-@compiled(fastmath=FAST, inline="always")
+@compiled(fastmath=FAST, forceinline=True)
 def in_plane(a: Any, a_s: Any, k: Any, c: Any, d: Any) -> tuple[Any, Any, Any]:
     """Return ``q = a c``, slope ``a' c - a k d``, velocity ``a d``; c, d of ``k s - phase``."""
     u = a * d
     return a * c, a_s * c - k * u, u
 
 
-@compiled(fastmath=FAST, inline="always")
+@compiled(fastmath=FAST, forceinline=True)
 def out_of_plane(g: Any, a_s: Any, k: Any, q: Any, u: Any, d: Any) -> tuple[Any, Any, Any]:
     """Return ``r = -g a d``, its slope ``-g (a' d + a k c)`` and velocity ``g a c``, from those of
     q.
@@ -73,15 +74,16 @@ def out_of_plane(g: Any, a_s: Any, k: Any, q: Any, u: Any, d: Any) -> tuple[Any,
     return -g * u, -g * (a_s * d + k * q), g * q
 
 
-@compiled(fastmath=FAST, error_model="numpy", inline="always")
+@compiled(fastmath=FAST, error_model="numpy", forceinline=True)
 def resistances(ds: Any, v2: Any, arc: bool, c: Any) -> tuple[Any, Any, Any]:
     """Return ``n = c_n dl``, ``d = (c_t - c_n) dl / v^2``, ``w = c_r dl / v^2``; c holds the three.
 
     v is the length of the tangent; the line element is ``dl = v ds``, or ds without `arc`.
     """
     c_n, d_c, c_r = c
-    dl = ds * (np.sqrt(v2) if arc else 1.0)
-    return c_n * dl, d_c * dl / v2, c_r * dl / v2
+    v = np.sqrt(v2) if arc else 1.0 + 0 * v2
+    per_v = ds / v if arc else ds / v2
+    return c_n * ds * v, d_c * per_v, c_r * per_v
 
 
 @compiled(fastmath=FAST)
@@ -101,7 +103,7 @@ def wave_nodes(kind: int, x: Any, phase: Any, on_ramp: Any, p: Any) -> Any:
     return s, q, r, q_s, r_s, q_phase, r_phase
 
 
-@compiled(fastmath=FAST, error_model="numpy", inline="always")
+@compiled(fastmath=FAST, error_model="numpy", forceinline=True)
 def segment(X: Any, T: Any, U: Any, n: Any, d: Any, w: Any, spin: Any) -> Any:
     """Return what one segment adds: 21 entries of ``B_t`` row by row, 6 of ``F_p``, and to G.
 
@@ -135,14 +137,14 @@ def segment(X: Any, T: Any, U: Any, n: Any, d: Any, w: Any, spin: Any) -> Any:
     )
 
 
-@compiled(inline="always")
+@compiled(forceinline=True)
 def nothing(zero: Any) -> Any:
     """Return the sums of no segment."""
     row = (zero, zero, zero, zero, zero, zero, zero)
     return row + row + row + row
 
 
-@compiled(fastmath=FAST, error_model="numpy", inline="always")
+@compiled(fastmath=FAST, error_model="numpy", forceinline=True)
 def plus(a: Any, b: Any) -> Any:
     """Return the sums of two segments: numbers of their own, which a loop keeps in registers."""
     return (
@@ -153,6 +155,38 @@ def plus(a: Any, b: Any) -> Any:
         *(a[22] + b[22], a[23] + b[23], a[24] + b[24], a[25] + b[25], a[26] + b[26]),
         a[27] + b[27],
     )
+
+
+@compiled(forceinline=True)
+def numbers(P: Any, l: int) -> Any:
+    """Return the parameters of the design in lane l of P (11, lanes)."""
+    return (
+        *(P[0, l], P[1, l], P[2, l], P[3, l], P[4, l], P[5, l], P[6, l], P[7, l]),
+        *(P[8, l], P[9, l], P[10, l]),
+    )
+
+
+@compiled(forceinline=True)
+def sums_at(S: Any, l: int) -> Any:
+    """Return the sums that lane l of S (28, lanes) keeps."""
+    return (
+        *(S[0, l], S[1, l], S[2, l], S[3, l], S[4, l], S[5, l], S[6, l], S[7, l]),
+        *(S[8, l], S[9, l], S[10, l], S[11, l], S[12, l], S[13, l], S[14, l], S[15, l]),
+        *(S[16, l], S[17, l], S[18, l], S[19, l], S[20, l], S[21, l], S[22, l], S[23, l]),
+        *(S[24, l], S[25, l], S[26, l], S[27, l]),
+    )
+
+
+@compiled(forceinline=True)
+def keep_sums(S: Any, l: int, a: Any) -> None:
+    """Put sums into lane l of S (28, lanes)."""
+    S[0, l], S[1, l], S[2, l], S[3, l] = a[0:4]
+    S[4, l], S[5, l], S[6, l], S[7, l] = a[4:8]
+    S[8, l], S[9, l], S[10, l], S[11, l] = a[8:12]
+    S[12, l], S[13, l], S[14, l], S[15, l] = a[12:16]
+    S[16, l], S[17, l], S[18, l], S[19, l] = a[16:20]
+    S[20, l], S[21, l], S[22, l], S[23, l] = a[20:24]
+    S[24, l], S[25, l], S[26, l], S[27, l] = a[24:28]
 
 
 @compiled(fastmath=FAST)
@@ -177,12 +211,26 @@ def add_sums(R: Any, F: Any, sums: Any, forces: Any) -> None:
         F[i] += forces[i]
 
 
+@compiled(fastmath=FAST, error_model="numpy", forceinline=True)
+def tip(kind: int, p: Any, at: Any) -> Any:
+    """Return the `segment` sums of the tip, a point at ``s = L`` that resists alike in all
+    directions; cosine and sine of ``k L - phase``.
+    """
+    c, d = at
+    q, _, u = in_plane(p[AMPLITUDE], 0.0, p[WAVENUMBER], c, d)
+    g = 0.0 * p[SIGN] if kind == PLANE_WAVE else p[SIGN]
+    none = 0 * q
+    X, T, U = (p[LENGTH] + p[OFFSET], q, -g * u), (1.0 + none, none, none), (none, u, g * q)
+    return segment(X, T, U, p[TIP] + none, none, none, none)
+
+
 @compiled(fastmath=FAST)
 def add_tip(kind: int, R: Any, F: Any, p: Any, phase: Any) -> Any:
-    """Add the drag of the tip, a point at ``s = L`` that resists alike in all directions."""
-    s, q, r, _, _, u, v = wave_nodes(kind, 1.0 + 0 * p[RAMP], phase, False, p)
-    X, T, U = (s + p[OFFSET], q, r), (1.0 + 0 * s, 0 * s, 0 * s), (0 * u, u, v)
-    return add_segment(R, F, X, T, U, 1.0, (p[TIP], p[TIP], 0 * p[TIP]), 0.0)
+    """Add the `tip` to R and F; returns its part of G."""
+    end = p[WAVENUMBER] * p[LENGTH] - phase
+    sums = tip(kind, p, (np.cos(end), np.sin(end)))
+    add_sums(R, F, sums[:21], sums[21:27])
+    return sums[27]
 
 
 @compiled(fastmath=FAST)

@@ -98,6 +98,10 @@ class Interaction:
         """Whether the body's rotation and translation are coupled."""
         return self.coupling != _ZERO
 
+    def scaled(self, isolated: tuple[Any, ...]) -> list[Any]:
+        """Return the six isolated resistances times their coefficients [Tabak Eqs. 21, 22]."""
+        return [g * d for g, d in zip((*self.translation, *self.rotation), isolated)]
+
     def body_resistance(self, isolated: tuple[Any, ...]) -> np.ndarray:
         """Return the body resistance ``B_b`` about its centre [Tabak Eqs. 3, 21, 22].
 
@@ -111,8 +115,7 @@ class Interaction:
         ndarray
             Shape (..., 6, 6), symmetric.
         """
-        gamma = (*self.translation, *self.rotation)
-        scaled = [g * d for g, d in zip(gamma, isolated)]
+        scaled = self.scaled(isolated)
         if not self.is_coupled and np.ndarray not in map(type, scaled):
             values = np.array(scaled)
             B = np.zeros(36, dtype=values.dtype)

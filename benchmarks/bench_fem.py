@@ -35,6 +35,7 @@ from microswim.models.bem.patches.surface import grid_boxes, sample
 from microswim.models.bem.system import rigid_modes, solve_density, wrench_rows
 from microswim.models.fem import gait as qs
 from microswim.models.fem.mesh import Level, level_named
+from microswim.models.fem.swimming import Swim
 from microswim.swimmer.geometry.surroundings import Channel
 
 FOUR = ms.Motion(free=("us", "uq", "ur", "os"))
@@ -65,15 +66,28 @@ def memory():
 
 def cost(*levels):
     """One quasi-steady design by part."""
-    print("level elements unknowns | mesh+spaces displace factorise refactorise solve | GB")
+    print("level elements unknowns | mesh+spaces displace factorise refactorise solve step | GB")
     rows = []
     for name in levels or ("coarse",):
         flow, times = parts(name)
         named = dict(zip(("set-up", "move", "first factorisation", "again", "solve"), times))
-        rows.append({"level": name, "unknowns": flow.unknowns, **named, "GB at most": memory()})
-        seconds = " ".join(f"{t:.2f}" for t in times)
-        print(name, flow.mesh.ne, flow.unknowns, "|", seconds, "|", f"{memory():.2f}", flush=True)
+        size, elements = flow.unknowns, flow.mesh.ne
+        del flow  # with its factors
+        named["a step in time"] = step_in_time(name)
+        rows.append({"level": name, "unknowns": size, **named, "GB at most": memory()})
+        seconds = " ".join(f"{t:.2f}" for t in named.values())
+        print(name, elements, size, "|", seconds, "|", f"{memory():.2f}", flush=True)
     keep("fem", {"seconds by part": rows})
+
+
+def step_in_time(name, steps=6):
+    """Processor seconds of a step at 40 a period, new factors and former ones in turn."""
+    run = Swim(base("sheared", density=10.0), Channel(), level_named(name), 40, FOUR.mask)
+    march = run.step(run.start())
+    run.former, start = None, time.process_time()
+    for _ in range(steps):
+        march = run.step(march)
+    return (time.process_time() - start) / steps
 
 
 def parts(name):

@@ -77,3 +77,32 @@ def test_uniform_flow_is_not_disturbed_by_the_mesh(sphere_in_box):
     solution, reaction = step.solve(flow.given(np.tile([1.0, 0.0, 0.0], (len(X), 1)), on))
     assert np.abs(solution[: flow.size] - one).max() < 1e-8
     assert np.abs(flow.forces(reaction, flow.rigid_modes(np.zeros(3)), "body")).max() < 1e-7
+
+
+def test_factors_of_a_place_before_give_the_flow_of_new_ones(sphere_in_box):
+    """A free sphere that squirms in a box, the mesh moved a little: flow, twist and no force."""
+    flow, dt, free = sphere_in_box, 0.1, (True, True, True, True, True, False)
+    X, on = flow.nodes.points, flow.nodes.on("body")
+    flow.move(X)
+    still = np.zeros(flow.size)
+    past = Past((still,), (flow.position.copy(),))
+
+    def swim(former):
+        step = Step(flow, past, dt, density=5.0)
+        normal = flow.given(flow.places, on)
+        squirm = np.stack([X[:, 0] ** 2, X[:, 1] * X[:, 0], X[:, 2] * (1.0 - X[:, 1])], axis=1)
+        data = flow.without_flux(flow.given(squirm, on), normal)
+        return step.swim(data, flow.rigid_modes(np.zeros(3)), free, former)
+
+    before = swim(None)
+    former = before[-1]
+    flow.move(X + 0.02 * np.stack([np.sin(X[:, 1]), np.cos(X[:, 2]), np.sin(X[:, 0])], axis=1))
+    kept, new = swim(former), swim(None)
+    assert kept[-1] is former  # they served
+    assert new[-1] is not former
+    for one, other, moved in zip(kept[:2], new[:2], before[:2]):  # flow, twist
+        size = np.abs(other).max()
+        assert np.abs(one - other).max() < 1e-8 * size
+        assert np.abs(moved - other).max() > 1e-4 * size
+    wrench = np.abs(kept[2]["body"])
+    assert wrench[:5].max() < 1e-7 * wrench.max()

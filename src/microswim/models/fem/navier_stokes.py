@@ -20,6 +20,7 @@ from dataclasses import dataclass
 import ngsolve as ngs
 import numpy as np
 
+from microswim.models.fem.former import FEW, Former
 from microswim.models.fem.stokes import Stokes
 
 
@@ -79,7 +80,7 @@ class Step:
         force: ngs.CoefficientFunction | None = None,
     ) -> None:
         self.flow, self.past, self.dt = flow, past, dt
-        flow.factorise(viscosity, inertia=density * past.leading / dt)
+        flow.assemble(viscosity, inertia=density * past.leading / dt)
         self.load = self._load(density, force)
 
     def _field(self, coefficients: np.ndarray) -> ngs.GridFunction:
@@ -110,32 +111,41 @@ class Step:
         return solution, self.flow.apply(solution) - self.load
 
     def swim(
-        self, data: np.ndarray, modes: list[np.ndarray], free: tuple[bool, ...]
-    ) -> tuple[np.ndarray, np.ndarray, dict[str, np.ndarray]]:
+        self,
+        data: np.ndarray,
+        modes: list[np.ndarray],
+        free: tuple[bool, ...],
+        former: Former | None = None,
+    ) -> tuple[np.ndarray, np.ndarray, dict[str, np.ndarray], Former | None]:
         """Return the flow with the twist V for which no force and torque act on the free motions.
 
-        With u_0 the flow of `data` and u_j that of mode j alone (no load),
-        w_i' (K u_0 - f) + sum_j w_i' K u_j V_j = 0: fluid and constraint at once.
+        Parameters
+        ----------
+        data
+            Boundary data of the tail's own motion.
+        modes
+            Boundary data of the six motions.
+        free
+            Which of them are free.
+        former
+            Factors of a step before, which serve as long as the mesh is near.
 
         Returns
         -------
         tuple
-            Solution, twist (6,), and wrench of the fluid on ``body`` and ``tail`` (6,).
+            Solution, twist (6,), wrench of the fluid on ``body`` and ``tail`` (6,), and the factors
+            for the next step; None where it had better make its own.
         """
-        flow = self.flow
-        solution, reaction = self.solve(data)
-        chosen = [j for j in range(6) if free[j]]
-        flows = [flow.solve(modes[j]) for j in chosen]
-        pulls = [flow.apply(u) for u in flows]
-
-        def whole(r: np.ndarray) -> np.ndarray:
-            return flow.forces(r, modes, "body") + flow.forces(r, modes, "tail")
-
+        flow, chosen = self.flow, np.array(modes)[list(free)]
+        g = self.load - flow.apply(data)
+        found = None if former is None else former.refine(g, chosen)
+        if found is None:
+            former = Former(flow, chosen)
+            found = *former.solve(g, chosen @ g), 0
+        x, V, steps = found
+        solution = flow.with_no_mean_pressure(data + x + V @ chosen)
+        reaction = flow.apply(solution) - self.load
         twist = np.zeros(6)
-        if chosen:
-            R = np.column_stack([whole(r) for r in pulls])
-            twist[chosen] = -np.linalg.solve(R[chosen], whole(reaction)[chosen])
-        for j, u, r in zip(chosen, flows, pulls):
-            solution, reaction = solution + twist[j] * u, reaction + twist[j] * r
+        twist[list(free)] = V
         wrench = {part: -flow.forces(reaction, modes, part) for part in ("body", "tail")}
-        return solution, twist, wrench
+        return solution, twist, wrench, former if steps <= FEW else None

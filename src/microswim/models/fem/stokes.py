@@ -55,7 +55,7 @@ class Stokes:
         self.position = self.nodes.coefficients(self.nodes.points)
         self._straight = self.position.copy()
         self._viscosity, self._inertia = ngs.Parameter(1.0), ngs.Parameter(0.0)
-        self._form, self.inverse = self._bilinear(), None
+        self._form, self.inverse, self._is_factorised = self._bilinear(), None, False
 
     def _bilinear(self) -> ngs.BilinearForm:
         (u, p), (v, q) = self.space.TnT()
@@ -108,31 +108,39 @@ class Stokes:
         jacobian = ngs.Det(ngs.Id(3) + ngs.Grad(self.deformation))
         return np.asarray(jacobian(points)).reshape(self.mesh.ne, -1).min(axis=1)
 
-    def factorise(self, viscosity: float, inertia: float = 0.0) -> None:
-        """Assemble K and factorise it; `inertia` is the coefficient c of the mass term.
+    def assemble(self, viscosity: float, inertia: float = 0.0) -> None:
+        """Assemble K where the mesh now is; `inertia` is the coefficient c of the mass term."""
+        self._viscosity.Set(viscosity)
+        self._inertia.Set(inertia)
+        start = time.perf_counter()
+        self._form.Assemble()
+        self.matrix, self._is_factorised = self._form.mat, False
+        self.seconds["assembly"] = time.perf_counter() - start
+        ones = ngs.LinearForm(self.space.TestFunction()[1] * ngs.dx).Assemble()
+        self._mean = ones.vec.FV().NumPy()[self.size :].copy()
+        self._flux = self.apply(self._constant_pressure())[: self.size]
 
-        The symbolic analysis is kept from one position of the mesh to the next. Refused where the
-        memory foreseen is not there.
+    def factorise(self, viscosity: float, inertia: float = 0.0) -> None:
+        """Assemble K and factorise it."""
+        self.assemble(viscosity, inertia)
+        self.renew_factors()
+
+    def renew_factors(self) -> None:
+        """Make the factors of K; its symbolic analysis is kept from one position to the next.
+
+        Refused where the memory foreseen is not there.
         """
         if self.inverse is None:
             need = memory.of_sparse(self.unknowns, self.order)
             mend = "take a coarser level, a smaller channel or a larger machine"
             memory.require(need, self.unknowns, mend)
-        self._viscosity.Set(viscosity)
-        self._inertia.Set(inertia)
         start = time.perf_counter()
-        self._form.Assemble()
-        self.matrix = self._form.mat
-        built = time.perf_counter()
         if self.inverse is None:
             self.inverse = factorised(self.matrix, self.free)
         else:
             self.inverse.Update()
-        self.seconds["assembly"] = built - start
-        self.seconds["factorisation"] = time.perf_counter() - built
-        ones = ngs.LinearForm(self.space.TestFunction()[1] * ngs.dx).Assemble()
-        self._mean = ones.vec.FV().NumPy()[self.size :].copy()
-        self._flux = self.apply(self._constant_pressure())[: self.size]
+        self._is_factorised = True
+        self.seconds["factorisation"] = time.perf_counter() - start
 
     def _constant_pressure(self) -> np.ndarray:
         one = np.zeros(self.unknowns)
@@ -162,17 +170,28 @@ class Stokes:
 
     def solve(self, data: np.ndarray, load: np.ndarray | None = None) -> np.ndarray:
         """Return the velocity and pressure for boundary data and a load f."""
-        right, answer = self.matrix.CreateColVector(), self.matrix.CreateColVector()
-        right.FV().NumPy()[:] = (0.0 if load is None else load) - self.apply(data)
+        right = (0.0 if load is None else load) - self.apply(data)
+        if not self._is_factorised:
+            self.renew_factors()
         start = time.perf_counter()
-        answer.data = self.inverse * right
+        answer = self.by_factors(right)
         self.seconds["solve"] = time.perf_counter() - start
-        solution = data + answer.FV().NumPy()
-        if self.closed:
-            one = self._constant_pressure()
-            mean = self._mean @ solution[self.size :] / (self._mean @ one[self.size :])
-            solution -= mean * one
-        return solution
+        return self.with_no_mean_pressure(data + answer)
+
+    def by_factors(self, right: np.ndarray) -> np.ndarray:
+        """Return the free unknowns by the factors at hand, be they of a former position."""
+        vector, answer = self.matrix.CreateColVector(), self.matrix.CreateColVector()
+        vector.FV().NumPy()[:] = right
+        answer.data = self.inverse * vector
+        return answer.FV().NumPy().copy()
+
+    def with_no_mean_pressure(self, solution: np.ndarray) -> np.ndarray:
+        """Return a solution in a closed vessel with the constant that its pressure leaves open."""
+        if not self.closed:
+            return solution
+        one = self._constant_pressure()
+        mean = self._mean @ solution[self.size :] / (self._mean @ one[self.size :])
+        return solution - mean * one
 
     def rigid_modes(self, centre: np.ndarray, axes: np.ndarray = AXES) -> list[np.ndarray]:
         """Return the boundary data of unit translations and turns about `centre` along axes

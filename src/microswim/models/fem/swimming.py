@@ -19,6 +19,7 @@ from scipy.spatial.transform import Rotation
 from microswim import checks
 from microswim.errors import SpecError
 from microswim.models.fem.displacement import Carrier, Wave
+from microswim.models.fem.former import Former
 from microswim.models.fem.gait import is_round, problem, vessel
 from microswim.models.fem.mesh import Level, Outline, level_named
 from microswim.models.fem.navier_stokes import Past, Step
@@ -59,6 +60,7 @@ class Swim:
         self._check_step(outline)
         self.wave, self.flow = problem(swimmer, channel, level)
         self.carrier = carrier_of(self.wave, channel)
+        self.former: Former | None = None
 
     def _check_step(self, outline: Outline) -> None:
         """The convective term is explicit: refuse steps beyond its limit."""
@@ -109,7 +111,7 @@ class Swim:
         axes = turn.as_matrix()
         modes = flow.rigid_modes(self.carrier.centre + shift, axes)
         data = self.direction * self._tail(X, Y, wave_phase, swing)
-        solution, twist, wrench = system.swim(data, modes, self.free)
+        solution, twist, wrench, self.former = system.swim(data, modes, self.free, self.former)
         lab = np.concatenate([axes @ twist[:3], axes @ twist[3:]])
         past = march.past.then(solution[: flow.size], flow.position.copy())
         self.solution = solution
@@ -192,6 +194,8 @@ def swim(
     while march.step < total:
         march = run.step(march)
         kept = march.step % checkpoint_every == 0 or march.step == total
+        if kept:  # so that a run that goes on from here has the same numbers
+            run.former = None
         if vtk and kept:  # first, so that a checkpoint vouches for the flow files up to it
             write_vtk(run.flow, run.solution, Path(vtk) / f"flow-{march.step:05d}")
         if checkpoint and kept:

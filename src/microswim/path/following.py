@@ -269,7 +269,7 @@ def _longest(
     if step is not None:
         return float(step)
     fastest = max(abs(loads.rate), loads.field_rate, np.abs(loads.gradient).max(), 1e-300)
-    share = 24.0 if energy else 8.0
+    share = 24.0 if energy else 4.0
     limits = [2.0 * np.pi / fastest / share, (times[-1] - times[0]) / 16.0]
     if energy:
         M = np.linalg.inv(np.real(gait.resistance(0.0))[3:, 3:])

@@ -83,7 +83,8 @@ def attempt(
 ) -> Any:
     """Write the stages 2 to 7 of a step into K (7, 8) and its change into Y (8,).
 
-    Returns the smallest gap of all stages; where it is not positive the step is none.
+    Returns the smallest gap of all stages; where it is not positive the step is none. Leaves the
+    velocity at its end in work[6:14].
     """
     kick, raw, turned = work[:6], work[6:14], work[14:18]
     place, rest = work[18:21], work[21:]
@@ -192,7 +193,8 @@ def march(
             total[i] += done[i]
         t = end if last else t + step
         phase += loads.rate * step
-        velocity(table, loads, t, x, q, phase, work[:6], K[0], work[21:])
+        for i in range(WIDTH):  # the last stage is where the next step starts
+            K[0, i] = work[6 + i]
         grown = step * min(5.0, max(0.2, 0.9 * max(off, 1e-10) ** -0.2))
         h = h if last and grown < h else grown
     control[0] = h

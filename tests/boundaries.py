@@ -35,7 +35,7 @@ def beside(swimmer, distance=1.0):
     numbers[beside_wall.POWER] = power_of(gait)
     table = PoseTable(
         WALL, pack(gait), np.array([0.0, 0, 0, 0, 0, 1]), numbers, shape.body, shape.tail,
-        shape.kinks, fit.coefficients(values),
+        shape.kinks, fit.coefficients(values), switch=shape.switch,
     )  # fmt: skip
     start = start_of(swimmer.wall or ms.Wall(distance))
     return SolvedPoses(gait, table, start, {})

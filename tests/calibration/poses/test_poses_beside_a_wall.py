@@ -26,7 +26,7 @@ HEADS = [ROBOT, CELL, replace(ROBOT, body=ms.Capsule(length=1.5, radius=0.4))]
 
 
 def planted(swimmer: ms.Swimmer, made: Any) -> PoseTable:
-    """Table of a wall that adds `made(xi, sigma, psi)`, (27,), to what the surrogate says."""
+    """Table of a wall that adds `made(xi, sigma, turn)`, (27,), to what the surrogate says."""
     shape = layout.shape_of(swimmer, 0.01)
     lowest = float(shape.numbers[beside_wall.LOWEST])
     values = np.empty((2, 9, 7, 9, 27))
@@ -36,7 +36,7 @@ def planted(swimmer: ms.Swimmer, made: Any) -> PoseTable:
         values[index] = made(lowest * (1 - i / 8), sigma, 2 * np.pi * k / 9)
     return PoseTable(
         WALL, pack(swimmer.gait()), np.array([0.0, 0, 0, 0, 0, 1]), shape.numbers, shape.body,
-        shape.tail, shape.kinks, fit.coefficients(values),
+        shape.tail, shape.kinks, fit.coefficients(values), switch=shape.switch,
     )  # fmt: skip
 
 
@@ -57,10 +57,11 @@ def turned(axis: Any, angle: float) -> Any:
 SMOOTH = np.random.default_rng(4).normal(size=(4, 27)) * 0.1
 
 
-def smooth(xi: float, sigma: float, psi: float) -> Any:
-    """Nothing at xi = 0, and what splines and series hold exactly."""
+def smooth(xi: float, sigma: float, turn: float) -> Any:
+    """Nothing at xi = 0, and what splines hold exactly; with a kink where the turn is full."""
     a, b, c, d = SMOOTH
-    return xi * (a + b * sigma**2 + c * np.cos(psi) + d * np.sin(2 * psi) * xi * sigma)
+    once = turn / (2.0 * np.pi) - turn**2 / (2.0 * np.pi) ** 2
+    return xi * (a + b * sigma**2 + c * once + d * once * xi * sigma)
 
 
 @pytest.mark.parametrize("swimmer", HEADS)
@@ -78,15 +79,15 @@ def test_the_gap_is_that_of_the_surface(swimmer: ms.Swimmer) -> None:
 
 @pytest.mark.parametrize("swimmer", HEADS)
 def test_coordinates_and_poses_are_inverse(swimmer: ms.Swimmer) -> None:
-    """A planted xi, sigma, psi comes back from the pose that it stands for."""
+    """A planted xi, sigma, turn comes back from the pose that it stands for."""
     shape = layout.shape_of(swimmer, 0.01)
-    for xi, sigma, psi in [
+    for xi, sigma, turn in [
         (-3.0, 0.4, 1.0),
         (-1.0, -0.7, 5.0),
         (-4.0, -0.1, 2.2),
         (-0.1, 0.9, 0.1),
     ]:
-        beside = wall.beside(swimmer, shape, xi, sigma, psi)
+        beside = wall.beside(swimmer, shape, xi, sigma, turn)
         x, q = wall.start_of(beside.wall)
         touch, at = np.zeros(14), np.zeros(8)
         with settled(False):
@@ -94,10 +95,30 @@ def test_coordinates_and_poses_are_inverse(swimmer: ms.Swimmer) -> None:
                 np.array([0.0, 0, 0, 0, 0, 1]), shape.numbers, shape.body, shape.tail, x, q, 0.0,
                 touch, at,
             )  # fmt: skip
-            beside_wall.place(shape.numbers, shape.kinks, touch, 0.0, at)
-        assert at[2:5] == pytest.approx([xi, sigma, psi], abs=1e-6) or at[4] == pytest.approx(
-            psi - 2 * np.pi, abs=1e-6
+            beside_wall.place(shape.numbers, shape.kinks, shape.switch, touch, 0.0, at)
+        found = [at[2], at[3], 2.0 * np.pi * at[6]]
+        assert found == pytest.approx([xi, sigma, turn], abs=1e-6)
+
+
+@pytest.mark.parametrize(("swimmer", "tilt"), [(ROBOT, -0.5), (ROBOT, -0.25), (CELL, -0.2)])
+def test_a_turn_is_full_where_another_turn_of_the_tail_is_nearest(swimmer: Any, tilt: float) -> None:
+    """The nearest point runs along the tail, and jumps back once, where the coordinate is 0."""
+    shape, many = layout.shape_of(swimmer, 0.01), 400
+    nearest, turns = np.empty(many), np.empty(many)
+    touch, at, wall_at_0 = np.zeros(14), np.zeros(8), np.array([0.0, 0, 0, 0, 0, 1])
+    _, q = wall.start_of(ms.Wall(1.0, tilt=tilt))
+    x = np.array([0.0, 0.0, 20.0 * shape.numbers[beside_wall.REACH]])
+    for k in range(many):
+        phase = 2.0 * np.pi * k / many
+        beside_wall.contact(
+            wall_at_0, shape.numbers, shape.body, shape.tail, x, q, phase, touch, at
         )
+        beside_wall.place(shape.numbers, shape.kinks, shape.switch, touch, phase, at)
+        nearest[k], turns[k] = touch[8], at[6]
+    jumps, fulls = np.abs(np.diff(nearest, append=nearest[:1])), np.diff(turns, append=turns[:1])
+    wave = float(swimmer.tail.apparent_length / swimmer.tail.number_of_waves)
+    assert np.flatnonzero(jumps > 0.3 * wave) == pytest.approx(np.flatnonzero(fulls < 0.0), abs=1)
+    assert (jumps > 0.3 * wave).sum() == 1
 
 
 def test_factors_and_matrices_are_inverse() -> None:
@@ -166,8 +187,8 @@ def test_interpolation_is_of_fourth_order_between_and_smooth_in_phase() -> None:
     """A function that splines and series hold exactly comes back between the nodes."""
     table = planted(ROBOT, smooth)
     shape = layout.shape_of(ROBOT, 0.01)
-    for xi, sigma, psi in [(-2.2, 0.33, 1.1), (-0.7, -0.51, 4.0)]:
-        beside = wall.beside(ROBOT, shape, xi, sigma, psi)
+    for xi, sigma, turn in [(-2.2, 0.33, 1.1), (-0.7, -0.51, 4.0)]:
+        beside = wall.beside(ROBOT, shape, xi, sigma, turn)
         x, q = wall.start_of(beside.wall)
         R, F, touch = asked(table, x, q, 0.0)
         units = shape.numbers[[6, 7]]
@@ -175,7 +196,7 @@ def test_interpolation_is_of_fourth_order_between_and_smooth_in_phase() -> None:
         found -= fit.factors(
             ROBOT.gait().resistance(0.0), ROBOT.gait().propulsion(0.0), touch[4:7], *units
         )
-        assert found == pytest.approx(smooth(xi, sigma, psi), abs=1e-6)
+        assert found == pytest.approx(smooth(xi, sigma, turn), abs=1e-6)
 
 
 def test_compiled_and_python_agree_beside_a_wall() -> None:

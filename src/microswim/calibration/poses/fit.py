@@ -5,7 +5,6 @@ from __future__ import annotations
 import numpy as np
 
 from microswim.numerics.array import Array
-from microswim.numerics.series.fourier import series_of
 
 
 def factors(R: Array, F: Array, normal: Array, length: float, viscosity: float) -> Array:
@@ -42,12 +41,13 @@ def factors(R: Array, F: Array, normal: Array, length: float, viscosity: float) 
 
 
 def coefficients(values: Array) -> Array:
-    """Return coefficients (2, n + 2, m + 2, 1 + 2 H, 27) through values (2, n, m, phases, 27).
+    """Return coefficients (2, n + 2, m + 2, k + 3, 28) through values (2, n, m, k, 28).
 
-    Side, xi from the smallest gap to infinity, |sigma| from 0 to 1, psi over a full turn.
+    Side, xi from the smallest gap to infinity, |sigma| from 0 to 1, the tail's phase over a full
+    turn, of which the last is the first.
     """
-    series = np.moveaxis(series_of(np.moveaxis(values, 3, 0)), 0, 3)
-    for axis in (1, 2):
+    series = np.concatenate([values, values[:, :, :, :1]], axis=3)
+    for axis in (1, 2, 3):
         series = np.moveaxis(_spline(np.moveaxis(series, axis, 0)), 0, axis)
     return np.ascontiguousarray(series)
 

@@ -1,7 +1,7 @@
 """Which poses beside a wall are solved: where the swimmer touches, and a grid over all poses.
 
 The coordinates are those of `microswim.gait.poses.beside_wall`: xi of the gap, sigma of the tilt,
-psi of the tail's phase against the wall.
+turn of the tail's phase against the wall.
 """
 
 from __future__ import annotations
@@ -34,12 +34,15 @@ class Shape:
         As `beside_wall.NUMBERS` has them.
     kinks
         Tilt at which body and tail are equally near, for `KINKS` values of psi.
+    switch
+        As `PoseTable` has it.
     """
 
     body: Array
     tail: Array
     numbers: Array
     kinks: Array
+    switch: Array
 
     def touch(self, tilt: float, psi: float) -> float:
         """Return the height of the body's centre over the wall at which the swimmer touches it."""
@@ -53,17 +56,32 @@ class Shape:
             )  # fmt: skip
         return -float(min(found[0], found[7]))
 
-    def pose(self, xi: float, sigma: float, psi: float) -> tuple[float, float]:
-        """Return gap and tilt of coordinates; xi below zero."""
+    def pose(self, xi: float, sigma: float, turn: float) -> tuple[float, float, float]:
+        """Return gap, tilt and psi of coordinates; xi below zero, turn an angle."""
+        psi = turn
+        for _ in range(400):  # a turn's switch goes with the tilt, and that a little with psi
+            gap, tilt = self._across(xi, sigma, psi)
+            with settled(False):
+                ahead = beside_wall.switched(self.switch, min(tilt, self.kink(psi)))
+            change = turn + ahead - psi
+            psi += 0.5 * change
+            if abs(change) < 1e-10:
+                break
+        return gap, tilt, float(psi % (2.0 * np.pi))
+
+    def kink(self, psi: float) -> float:
+        """Return the tilt at which body and tail are equally near."""
+        where = psi / (2.0 * np.pi) % 1.0 * KINKS
+        return float(np.interp(where, np.arange(KINKS + 1), [*self.kinks, self.kinks[0]]))
+
+    def _across(self, xi: float, sigma: float, psi: float) -> tuple[float, float]:
+        """Return gap and tilt at a psi."""
         blurred = beside_wall.BLUR if sigma >= 0.0 else beside_wall.TAIL_BLUR
         size, reach, blur = (
             self.numbers[i] for i in (beside_wall.SIZE, beside_wall.REACH, blurred)
         )
         gap = size * np.exp(xi) / (1.0 - np.exp(xi))
-        turns = psi / (2.0 * np.pi)
-        kink = float(
-            np.interp(turns % 1.0 * KINKS, np.arange(KINKS + 1), [*self.kinks, self.kinks[0]])
-        )
+        kink = self.kink(psi)
         most = np.log1p(reach * (0.5 * np.pi - np.sign(sigma) * kink) / (gap + blur))
         return gap, kink + np.sign(sigma) * np.expm1(abs(sigma) * most) * (gap + blur) / reach
 
@@ -103,11 +121,12 @@ def shape_of(swimmer: Swimmer, smallest: float) -> Shape:
                         swimmer.fluid.viscosity, TAIL_BLUR * length, 0.0,
                         smallest * length], float)  # fmt: skip
     meridian = np.zeros((0, 2)) if body.is_absent else _meridian(body)
-    return Shape(meridian, line, numbers, _kinks(meridian, line, float(tail.radius), tail.sign))
+    kinks = _kinks(meridian, line, float(tail.radius), tail.sign)
+    return Shape(meridian, line, numbers, kinks, _switch(line, tail.sign, min(float(kinks.max()), -0.01)))
 
 
 #: Scale of the gap, and what keeps sigma from shrinking with it, in half axes of the body.
-SIZE, BLUR, TAIL_BLUR = 4.0, 0.15, 0.02
+SIZE, BLUR, TAIL_BLUR = 4.0, 0.3, 0.3
 
 
 def _length(swimmer: Swimmer) -> float:
@@ -152,3 +171,37 @@ def _kinks(meridian: Array, line: Array, radius: float, sign: float) -> Array:
         body_lower = s * c - rho * n < tail
         high, low = np.where(body_lower, tilt, high), np.where(body_lower, low, tilt)
     return 0.5 * (low + high)
+
+
+#: Tilts and phases at which the nearest point of the tail is looked up; share of a wave by which it
+#: jumps where another turn takes over.
+TILTS, PHASES, JUMP = 40, 1440, 0.4
+
+
+def _switch(line: Array, sign: float, last: float) -> Array:
+    """Return `PoseTable.switch` up to a tilt: from the steepest at which a turn takes over."""
+    found: list[float] = []
+    tilts = last - (0.5 * np.pi + last) * np.arange(4 * TILTS) / (4 * TILTS)
+    for tilt in tilts:
+        where, jump = _takes_over(line, sign, float(tilt))
+        if jump < JUMP * LINE:
+            break
+        found.append(where)
+    if len(found) < 2:
+        return np.zeros(0)
+    steep = tilts[len(found) - 1]
+    tilts = np.linspace(steep, last, TILTS)
+    psi = np.unwrap([_takes_over(line, sign, float(tilt))[0] for tilt in tilts])
+    return np.concatenate([[steep, last], psi])
+
+
+def _takes_over(line: Array, sign: float, tilt: float) -> tuple[float, int]:
+    """Return the phase at which the nearest point of the tail jumps furthest, and how far."""
+    turn = sign * 2.0 * np.pi * np.arange(PHASES) / PHASES
+    c, s = np.cos(tilt) * np.cos(turn), np.cos(tilt) * np.sin(turn)
+    nearest = np.argmin(
+        np.sin(tilt) * line[:, 0] + c[:, None] * line[:, 1] - s[:, None] * line[:, 2], axis=1
+    )
+    jumps = np.abs(np.diff(nearest, append=nearest[:1]))
+    i = int(np.argmax(jumps))
+    return 2.0 * np.pi * (i + 0.5) / PHASES, int(jumps[i])

@@ -40,16 +40,16 @@ class Grid:
     tilts
         On either side of where body and tail are equally near, that included.
     phases
-        Of the tail against the wall, an odd number.
+        Of the tail against the wall.
     smallest
         Smallest gap, in the body's smaller half axes.
     left_out
         Poses between, that measure the error.
     """
 
-    gaps: int = 9
-    tilts: int = 8
-    phases: int = 9
+    gaps: int = 8
+    tilts: int = 11
+    phases: int = 12
     smallest: float = 0.01
     left_out: int = 16
 
@@ -101,30 +101,30 @@ def beside_wall(
     numbers[POWER] = power_of(free)
     table = PoseTable(
         WALL, np.ascontiguousarray(pack(free)), np.array([0.0, 0, 0, 0, 0, 1]), numbers,
-        shape.body, shape.tail, shape.kinks, coefficients(values),
+        shape.body, shape.tail, shape.kinks, coefficients(values), switch=shape.switch,
     )  # fmt: skip
     error = error_of(table, free, [start_of(s.wall) for s in asked[on:]], judged)
     return SolvedPoses(free, table, start, error)
 
 
 def _places(shape: Shape, grid: Grid) -> list[tuple[float, float, float]]:
-    """Return xi, sigma, psi of the grid, whose sides share sigma = 0, and of those left out."""
+    """Return xi, sigma, turn of the grid, whose sides share sigma = 0, and of those left out."""
     lowest = float(shape.numbers[5])
     xis = lowest * (1.0 - np.arange(grid.gaps - 1) / (grid.gaps - 1))
     sigmas = np.linspace(-1.0, 1.0, 2 * grid.tilts - 1)
-    psis = 2.0 * np.pi * np.arange(grid.phases) / grid.phases
-    on = [(x, s, p) for x in xis for s in sigmas for p in psis]
+    turns = 2.0 * np.pi * np.arange(grid.phases) / grid.phases
+    on = [(x, s, p) for x in xis for s in sigmas for p in turns]
     u = points(grid.left_out, 3, 1) if grid.left_out else np.zeros((0, 3))
     out = [(0.98 * lowest * (1 - a), 0.9 * (2 * b - 1), 2 * np.pi * c) for a, b, c in u]
     return [(float(x), float(s), float(p)) for x, s, p in on + out]
 
 
-def beside(swimmer: Swimmer, shape: Shape, xi: float, sigma: float, psi: float) -> Swimmer:
-    """Return the swimmer with its wall such that phase 0 of the tail is the pose (xi, sigma, psi).
+def beside(swimmer: Swimmer, shape: Shape, xi: float, sigma: float, turn: float) -> Swimmer:
+    """Return the swimmer with its wall such that phase 0 of the tail is the pose (xi, sigma, turn).
 
     Where the tail stays, the wall is turned about s: azimuth ``-sign psi``.
     """
-    gap, tilt = shape.pose(xi, sigma, psi)
+    gap, tilt, psi = shape.pose(xi, sigma, turn)
     tilt = float(np.clip(tilt, -0.5 * np.pi, 0.5 * np.pi))
     height = gap + shape.touch(tilt, psi)
     wall = Wall(height, tilt=tilt, azimuth=float(-swimmer.tail.sign * psi))

@@ -113,13 +113,15 @@ def _common(around: Any) -> str:
 
 def _wall(around: Any) -> str:
     table = around.table
-    _, gaps, tilts, harmonics, columns = table.factors.shape
-    sizes = {"GAPS": gaps, "TILTS": tilts, "HARMONICS": harmonics, "COLUMNS": columns}
+    _, gaps, tilts, turns, columns = table.factors.shape
+    sizes = {"GAPS": gaps, "TILTS": tilts, "TURNS": turns, "COLUMNS": columns}
     sizes |= {"KINKS_ROWS": len(table.kinks), "PACKED_ROWS": len(table.packed)}
+    sizes |= {"SWITCH_ROWS": len(table.switch)}
     sizes |= {"HELD_ROWS": len(around.strain)}
     return (
         "".join(f"#define {name} {size}\n" for name, size in sizes.items())
         + _array("KINKS", table.kinks)
+        + _array("SWITCH", table.switch)
         + _array("PACKED", table.packed)
         + _array("HELD", around.strain)
         + _array("FACTORS", table.factors, DIGITS)

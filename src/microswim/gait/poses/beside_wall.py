@@ -20,8 +20,12 @@ body to tail, at ``tilt = kink(psi)``; on each side splines in
 
     sigma = +-log(1 + reach |tilt - kink| / g) / log(1 + reach (pi/2 -+ kink) / g),  g = gap + blur,
 
-resolve how far body and tail then part (blur is larger where it is the thin tail that parts).
-Phases by a Fourier series.
+resolve how far body and tail then part. Of the tail it is one turn and then, suddenly, the next that
+is nearest, at ``psi = switch(tilt)``, and R has a kink there too. So the phase is counted from it,
+
+    turn = psi - switch(tilt)  on the tail's side,   psi - switch(kink(psi))  on the body's,
+
+and splines over one full turn, the same value at either end, need not be smooth across it.
 """
 
 from __future__ import annotations
@@ -105,8 +109,8 @@ def contact(
 
 
 @compiled(fastmath=FAST, error_model="numpy")
-def place(numbers: Any, kinks: Any, touch: Any, phase: Any, at: Any) -> None:
-    """Write xi, sigma, psi and the lowest xi to at[2:6].
+def place(numbers: Any, kinks: Any, switch: Any, touch: Any, phase: Any, at: Any) -> None:
+    """Write xi, sigma, psi, the lowest xi and the turn, in full turns from 0 to 1, to at[2:7].
 
     A gap below the smallest that was solved counts as it.
     """
@@ -128,6 +132,22 @@ def place(numbers: Any, kinks: Any, touch: Any, phase: Any, at: Any) -> None:
         at[3] = -np.log1p(numbers[3] * (kink - tilt) / g)
         at[3] /= np.log1p(numbers[3] * (right + kink) / g)
     at[4], at[5] = psi, numbers[5]
+    turns = (psi - switched(switch, min(tilt, kink))) / (2.0 * np.pi)
+    at[6] = turns - np.floor(turns)
+
+
+@compiled()
+def switched(switch: Any, tilt: Any) -> Any:
+    """Return the psi at which the nearest turn of the tail changes; 0 where it never does.
+
+    `switch`: first and last tilt, then psi at equal steps between, beyond the first as straight on.
+    """
+    n = switch.size - 2
+    if n < 2:
+        return 0.0
+    where = (min(tilt, switch[1]) - switch[0]) / (switch[1] - switch[0]) * (n - 1)
+    i = min(max(int(where), 0), n - 2)
+    return switch[2 + i] + (where - i) * (switch[3 + i] - switch[2 + i])
 
 
 @compiled()
@@ -194,25 +214,21 @@ def free_factors(packed: Any, numbers: Any, at: Any, values: Any, work: Any) -> 
 def interpolate(factors: Any, at: Any, values: Any, work: Any) -> None:
     """Add what the wall adds to log D (6,), M below its diagonal (15,), z (6,) and log P."""
     side = 0 if at[3] >= 0.0 else 1
-    n, m, harmonics, count = factors.shape[1:]
-    w, v, series = work[:4], work[4:8], work[8 : 8 + harmonics * count]
-    i0 = weights(1.0 - at[2] / at[5], n, w)
-    j0 = weights(abs(at[3]), m, v)
-    series[:] = 0.0
+    gaps, tilts, turns, count = factors.shape[1:]
+    w, v, u = work[:4], work[4:8], work[8:12]
+    i0 = weights(1.0 - at[2] / at[5], gaps, w)
+    j0 = weights(abs(at[3]), tilts, v)
+    k0 = weights(at[6], turns, u)
     for i in range(4):
         for j in range(4):
+            here = factors[side, i0 + i, j0 + j]
             b = w[i] * v[j]
-            here = factors[side, i0 + i, j0 + j].reshape(harmonics * count)
-            for k in range(harmonics * count):
-                series[k] += b * here[k]
-    c1, s1 = np.cos(at[4]), np.sin(at[4])
-    c, s = c1, s1
-    for k in range(count):
-        values[k] += series[k]
-    for h in range(1, harmonics, 2):
-        for k in range(count):
-            values[k] += c * series[h * count + k] + s * series[(h + 1) * count + k]
-        c, s = c * c1 - s * s1, s * c1 + c * s1
+            b0, b1, b2, b3 = b * u[0], b * u[1], b * u[2], b * u[3]
+            for m in range(count):
+                values[m] += (
+                    b0 * here[k0, m] + b1 * here[k0 + 1, m] + b2 * here[k0 + 2, m]
+                    + b3 * here[k0 + 3, m]
+                )  # fmt: skip
 
 
 @compiled(fastmath=FAST, error_model="numpy")

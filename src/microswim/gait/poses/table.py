@@ -38,6 +38,7 @@ FREE, WALL, TUBE = 0, 1, 2  #: kinds of boundary
 #: Numbers of scratch that `resist` wants; poses at most that are known in a tube.
 WORK, MOST = 2400, 1600
 _NONE = np.zeros((0, 0))
+_NOWHERE = np.zeros(0)
 
 
 class PoseTable(NamedTuple):
@@ -63,10 +64,12 @@ class PoseTable(NamedTuple):
         Tilt at which body and tail are equally near to the wall, for equal steps of the tail's
         phase (k,).
     factors
-        Coefficients of what the wall adds, see `beside_wall`: side, gap, tilt, harmonic, number.
+        Coefficients of what the wall adds, see `beside_wall`: side, gap, tilt, turn, number.
     known, weights, carried, root
         Of a tube, see `in_tube`: poses solved, weights of what is interpolated between them and of
         how Poiseuille's flow carries the swimmer, and free fluid.
+    switch
+        By a wall: phase at which the tail's nearest turn changes, see `beside_wall.switched`.
     """
 
     kind: int
@@ -81,6 +84,7 @@ class PoseTable(NamedTuple):
     weights: np.ndarray = _NONE
     carried: np.ndarray = _NONE
     root: np.ndarray = _NONE
+    switch: np.ndarray = _NOWHERE
 
 
 def free_table(gait: Gait) -> PoseTable:
@@ -155,7 +159,7 @@ def resist(table: Any, x: Any, q: Any, phase: Any, R: Any, F: Any, touch: Any, w
     if table.kind == 1:
         at = work[28:36]
         values[27] = 0.0
-        place(table.numbers, table.kinks, touch, phase, at)
+        place(table.numbers, table.kinks, table.switch, touch, phase, at)
         free_factors(table.packed, table.numbers, at, values, work[36:])
         interpolate(table.factors, at, values, work[36:])
         moved = from_factors(table.numbers, touch, values, R, F, work[36:])

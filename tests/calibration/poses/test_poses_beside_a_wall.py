@@ -101,7 +101,9 @@ def test_coordinates_and_poses_are_inverse(swimmer: ms.Swimmer) -> None:
 
 
 @pytest.mark.parametrize(("swimmer", "tilt"), [(ROBOT, -0.5), (ROBOT, -0.25), (CELL, -0.2)])
-def test_a_turn_is_full_where_another_turn_of_the_tail_is_nearest(swimmer: Any, tilt: float) -> None:
+def test_a_turn_is_full_where_another_turn_of_the_tail_is_nearest(
+    swimmer: Any, tilt: float
+) -> None:
     """The nearest point runs along the tail, and jumps back once, where the coordinate is 0."""
     shape, many = layout.shape_of(swimmer, 0.01), 400
     nearest, turns = np.empty(many), np.empty(many)

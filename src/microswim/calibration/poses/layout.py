@@ -122,7 +122,9 @@ def shape_of(swimmer: Swimmer, smallest: float) -> Shape:
                         smallest * length], float)  # fmt: skip
     meridian = np.zeros((0, 2)) if body.is_absent else _meridian(body)
     kinks = _kinks(meridian, line, float(tail.radius), tail.sign)
-    return Shape(meridian, line, numbers, kinks, _switch(line, tail.sign, min(float(kinks.max()), -0.01)))
+    return Shape(
+        meridian, line, numbers, kinks, _switch(line, tail.sign, min(float(kinks.max()), -0.01))
+    )
 
 
 #: Scale of the gap, and what keeps sigma from shrinking with it, in half axes of the body.

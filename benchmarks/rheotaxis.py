@@ -23,7 +23,7 @@ CELL = ms.Swimmer(
     wall=ms.Wall(1.2e-6),
 )
 RATES = (0.0, 0.25, 0.5, 4.0)
-GRID = Grid(gaps=6, tilts=5, phases=5)  # fewer poses than usual: it is a picture
+GRID = Grid(gaps=6, tilts=6, phases=8)  # fewer poses than usual: it is a picture
 TIME, SAMPLES = 40.0, 2001
 UM = 1e6
 

@@ -20,8 +20,9 @@ body to tail, at ``tilt = kink(psi)``; on each side splines in
 
     sigma = +-log(1 + reach |tilt - kink| / g) / log(1 + reach (pi/2 -+ kink) / g),  g = gap + blur,
 
-resolve how far body and tail then part. Of the tail it is one turn and then, suddenly, the next that
-is nearest, at ``psi = switch(tilt)``, and R has a kink there too. So the phase is counted from it,
+resolve how far body and tail then part. Of the tail it is one turn and then, suddenly, the next
+that is nearest, at ``psi = switch(tilt)``, and R has a kink there too. So the phase is counted from
+it,
 
     turn = psi - switch(tilt)  on the tail's side,   psi - switch(kink(psi))  on the body's,
 

@@ -98,9 +98,24 @@ def renamed(old: str, new: str, level: int = 3) -> None:
 
 
 def _shown(value: Any) -> str:
-    """Show a value on one line of at most 60 characters."""
+    """Show a value on one line of at most 60 characters, numbers without the noise of rounding."""
+    if isinstance(value, float):
+        value = _settled(value)
+    elif type(value) in (tuple, list):
+        value = type(value)(_settled(v) if isinstance(v, float) else v for v in value)
     text = " ".join(str(value).split()) if not isinstance(value, str) else repr(value)
     return text if len(text) <= 60 else text[:57] + "..."
+
+
+def _settled(value: float) -> float:
+    """Return a number without what binary fractions leave behind its twelfth digit.
+
+    Examples
+    --------
+    >>> _settled(0.1 + 0.2)
+    0.3
+    """
+    return float(f"{value:.12g}")
 
 
 def nearest(

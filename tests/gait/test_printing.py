@@ -30,6 +30,8 @@ def test_units_carry_prefixes_and_a_dimensionless_swimmer_has_none():
 
 def test_rounding_is_not_shown_as_a_speed():
     assert "e-1" not in str(ms.Swimmer.preset("tabak/plane_wave").gait())
+    four = ms.Swimmer.preset("several/four-flagella")  # a path straight by symmetry
+    assert ms.io.numbers(four, four.gait())["path_radius"] == 0.0
 
 
 def test_what_cannot_move_can_be_printed():

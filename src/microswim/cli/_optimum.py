@@ -2,15 +2,12 @@
 
 from __future__ import annotations
 
-import re
 from typing import Any
 
 from rich.console import Console
 from rich.table import Table
 
-from microswim.gait.readable import spec_value
-from microswim.spec.units import NUMBER
-from microswim.studies.optimisation.limits import measured_in
+from microswim.studies.optimisation.limits import for_people, limit_said
 
 SHOWN = ("swimming_speed", "mean_torque", "mean_power", "efficiency", "body_rate")
 ROWS = 15  #: of a front
@@ -32,16 +29,11 @@ class Said:
         """A number of the spec, a quantity or an expression; nothing where there is none."""
         if value is None or isinstance(value, str):
             return value or ""
-        known = measured_in(name, self.units)
-        return spec_value(value, known) if known else f"{value:.4g}"
+        return for_people(name, value, self.units)
 
     def limit(self, text: str) -> str:
-        """Return a constraint between a quantity and a number, the number with its unit."""
-        found = re.fullmatch(rf"([\w.\[\]]+) ?(<=|>=|<|>) ?({NUMBER})", text)
-        if found is None:
-            return text
-        name, sign, number = found.groups()
-        return f"{name} {sign} {self(name, float(number))}"
+        """Return a constraint, its number with the unit."""
+        return limit_said(text, self.units)
 
 
 def show(report: dict[str, Any], units: str) -> None:

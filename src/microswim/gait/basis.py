@@ -120,6 +120,10 @@ class Rounded(Basis):
         return _settled(self._screw.speed, self._screw.path_speed)
 
     @property
+    def path_radius(self) -> Any:
+        return _settled(self._screw.radius, self._sizes[0] / self._sizes[3])
+
+    @property
     def path_pitch(self) -> Any:
         return 0.0 * self._screw.angle if self.swimming_speed == 0.0 else self._screw.pitch
 

@@ -76,6 +76,15 @@ def test_limits_that_make_no_sense(limit, says):
     assert says in refused("goto/C", limit)
 
 
+def test_what_cannot_be_met_is_said_in_the_units_of_people():
+    assert "relax mean_torque <= 0.002000 pN µm" in refused("goto/C", "mean_torque <= 2e-3 pN um")
+
+
+def test_rounding_is_not_shown_in_an_error():
+    assert str(ms.SpecError("x", 0.1 + 0.2, "one")).startswith("x = 0.3: ")
+    assert str(ms.SpecError("x", [0.1 + 0.2, 1], "one")).startswith("x = [0.3, 1]: ")
+
+
 def test_a_unit_without_units_is_refused():
     assert "no units" in refused("tabak/helix", "mean_torque<=2 nN m", "tail.amplitude=0.05:0.2")
 

@@ -12,6 +12,7 @@ from typing import TYPE_CHECKING, Any
 
 from microswim.errors import SpecError
 from microswim.gait.quantities import NUMBERS, OLD, QUANTITIES
+from microswim.gait.readable import spec_value
 from microswim.gait.turning.driven import DRIVEN
 from microswim.gait.units import unit
 from microswim.spec.describe import unit_of
@@ -49,6 +50,27 @@ def measured_in(name: str, units: str) -> str:
     if "." in name:
         return unit_of(name, units)
     return MEASURED_IN.get(name, "") if units == "SI" else ""
+
+
+def for_people(name: str, value: float, units: str) -> str:
+    """Return a number of the spec, a quantity or an expression with its unit."""
+    known = measured_in(name, units)
+    return spec_value(value, known) if known else f"{value:.4g}"
+
+
+def limit_said(text: str, units: str) -> str:
+    """Return a constraint between a quantity and a number, the number with its unit.
+
+    Examples
+    --------
+    >>> limit_said("mean_torque<=2e-09", "SI"), limit_said("mean_torque <= 300", "dimensionless")
+    ('mean_torque <= 2.000 nN m', 'mean_torque <= 300.0')
+    """
+    found = re.fullmatch(rf"([\w.\[\]]+) ?(<=|>=|<|>) ?({NUMBER})", text)
+    if found is None:
+        return text
+    name, sign, number = found.groups()
+    return f"{name} {sign} {for_people(name, float(number), units)}"
 
 
 def with_units(table: xr.Dataset, units: str) -> xr.Dataset:

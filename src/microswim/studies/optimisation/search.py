@@ -25,6 +25,7 @@ from microswim.gait.quantities import OLD, Named
 from microswim.numerics.array import read_only
 from microswim.numerics.plain import plain
 from microswim.spec.describe import describe
+from microswim.studies.optimisation.limits import limit_said
 from microswim.studies.optimisation.merits import of_gait
 from microswim.studies.optimisation.problem import Problem
 from microswim.studies.optimisation.sensitivity import Sensitivity, sensitivities
@@ -147,8 +148,12 @@ def search(
         return search(replace(problem, model="rft"), seed, samples, begun)
     raise SpecError(
         "design: no design in these ranges meets the constraints; widen the ranges or relax "
-        + (", ".join(c.text for c in problem.limits) or "what must hold")
+        + (_limits(problem) or "what must hold")
     )
+
+
+def _limits(problem: Problem) -> str:
+    return ", ".join(limit_said(c.text, problem.swimmer.units) for c in problem.limits)
 
 
 def _of_choices(tried: list[tuple[dict[str, Any], Problem]]) -> list[str]:

@@ -90,6 +90,7 @@ function cast(anew = false): void {
   const { answer } = store.designs[0];
   const { shape } = answer;
   const length = shape.length + 2 * shape.semi_axes[0];
+  actors.forEach((actor, i) => actor.offset.set(0, 0, store.designs.length > 1 ? (0.5 - i) * 0.46 * length : 0));
   if (anew || fitted !== store.designs[0]) {
     fitted = store.designs[0];
     const wide = 2 * Math.max(shape.semi_axes[1], shape.semi_axes[2], shape.reach);
@@ -97,7 +98,6 @@ function cast(anew = false): void {
     restart();
     stage.reset(store.designs.length > 1 ? 3.3 : 2.75);
   }
-  actors.forEach((actor, i) => actor.offset.set(0, 0, store.designs.length > 1 ? (0.5 - i) * 0.46 * length : 0));
   if (store.designs.length > 1) restart();
 }
 

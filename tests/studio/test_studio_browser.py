@@ -401,6 +401,23 @@ def test_a_second_design_keeps_the_ranges_of_the_first(page):
     settled(page)
 
 
+def test_each_design_has_a_map_over_two_of_its_own_numbers(page):
+    for name in ("cells/beside-a-wall", "cells/sperm", "goto/A"):
+        page.select_option("#presets", name)
+        page.wait_for_function(f"() => studio.store.design.name === '{name}'")
+        x, y = page.evaluate("() => [studio.map.field.x, studio.map.field.y]")
+        assert x != y, name
+    assert (x, y) == ("tail.amplitude", "tail.wavelength")
+
+
+def test_what_has_no_units_is_not_put_beside_what_has(page):
+    page.click("#compare")
+    page.select_option("#presets", "tabak/helix")
+    page.wait_for_function("() => studio.store.design.name === 'tabak/helix'")
+    assert page.evaluate("() => studio.store.designs.length") == 1
+    settled(page)
+
+
 def test_a_rotating_field_and_its_step_out(page):
     page.click("#tab-drive")
     page.click("#drive-field")

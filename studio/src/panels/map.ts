@@ -12,12 +12,19 @@ import type { Axis, MapAnswer, MapAsk, Tables } from "../state/types";
 /** of a key, across and up */
 const STEPS: Record<string, [number, number]> = { ArrowLeft: [-1, 0], ArrowRight: [1, 0], ArrowUp: [0, 1], ArrowDown: [0, -1] };
 
+/** share of the largest value on a map that cannot be told from none by its colour */
+const NOTHING = 1e-3;
+
 export class SpeedMap {
   readonly node = el("div", { class: "map" });
   private canvas = el("canvas", { id: "map", width: 536, height: 290, tabindex: 0, role: "application", "aria-label": "Map; click, or arrow keys, to move the design there" });
   private tip = el("div", { class: "tip", hidden: true });
   private field = { x: "tail.amplitude", y: "tail.waves" };
   private output = "swimming_speed";
+  /** what was last chosen to be shown, where a design has it */
+  private wanted = this.output;
+  /** whether somebody chose what it is drawn over; else each design has its usual two numbers */
+  private chosen = false;
   private answer: MapAnswer | null = null;
   private asked: { tables: Tables; ask: MapAsk } | null = null;
   private picture: HTMLCanvasElement | null = null;
@@ -38,15 +45,15 @@ export class SpeedMap {
       (a, signal) => call<MapAnswer>("/api/map", { tables: a.tables, ...a.ask }, "POST", signal),
       (made, a) => this.take(made, a),
       (error) => {
-        this.answer = null;
-        this.draw();
+        this.forget();
         if (this.visible && !this.store.design.problem) notice(error.message, "error");
       },
     );
     const stored = store.snapshot?.map;
     if (stored) {
       this.field = { x: stored.ask.x.field, y: stored.ask.y.field };
-      this.output = stored.ask.output ?? this.output;
+      this.wanted = this.output = stored.ask.output ?? this.output;
+      this.chosen = true;
     }
     // in this order: a new design has other numbers, and only then is a map of it asked
     if (!store.snapshot) store.on("designs", () => this.forget());
@@ -60,8 +67,11 @@ export class SpeedMap {
     for (const key of ["y", "x", "output"] as const) {
       const select = el("select", { "aria-label": { x: "Across", y: "Up", output: "Shown" }[key], id: `map-${key}` });
       select.addEventListener("change", () => {
-        if (key === "output") this.output = select.value;
-        else this.field[key] = select.value;
+        if (key === "output") this.wanted = this.output = select.value;
+        else {
+          this.chosen = true;
+          this.field[key] = select.value;
+        }
         if (key === "output" && this.answer && !this.answer.values[this.output]) this.forget();
         if (key === "output" && this.answer) this.paint();
         else this.refresh();
@@ -101,23 +111,30 @@ export class SpeedMap {
     const { magnet: { driven }, gait } = this.store.design.answer;
     const outside = driven.length ? /coupling|\]\[|^(wall|channel)/ : /coupling|\]\[|^(wall|channel|magnet|field)/;
     const known = numbers(tables).filter((f) => f !== "fluid.density" && !outside.test(f));
-    const [x, y] = words().axes.flatMap((f) => known.find((k) => plain(k) === f) ?? []);
-    this.possible = y !== undefined;
-    if (!known.includes(this.field.x)) this.field.x = x ?? this.field.x;
-    if (!known.includes(this.field.y)) this.field.y = this.field.x === y ? x : y ?? this.field.y;
+    const usual = words().axes.flatMap((f) => known.find((k) => plain(k) === f) ?? []);
+    this.possible = usual.length > 1;
+    if (this.possible && !(this.chosen && this.over(known))) {
+      [this.field.x, this.field.y] = usual;
+      this.chosen = false;
+    }
     this.bar.hidden = this.plot.hidden = !this.possible;
     this.nothing.hidden = this.possible;
     this.foot.hidden = !this.possible;
     for (const key of ["x", "y"] as const) {
-      const part = (f: string): string => (f.startsWith("tail.") ? "" : `${f.split(".")[0]}: `);
+      const part = (f: string): string => (f.startsWith("tail.") ? "" : `${f.split(".")[0].replace(/\[(\d+)\]/, (_, n) => ` ${Number(n) + 1}`)}: `);
       this.selects[key].replaceChildren(...known.map((f) => el("option", { value: f }, `${part(f)}${label(f).toLowerCase()}`)));
       this.selects[key].value = this.field[key];
     }
     const outputs = [...words().outputs, ...driven];
-    if (!outputs.includes(this.output)) this.output = outputs[0];
+    this.output = outputs.includes(this.wanted) ? this.wanted : outputs[0];
     if (driven.length && !gait.rate && !driven.includes(this.output)) [this.output] = driven; // no motor turns it
     this.selects.output.replaceChildren(...outputs.map((o) => el("option", { value: o }, called(o).label)));
     this.selects.output.value = this.output;
+  }
+
+  /** Whether a design has both of the numbers that were chosen. */
+  private over(known: string[]): boolean {
+    return known.includes(this.field.x) && known.includes(this.field.y) && this.field.x !== this.field.y;
   }
 
   private axis(field: string, count: number): Axis | null {
@@ -146,16 +163,25 @@ export class SpeedMap {
     const ask = this.ask();
     if (!ask) return;
     if (ask.x.field === ask.y.field) return notice("Choose two different numbers for the map.", "error");
+    if (!this.answer) this.foot.replaceChildren(el("span", {}, "The map is being computed …"));
     this.latest.send({ tables: structuredClone(this.store.design.tables), ask });
   }
 
   private take(made: MapAnswer, a: { tables: Tables; ask: MapAsk }): void {
     if (!made.values[this.output]) return; // another one was chosen since
+    const { swimming_speed: net, path_speed: along } = this.store.design.answer.readings;
+    if (this.output === "swimming_speed" && !net && along) this.round(made);
     this.answer = made;
     this.asked = a;
     this.count += 1;
     this.node.dataset.milliseconds = made.milliseconds.toFixed(0);
     this.paint();
+  }
+
+  /** Who goes round on a circle at each design of a map has no swimming speed there: show the efficiency. */
+  private round({ values }: MapAnswer): void {
+    const known = (output: string): number => Math.max(...values[output].map((v) => Math.abs(v ?? 0)));
+    if (known("swimming_speed") < 1e-9 * (this.store.design.answer.readings.path_speed ?? 0)) this.selects.output.value = this.output = "efficiency";
   }
 
   get drawn(): boolean {
@@ -243,7 +269,7 @@ export class SpeedMap {
 
   private legend(low: number, top: number): void {
     const { dimensional } = this.store.design.answer;
-    const say = (x: number): string => reading(this.output, x, dimensional, 2).join(" ");
+    const say = (x: number): string => (x < NOTHING * top ? "0" : reading(this.output, x, dimensional, 2).join(" "));
     const named = (key: "x" | "y"): string => {
       const u = quantity(read(this.store.design.tables, this.field[key]))?.unit;
       return `${label(this.field[key]).toLowerCase()}${u ? ` (${pretty(u)})` : ""}`;

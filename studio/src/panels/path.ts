@@ -29,7 +29,10 @@ export class Paths {
 
   constructor(private store: Store, private show: (made: PathAnswer | null) => void) {
     for (const event of ["structure", "designs"] as const) store.on(event, () => this.build());
-    store.on("designs", () => this.leave());
+    store.on("designs", () => {
+      this.stop?.abort();
+      this.leave();
+    });
     store.on("answer", () => this.changed());
     store.on("rest", () => this.again());
   }
@@ -186,7 +189,7 @@ export class Paths {
       Object.assign(this, { made, of, solved: poses, wanted: true });
       this.show(made);
       window.setTimeout(() => this.node.querySelector("#went")?.scrollIntoView({ block: "nearest" }));
-    } else if (stop.signal.aborted) notice("Stopped. What was solved is kept: asked again it goes on from there.");
+    } else if (stop.signal.aborted && of === this.here) notice("Stopped. What was solved is kept: asked again it goes on from there.");
     this.build();
   }
 

@@ -8,6 +8,9 @@ import type { Store } from "../state/store";
 /** Where panels become sheets; as in style.css. */
 export const NARROW = "(max-width: 900px), (max-height: 480px)";
 
+/** Pixels that the panels of a wide screen cover at the left and at the right; as in style.css. */
+const PANELS = [278, 314];
+
 export class Sheets {
   readonly glance = el("button", { class: "glance", id: "glance", title: "All numbers", onclick: () => this.open("numbers") });
   readonly node = el("nav", { class: "dock", "aria-label": "Panels" });
@@ -22,11 +25,19 @@ export class Sheets {
     for (const event of ["answer", "designs", "structure"] as const) {
       store.on(event, () => this.tell());
     }
-    this.narrow.addEventListener("change", () => this.open(""));
+    this.narrow.addEventListener("change", () => this.beside());
+    this.beside();
     document.addEventListener("keydown", (e) => {
       if (e.key === "Escape") this.open("");
     });
     stage.onTouch(() => this.open(""));
+  }
+
+  /** Panels beside the scene on a wide screen, none over it on a narrow one. */
+  private beside(): void {
+    this.open("");
+    const [left, right] = this.narrow.matches ? [0, 0] : PANELS;
+    this.stage.between(left, right);
   }
 
   /** Speed and trust in sight: of what swims by its motor, or of what a field drives. */

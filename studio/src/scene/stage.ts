@@ -44,6 +44,8 @@ export class Stage {
   private quality = 1;
   /** share of width and height in whose middle the target is */
   private clear = [1, 1];
+  /** pixels that panels cover at both sides, and the width over height at which what is free shows the swimmer whole */
+  private sides = { left: 0, right: 0, whole: 1.15 };
   private aim = new THREE.Vector3();
 
   constructor(private host: HTMLElement) {
@@ -83,6 +85,19 @@ export class Stage {
     this.resize();
   }
 
+  /** Panels that stand at the sides all the time; zero where they are sheets. */
+  between(left: number, right: number): void {
+    this.sides = { left, right, whole: left || right ? 0.85 : 1.15 };
+    this.resize();
+  }
+
+  /** How much farther off the camera must be for the swimmer to fit into what is free. */
+  private get fits(): number {
+    const { left, right, whole } = this.sides;
+    const { clientWidth: w, clientHeight: h } = this.host;
+    return Math.max(1, (whole * h) / Math.max(1, w - left - right));
+  }
+
   /** Call when a finger touches the scene. */
   onTouch(act: () => void): void {
     this.renderer.domElement.addEventListener("pointerdown", (e) => {
@@ -92,8 +107,7 @@ export class Stage {
 
   /** Camera from ahead and above, farther off on a tall screen; the swimmer swims to the right. */
   reset(distance = 2.75): void {
-    const fits = Math.max(1, 1.15 / this.camera.aspect);
-    const way = new THREE.Vector3(-0.16, 0.9, 0.36).normalize().multiplyScalar(distance * fits);
+    const way = new THREE.Vector3(-0.16, 0.9, 0.36).normalize().multiplyScalar(distance * this.fits);
     this.controls.target.copy(this.aim);
     this.camera.position.copy(this.aim).add(way);
     this.controls.update();
@@ -101,12 +115,11 @@ export class Stage {
 
   /** Camera on a place and what lies within a reach of it, in units of the swimmer; from the side a normal points to. */
   see(middle: readonly number[], reach: number, normal: readonly number[] | null): void {
-    const fits = Math.max(1, 1.15 / this.camera.aspect);
     const way = new THREE.Vector3(-0.16, 0.9, 0.36).normalize();
     if (normal) way.addScaledVector(new THREE.Vector3(...normal), 1.6);
     this.controls.target.set(middle[0], middle[1], middle[2]).multiplyScalar(this.scale);
     const distance = (2.1 * reach * this.scale) / Math.tan((this.camera.fov * Math.PI) / 360);
-    this.camera.position.copy(this.controls.target).addScaledVector(way.normalize(), Math.min(distance * fits, 0.9 * this.controls.maxDistance));
+    this.camera.position.copy(this.controls.target).addScaledVector(way.normalize(), Math.min(distance * this.fits, 0.9 * this.controls.maxDistance));
     this.controls.update();
   }
 
@@ -182,7 +195,8 @@ export class Stage {
     this.renderer.setSize(w, h);
     this.camera.aspect = w / h;
     const [x, y] = this.clear.map((share) => 0.5 * (1 - share));
-    this.camera.setViewOffset(w, h, x * w, y * h, w, h);
+    const { left, right } = this.sides;
+    this.camera.setViewOffset(w, h, x * w + 0.5 * (right - left), y * h, w, h);
     this.camera.updateProjectionMatrix();
   }
 }

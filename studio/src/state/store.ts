@@ -203,7 +203,16 @@ export class Store {
     this.resting = window.setTimeout(() => this.tell("rest"), 140);
   }
 
+  /** Put a design in place of the active one; alone where it was put beside another, or cannot be compared with it. */
   open(name: string, answer: Answer): void {
+    const others = this.designs.filter((_, i) => i !== this.active);
+    const sizeless = others.some((d) => d.answer.dimensional !== answer.dimensional);
+    if (sizeless) notice("One has units and the other none: they cannot be compared, so the new one stands alone.");
+    if (sizeless || this.scene) {
+      this.designs = [this.design];
+      this.active = 0;
+      this.scene = "";
+    }
     this.designs[this.active] = this.make(name, answer);
     this.tell("designs", "structure", "answer", "tables", "problem", "rest");
   }
@@ -212,9 +221,6 @@ export class Store {
   async load(name: string, text: string): Promise<void> {
     if (!/^\s*\[\[\s*swimmer\s*\]\]/m.test(text)) {
       const made = await call<Answer>("/api/spec", text);
-      if (this.scene) this.designs = [this.design];
-      if (this.scene) this.active = 0;
-      this.scene = "";
       return this.open(name, made);
     }
     const { designs, places } = await call<Scene>("/api/scene", text);

@@ -3,7 +3,7 @@
     python benchmarks/step_out.py             # 14 robots with a head and 14 without, a minute
 
 Prints for each model the median, the 90 % quantile and the largest error; the last stand in
-`microswim.path.regimes.MEASURED` and in docs/magnets.md.
+`microswim.path.regime_errors.MEASURED` and in docs/magnets.md.
 """
 
 from __future__ import annotations

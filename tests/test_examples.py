@@ -96,6 +96,16 @@ def hook_flick(r):
     assert (pulls > 1.5 * pushes).all()
 
 
+def flexible_nanowire(r):
+    """Of the size that was measured; softer and stiffer tails are slower, faster fields help."""
+    wide, narrow = r["over_frequency"].values()
+    assert (np.diff(wide) > 0.0).all()
+    assert (wide > narrow).all()
+    best = r["over_stiffness"].argmax()
+    assert 0 < best < len(r["over_stiffness"]) - 1
+    assert 7e-6 < r["over_stiffness"][best] < 42e-6  # within a factor of two to three of 21 um/s
+
+
 def laws_of_resistance(r):
     """Lighthill's pair of the base case, computed apart: c_n 780.37, c_t 537.58."""
     assert r["ratio of Lighthill at 0.1"] == pytest.approx(780.37 / 537.58, rel=1e-4)
@@ -204,6 +214,7 @@ KNOWN = {
             tail_that_bends,
             sperm_like,
             hook_flick,
+            flexible_nanowire,
             laws_of_resistance,
             best_helix,
             seven_cells,

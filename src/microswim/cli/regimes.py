@@ -140,6 +140,8 @@ def _solved(
     if name:
         check_names(swimmer, [name])
     robots = [vary(swimmer, {name: value}) for value in values] or [swimmer]
+    if swimmer.tail.settles:
+        return _bending(robots, asked, model, progress)
     one = swimmer.gait(model, **options) if not name or name.startswith(DRIVE) else None
     if asked is None:
         gait = one if one is not None else robots[-1].gait(model, **options)
@@ -151,6 +153,19 @@ def _solved(
     for i, robot in enumerate(robots):
         gait = one if one is not None else robot.gait(model, **options)
         found.append(regimes(robot, asked, gait=gait))
+        progress(i + 1, len(robots))
+    return found
+
+
+def _bending(robots: list[Any], asked: Any, model: str, progress: Any) -> list[Regimes]:
+    """Regimes of robots with an elastic tail, which has no gait in a field."""
+    from microswim.path.regimes import regimes
+
+    if asked is None:
+        raise SpecError("--frequency: missing; of a robot that bends give it")
+    found = []
+    for i, robot in enumerate(robots):
+        found.append(regimes(robot, asked, model=model))  # type: ignore[arg-type]
         progress(i + 1, len(robots))
     return found
 

@@ -23,6 +23,7 @@ from microswim.gait.turning.steady_turning import SteadyTurning, Turned
 from microswim.gait.turning.step_out import mobility_of
 from microswim.gait.turning.wobbling import Axisymmetric, closest, closest_soft
 from microswim.numerics.array import Array, read_only
+from microswim.path.regime_errors import expected
 from microswim.swimmer.magnetism.applied_field import RotatingField
 from microswim.swimmer.physical_sense import INERTIA
 from microswim.swimmer.swimmer import Swimmer
@@ -31,15 +32,12 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
 NAMES = ("tumbling", "wobbling", "synchronous", "stepped out")
+SPINS = (
+    "its moment does not turn it about its own axis, so it goes round with a field that leans, and "
+    "spins at a rate of its own; microswim path follows it"
+)
 STEEP = np.radians(45.0)  #: precession angle above which a robot below the onset tumbles
 STRAIGHT = np.radians(5.0)  #: of the axis: synchronous; of the plane of the field: tumbling
-#: Largest relative errors of step-out and of the velocity there, by model: 14 random robots against
-#: boundary elements (benchmarks/step_out.py).
-MEASURED = {"atlas": (0.006, 0.015), "rft": (0.06, 2.0)}
-#: The same of robots without a body.
-HEADLESS = {"atlas": (0.005, 0.009), "rft": (0.3, 0.34)}
-#: The same of the step-out of a body alone.
-ALONE = 0.0025
 
 
 @checks.by_name
@@ -147,11 +145,13 @@ def regimes(
     ----------
     swimmer
         With a `Magnet`, permanent or soft, and a `RotatingField`, whose strength, axis, sense and
-        cone count; all its rotations free. Its motor stands still at phase 0.
+        cone count; all its rotations free. Its motor stands still at phase 0. An `ElasticTail`,
+        without a drive, bends as it turns, and may be what is magnetic.
     frequency
         Turns of the field per time, positive, (n,).
     model
-        Of the gait: ``"auto"``, ``"rft"``, ``"atlas"``, ``"bem"`` or ``"fem"``.
+        Of the gait: ``"auto"``, ``"rft"``, ``"atlas"``, ``"bem"`` or ``"fem"``; ``"elastic"`` or
+        ``"auto"`` of a robot that bends.
     gait
         A gait of the swimmer that is at hand, in place of the model.
 
@@ -175,6 +175,9 @@ def regimes(
     ('tumbling', 'wobbling', 'stepped out')
     """
     frequencies = _frequencies(frequency)
+    if swimmer.tail.settles:
+        checks.choice("model", model, ("auto", "elastic"))
+        return _of_elastic(swimmer, frequencies)
     steady = steady_turning(swimmer, gait := gait or swimmer.gait(model))
     sense = float(np.sign(swimmer.field.frequency))  # type: ignore[union-attr]
     rates = 2.0 * np.pi * frequencies
@@ -199,11 +202,29 @@ def regimes(
         reversals=_reversals(steady, rates, held),
         reynolds=reynolds,
         closed_form=_closed(steady),
-        expected_error=_expected(swimmer, gait),
+        expected_error=expected(swimmer, gait),
         units=swimmer.units,
         model=gait.model,
         remarks=tuple(_remarks(gait, steady, frequencies, reynolds)),
     )
+
+
+def _of_elastic(swimmer: Swimmer, frequencies: Array) -> Regimes:
+    from microswim.path.elastic_regimes import held_at
+
+    found = held_at(swimmer, frequencies)
+    rates, nought = 2.0 * np.pi * frequencies, np.isnan(found.angle)
+    reynolds = _reynolds(swimmer, rates, found.angle)
+    names = ["stepped out" if out else _named(a) for a, out in zip(found.angle, nought)]
+    return Regimes(
+        frequency=frequencies, regime=tuple(names), precession_angle=found.angle,
+        velocity=found.velocity, velocity_error=found.error, others=((),) * len(frequencies),
+        step_out=found.step_out, wobbling_onset=float("nan"),
+        velocity_at_step_out=found.at_step_out, reversals=(), reynolds=reynolds, closed_form=None,
+        expected_error={"step_out": None, "velocity": None, "how": "not measured for such tails"},
+        units=swimmer.units, model="elastic",
+        remarks=(*found.remarks, *_of_inertia(frequencies, reynolds)),
+    )  # fmt: skip
 
 
 def steady_turning(swimmer: Swimmer, gait: Gait) -> SteadyTurning:
@@ -268,10 +289,15 @@ def _one(
         return (name, float("nan"), *drift(steady, rate))
     state = states[0]
     angle, velocity = float(state.precession_angle), float(state.velocity)
-    flat = np.pi / 2.0 - STRAIGHT
-    tumbles = angle > flat or (rate < steady.wobbling_onset and angle > STEEP)
-    name = "tumbling" if tumbles else "synchronous" if angle < STRAIGHT else "wobbling"
+    tumbles = rate < steady.wobbling_onset and angle > STEEP
+    name = "tumbling" if tumbles else _named(angle)
     return name, angle, velocity, 1e-12 * abs(velocity)
+
+
+def _named(angle: float) -> str:
+    """Regime of a robot that is held at an angle to the field's axis."""
+    flat = np.pi / 2.0 - STRAIGHT
+    return "tumbling" if angle > flat else "synchronous" if angle < STRAIGHT else "wobbling"
 
 
 def _reversals(steady: SteadyTurning, rates: Array, held: list[list[Turned]]) -> tuple[float, ...]:
@@ -296,23 +322,10 @@ def _closed(steady: SteadyTurning) -> Axisymmetric | None:
     return exact if exact is not None and exact.holds and not steady.cone else None
 
 
-def _expected(swimmer: Swimmer, gait: Gait) -> dict[str, Any]:
-    if swimmer.tail.is_absent:
-        how = "largest miss of bodies alone against published resistances (docs/cad.md)"
-        return {"step_out": ALONE, "velocity": None, "how": how}
-    measured = HEADLESS if swimmer.body.is_absent else MEASURED
-    known = {} if swimmer.tail.is_placed else measured
-    step_out, velocity = known.get(gait.model, (None, None))
-    how = "not measured for this model" if known else "not measured for such tails"
-    if step_out is not None:
-        how = "largest of 14 random helical robots against boundary elements"
-    return {"step_out": step_out, "velocity": velocity, "how": how}
-
-
 def _reynolds(swimmer: Swimmer, rates: Array, angle: Array) -> Array:
     """Return ``rho w a^2 / mu``, a the half length and half width as the robot turns."""
     rs, *sides = (float(np.real(x)) for x in swimmer.body.semi_axes3)
-    tail = float(getattr(swimmer.tail, "amplitude", 0.0)) + float(swimmer.tail.radius)
+    tail = float(getattr(swimmer.tail, "amplitude", None) or 0.0) + float(swimmer.tail.radius)
     long = rs + float(np.real(swimmer.tail.apparent_length)) / 2.0
     tilt = np.where(np.isnan(angle), np.pi / 2.0, angle)
     reach = np.hypot(max(*sides, tail), long * np.sin(tilt))
@@ -322,7 +335,13 @@ def _reynolds(swimmer: Swimmer, rates: Array, angle: Array) -> Array:
 def _remarks(gait: Gait, steady: SteadyTurning, frequencies: Array, reynolds: Array) -> Any:
     yield from gait.info.get("remarks", ())
     if not steady.step_out:
-        yield "the field never holds the robot: its moment does not turn it"
+        yield "the field never holds the robot: " + (
+            SPINS if steady.cone else "its moment does not turn it"
+        )
+    yield from _of_inertia(frequencies, reynolds)
+
+
+def _of_inertia(frequencies: Array, reynolds: Array) -> Any:
     if reynolds.max() > INERTIA:
         first = frequencies[np.argmax(reynolds > INERTIA)]
         yield (

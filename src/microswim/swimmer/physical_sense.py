@@ -178,7 +178,7 @@ def turning_reynolds(swimmer: Swimmer) -> float:
     if swimmer.magnet is None or field is None or not np.any(np.real(field.angular_velocity)):
         return 0.0
     own = max(_size(a) for a in swimmer.body.semi_axes3[1:])
-    tail = _size(getattr(swimmer.tail, "amplitude", 0.0)) + _size(swimmer.tail.radius)
+    tail = _size(getattr(swimmer.tail, "amplitude", None) or 0.0) + _size(swimmer.tail.radius)
     rate = _size(field.rate)
     return _size(fluid.density) * rate * max(own, tail) ** 2 / _size(fluid.viscosity)
 

@@ -137,6 +137,8 @@ def _of_the_largest(N: Any, lean: Any, states: SteadyTurning) -> Any:
     """
     N = N / np.linalg.norm(np.real(N))
     start = _start(states)
+    if not np.any(np.real(N @ start)):
+        return np.nan * start  # no state is held
     b = _refined(N, lean, start)
     if _is_at(N, b, start):
         return b

@@ -127,9 +127,11 @@ def _remarks(swimmer: Swimmer, about: dict[str, Any]) -> list[str]:
     found += [f"the elastic tail knows no {name}; it settles as in free space" for name in around]
     if elastic_tail(swimmer).drive == "none":
         acting = [name for name in ("field", "gravity", "flow") if getattr(swimmer, name)]
+        turned = getattr(swimmer.field, "kind", "") == "rotating"
         found.append(
             "nothing drives the base of the tail, which is at rest here"
             + (f"; microswim path follows it under its {' and '.join(acting)}" if acting else "")
+            + ("; microswim regimes tells how it turns with it" if turned else "")
         )
     if not about["settles"]:
         found.append(

@@ -11,9 +11,12 @@ from microswim.gait.turning.step_out import Drive
 
 
 def drive_of(swimmer: Any) -> Drive | None:
-    """Return the drive of a swimmer, None if it has no magnet or no field that rotates."""
+    """Return the drive of a swimmer, None if it has no magnet or no field that rotates.
+
+    None also of one whose tail bends as it turns: `microswim.regimes` asks how that one is held.
+    """
     magnet, field = swimmer.magnet, swimmer.field
-    if magnet is None or field is None or field.kind != "rotating":
+    if magnet is None or field is None or field.kind != "rotating" or swimmer.tail.settles:
         return None
     sense = -1.0 if field.frequency.real < 0 else 1.0
     return Drive(

@@ -82,17 +82,18 @@ def test_what_sharp_edges_cost_is_told_neither_too_small_nor_much_too_large(mesh
     assert finer.expected_error < 0.5 * made.expected_error
 
 
-def test_more_triangles_on_flat_faces_change_no_more_than_is_told(tmp_path):
-    """They are the same box; with many there is room for constant densities alone."""
+def test_flat_faces_of_many_triangles_are_solved_as_those_of_few(tmp_path):
+    """They are the same box; with all of them there were room for constant densities alone."""
     mesh = trimesh.creation.box((1.0, 2.0, 0.5))
     few = found(mesh, tmp_path)
     for _ in range(4):
         mesh = mesh.subdivide()
     many = found(mesh, tmp_path)
+    assert many.surface.order == few.surface.order == 2
+    assert any("coarsened" in remark for remark in many.remarks)
     root = np.sqrt(np.diag(few.resistance))
     off = (np.abs(many.resistance - few.resistance) / np.outer(root, root)).max()
-    assert few.surface.order > many.surface.order
-    assert off < many.expected_error < 0.01
+    assert off < 0.3 * few.expected_error
 
 
 def test_errors_fall_with_the_triangles_at_second_order_at_least(tmp_path):

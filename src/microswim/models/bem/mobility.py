@@ -38,9 +38,6 @@ from microswim.swimmer.swimmer import Swimmer
 WATER = {"SI": 1e-3, "dimensionless": 1.0}
 
 
-#: Largest error of smooth shapes from files at a level, measured where formulas or structured
-#: patches know the answer (docs/cad.md); fewer triangles may agree better, so no less is told.
-LEAST = {"coarse": 5e-3, "standard": 3.5e-3, "fine": 1.5e-3}
 FROM_A_FILE = "by fewer triangles and other cuts at sharp edges, no less than known shapes show"
 FROM_LEVELS = "the difference from the next coarser level"
 #: A solve to compare with: its surface and rule, and the error over the difference from it.
@@ -62,7 +59,7 @@ class Mobility:
     expected_error
         Of the entries ``|dR_ij| / sqrt(R_ii R_jj)``: the difference from the next coarser level; of
         a file from fewer triangles and from other cuts at its sharp edges, and no less than files
-        of known answers have shown.
+        of known answers have shown. No less than the asymmetry of the solution.
     surface
         What was solved on.
     units
@@ -185,15 +182,17 @@ def mobility(
     get_level(level)
     if viscosity is not None:
         checks.positive("viscosity", viscosity)
-    fine, others, about, mu, units, remarks, rule = _of(what, scale, level, viscosity, phase)
-    R = _symmetric(fine, mu, about, rule)
+    fine, others, about, mu, units, remarks, rule, error = _of(what, scale, level, viscosity, phase)
+    whole = resistance_of(fine, mu, about, rule)
+    R = 0.5 * (whole + whole.T)
     root = np.sqrt(np.abs(R.diagonal()))
     if not np.linalg.eigvalsh(R / np.outer(root, root)).min() > 0.0:
         raise SpecError(
             f"level = {level!r}: the resistance of this surface is not that of a passive body; "
             "take level fine, or a surface without gaps and creases that are so narrow"
         )
-    error = LEAST[level] if rule is patches.RULE else 0.0
+    how = FROM_A_FILE if error else FROM_LEVELS
+    error = max(error, float((np.abs(whole - whole.T) / np.outer(root, root)).max()))
     for other, its_rule, share in others:
         off = np.abs(R - _symmetric(other, mu, about, its_rule)) / np.outer(root, root)
         error = max(error, share * float(off.max()))
@@ -208,7 +207,7 @@ def mobility(
         unknowns=fine.unknowns,
         seconds=time.perf_counter() - start,
         remarks=remarks,
-        how=FROM_A_FILE if rule is patches.RULE else FROM_LEVELS,
+        how=how,
     )
 
 
@@ -218,7 +217,9 @@ def _symmetric(surface: Surface, viscosity: float, about: Array, rule: Quadratur
 
 
 def _of(what: Any, scale: Any, level: str, viscosity: float | None, phase: float) -> Any:
-    """Surface of the level, those to compare with, point, viscosity, units, remarks, rule."""
+    """Surface of the level, those to compare with, point, viscosity, units, remarks, rule, and the
+    least error that is told.
+    """
     if isinstance(what, Swimmer):
         return _of_swimmer(what, level, viscosity, phase)
     if isinstance(what, Body):
@@ -246,7 +247,7 @@ def _of_body(body: Body, level: str, mu: float, units: str) -> Any:
     rough = still(sampled(body.facets(splits)), 2)
     rule = get_level("standard").rule
     others = [(rough, rule, 1.0)]
-    return fine, others, np.asarray(body.centre, float), mu, units, (), rule
+    return fine, others, np.asarray(body.centre, float), mu, units, (), rule, 0.0
 
 
 def patches_index(level: str) -> int:
@@ -276,7 +277,8 @@ def _of_triangles(
                     f"answer at level {level} needs no more")  # fmt: skip
     compared = patches.fewer(used, level, fine.order), patches.recut(used, level, fine.order)
     others: list[Other] = [(c[0], patches.RULE, c[1]) for c in compared if c is not None]
-    return fine, others, about, mu, units, tuple(said), patches.RULE
+    least = patches.least_error(used, level, fine.order)
+    return fine, others, about, mu, units, tuple(said), patches.RULE, least
 
 
 def _of_swimmer(swimmer: Swimmer, level: str, viscosity: float | None, phase: float) -> Any:
@@ -293,4 +295,4 @@ def _of_swimmer(swimmer: Swimmer, level: str, viscosity: float | None, phase: fl
         made.append((swimmer_surface(*parts), chosen.rule))
     (fine, rule), (rough, other) = made
     about = np.asarray(swimmer.body.centre, float)
-    return fine, [(rough, other, 1.0)], about, mu, swimmer.units, (), rule
+    return fine, [(rough, other, 1.0)], about, mu, swimmer.units, (), rule, 0.0

@@ -23,6 +23,9 @@ import type { PathAnswer, Start } from "./state/types";
 import { learn, words } from "./state/words";
 
 const store = new Store();
+/** asked at once, while the scene is being built */
+const start = store.snapshot ? null : call<Start>("/api/start");
+start?.catch(() => null); // told in begin
 const view: View = { paused: false, pace: 0.6, arrows: false };
 const stage = new Stage(document.getElementById("stage")!);
 let actors: Actor[] = [];
@@ -142,7 +145,7 @@ async function showFlow(): Promise<void> {
   const [low, high] = flowEnds()!;
   legends.flow.replaceChildren(`flow ${low}`, el("i", { style: `background: linear-gradient(90deg, ${speeds(16).join(", ")})` }), high);
   legends.flow.hidden = false;
-  stage.reset(stage.camera.position.distanceTo(stage.controls.target));
+  stage.face();
 }
 
 /** Least and largest speed that the slice's colours show. */
@@ -158,7 +161,7 @@ function caption(): Caption {
   const shown = (["forces", "magnet"] as const).filter((key) => !legends[key].hidden).flatMap((key) => texts[key]);
   const ends = flowEnds();
   return {
-    designs: store.designs.map((d, i) => ({ colour: look(i).tail, ...answers.told(d) })),
+    designs: store.designs.map((d, i) => ({ colour: look(i).tail, ...answers.told(d, driver.magnetic ? driver.told : null) })),
     arrows: shown.map((text) => ({ colour: ARROWS[text], text })),
     bar: transport.bar,
     flow: ends && { colours: speeds(40), low: `flow ${ends[0]}`, high: ends[1] },
@@ -294,7 +297,15 @@ store.onScene((places) => {
   tabs.open("path");
   void paths.ask();
 });
+/** Bring a swimmer that has outgrown the view, or all but vanished in it, back to its size. */
+function outgrown(): void {
+  const { shape } = store.designs[0].answer;
+  const shown = (shape.length + 2 * shape.semi_axes[0]) * stage.scale;
+  if (!replay && (shown > 2 || shown < 0.4)) cast(true);
+}
+
 store.on("designs", () => cast());
+store.on("answer", () => store.designs.length === 1 && outgrown());
 store.on("answer", dress);
 if (!store.snapshot) for (const event of ["answer", "designs"] as const) store.on(event, () => void show(store));
 
@@ -315,7 +326,7 @@ async function begin(): Promise<void> {
     store.designs = store.snapshot.designs.map((d) => store.make(d.name, d.answer));
     view.pace = Number(store.snapshot.view.pace ?? view.pace);
   } else {
-    const { name, answer, words } = await call<Start>("/api/start");
+    const { name, answer, words } = await start!;
     learn(words);
     const linked = await attempt(() => follow(store));
     if (!linked) store.designs = [store.make(name, answer)];

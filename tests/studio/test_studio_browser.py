@@ -412,9 +412,16 @@ def test_each_design_has_a_map_over_two_of_its_own_numbers(page):
 
 def test_what_has_no_units_is_not_put_beside_what_has(page):
     page.click("#compare")
+    page.click("#tab-drive")
+    page.click("#drive-field")
+    page.evaluate("() => { studio.view.paused = true; }")
     page.select_option("#presets", "tabak/helix")
     page.wait_for_function("() => studio.store.design.name === 'tabak/helix'")
     assert page.evaluate("() => studio.store.designs.length") == 1
+    assert page.text_content("#driven-speed") == "–"  # not that of the one before
+    page.evaluate("() => { studio.view.paused = false; }")
+    page.click("#drive-motor")
+    page.click("#tab-map")
     settled(page)
 
 

@@ -111,8 +111,14 @@ def test_the_header_folds_and_all_of_it_is_reached(phone):
         phone.locator(name).scroll_into_view_if_needed()
         assert phone.is_visible(name)
     assert phone.evaluate(ASTRAY) == []
-    phone.tap("#more")
+    phone.keyboard.press("Escape")
     assert not phone.is_visible("#compare")
+    phone.tap("#more")
+    phone.tap("#compare")
+    assert not phone.is_visible("#compare")  # nor does it lie over the two numbers
+    assert phone.evaluate("() => studio.store.designs.length") == 2
+    phone.tap("#more")
+    phone.tap("#compare")
 
 
 def test_what_a_field_drives_is_in_sight_with_its_trust(phone):

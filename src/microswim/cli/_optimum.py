@@ -11,6 +11,7 @@ from microswim.studies.optimisation.limits import for_people, limit_said
 
 SHOWN = ("swimming_speed", "mean_torque", "mean_power", "efficiency", "body_rate")
 ROWS = 15  #: of a front
+FLAT = 1e-5  #: per cent per per cent that a search leaves at an optimum
 
 
 class Said:
@@ -48,7 +49,7 @@ def show(report: dict[str, Any], units: str) -> None:
     for name, s in report["sensitivity"].items():
         if s["varied"]:
             place, room = said(name, s["value"]), said(name, s["one_percent_range"])
-            table.add_row(name, place, f"{s['elasticity']:.4g}", s["bound"] or "", room)
+            table.add_row(name, place, _slope(s["elasticity"]), s["bound"] or "", room)
     console.print(table)
     for name, value in report["values"].items():
         if isinstance(value, str):
@@ -77,6 +78,11 @@ def _front(report: dict[str, Any], said: Said, console: Console) -> None:
         console.print(f"expected error of u_s {min(off):.2g} to {max(off):.2g} %")
 
 
+def _slope(value: float) -> str:
+    """Per cent per per cent; at an optimum it is zero, to the search's tolerance."""
+    return "0" if abs(value) < FLAT else f"{value:.4g}"
+
+
 def _held(report: dict[str, Any]) -> list[str]:
     """The numbers that did not vary: those that one can build, then the factors of a fit."""
     all_ = report["sensitivity"].items()
@@ -84,7 +90,7 @@ def _held(report: dict[str, Any]) -> list[str]:
     fitted = {k: v for k, v in held.items() if k.startswith("interaction.")}
     built = {k: v for k, v in held.items() if k not in fitted}
     return [
-        f"{what}, % per %: " + ", ".join(f"{k} {v:.4g}" for k, v in list(some.items())[:most])
+        f"{what}, % per %: " + ", ".join(f"{k} {_slope(v)}" for k, v in list(some.items())[:most])
         for what, some, most in (("held", built, 5), ("fitted", fitted, 3))
         if some
     ]

@@ -72,7 +72,15 @@ from microswim.spec.toml import to_toml
 @click.option("--solves", type=click.IntRange(6), default=100, show_default=True)
 @workers_option
 @solver_option
-@click.option("-o", "--output", type=click.Path(path_type=Path), help="Calibrated spec to write.")
+@click.option(
+    "-o",
+    "--out",
+    "--output",
+    "output",
+    metavar="FILE",
+    type=click.Path(path_type=Path),
+    help="Calibrated spec to write.",
+)
 @force_option
 @json_option
 def command(given: Given, output: Path | None, force: bool, as_json: bool, **asked: Any) -> None:
@@ -84,7 +92,7 @@ def command(given: Given, output: Path | None, force: bool, as_json: bool, **ask
     begun = time.perf_counter()
     _check(asked)
     if output is not None:
-        _files.check_file("--output", output, force)
+        _files.check_file("--out", output, force)
     options = dict(change(text) for text in asked.pop("options"))
     run = _region if asked["region"] else _coefficients
     report, tables = run(given, output, options, asked)

@@ -61,7 +61,9 @@ def command(
 ) -> None:
     """Print how a swimmer swims; with --out also write files, pictures and a report.
 
-    SPEC is a TOML file; "microswim new" writes one to start from.
+    SPEC is a TOML file; "microswim new" writes one to start from. Velocities come with the error
+    to expect; "What each number's error means" in the documentation (docs/errors.md) says how it
+    is known.
     """
     from microswim.cli import _folder, _print
 

@@ -119,8 +119,9 @@ export class Answers {
     return [el("div", { class: `trust ${worst < 0.2 ? "fair" : "poor"}`, id: before ? undefined : "missed" }, el("i"), `${before}Not matched: ${said.join(", ")}`)];
   }
 
-  /** A design in two lines: how fast by what, and how sure that is. */
-  told(design: Design): { text: string; trust: string } {
+  /** A design in two lines: how fast by what, by its motor or as a field drives it, and how sure that is. */
+  told(design: Design, driven: string | null = null): { text: string; trust: string } {
+    if (driven) return { text: `${design.name}: ${driven}`, trust: this.trusted(design).text };
     const answer = this.store.shown(design);
     const first = leading(answer);
     const value = reading(first, answer.readings[first], answer.dimensional).filter(Boolean).join(" ");

@@ -72,7 +72,12 @@ export class TopBar {
     const brand = el("div", { class: "brand" }, el("i"), el("b", {}, "microswim"), el("span", {}, "studio"));
     const actions = el("div", { class: "actions" });
     const more = el("button", { id: "more", "aria-expanded": "false", "aria-label": "More" }, "More");
-    more.onclick = () => more.setAttribute("aria-expanded", String(actions.classList.toggle("open")));
+    const unfold = (open: boolean): void => more.setAttribute("aria-expanded", String(actions.classList.toggle("open", open)));
+    more.onclick = () => unfold(!actions.classList.contains("open"));
+    const stays = "#undo, #redo, summary";
+    actions.addEventListener("click", (e) => (e.target as Element).closest(stays) || (e.target as Element).closest("button") && unfold(false));
+    document.addEventListener("pointerdown", (e) => actions.contains(e.target as Node) || e.target === more || unfold(false));
+    document.addEventListener("keydown", (e) => e.key === "Escape" && unfold(false));
     if (store.snapshot) {
       actions.append(el("span", { class: "fine" }, "Snapshot: plays without a server"), this.menu());
       this.node.append(brand, name, el("span", { class: "grow" }), more, actions);

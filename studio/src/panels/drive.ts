@@ -73,6 +73,7 @@ export class Driver {
     this.strength = this.size = 0;
     if (magnet.frequency !== null) this.share = Math.min(2, (2 * Math.PI * magnet.frequency) / this.usualStepOut);
     for (const show of this.shows) show();
+    if (this.magnetic && !this.built) this.plot();
   }
 
   /** strength and moment at the start */
@@ -260,6 +261,9 @@ export class Driver {
     this.turned = [];
     this.leans = [];
     this.went = [];
+    this.state.className = "trust open";
+    this.state.lastChild!.textContent = "Not measured yet";
+    this.tell("–");
     for (const design of this.store.designs) this.specs.restart(design.answer);
   }
 
@@ -323,6 +327,11 @@ export class Driver {
   private tell(n: string, unit = ""): void {
     this.figure.replaceChildren(n, el("small", {}, unit));
     this.glance.replaceChildren(n, el("small", {}, ` ${unit}`));
+  }
+
+  /** How a field drives it, in words. */
+  get told(): string {
+    return `${this.built ? "speed in its field" : "speed along the field's axis"} ${this.glance.textContent}`;
   }
 
   /** Speed in the field of the spec, and what the field is and does where the swimmer is. */

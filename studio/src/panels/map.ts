@@ -28,6 +28,7 @@ export class SpeedMap {
   private answer: MapAnswer | null = null;
   private asked: { tables: Tables; ask: MapAsk } | null = null;
   private picture: HTMLCanvasElement | null = null;
+  private wish = "";
   private latest: Latest<{ tables: Tables; ask: MapAsk }, MapAnswer>;
   private selects: Record<string, HTMLSelectElement> = {};
   private foot = el("div", { class: "foot" });
@@ -163,6 +164,9 @@ export class SpeedMap {
     const ask = this.ask();
     if (!ask) return;
     if (ask.x.field === ask.y.field) return notice("Choose two different numbers for the map.", "error");
+    const wish = JSON.stringify([this.store.design.tables, ask]);
+    if (wish === this.wish && (this.answer || !this.latest.idle)) return; // it is here, or coming
+    this.wish = wish;
     if (!this.answer) this.foot.replaceChildren(el("span", {}, "The map is being computed …"));
     this.latest.send({ tables: structuredClone(this.store.design.tables), ask });
   }

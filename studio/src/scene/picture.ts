@@ -11,6 +11,9 @@ export interface Caption {
   flow: { colours: string[]; low: string; high: string } | null;
 }
 
+/** pixels of the screen below which two scales have no room side by side */
+const NARROW = 700;
+
 const FONT = "'Inter Variable', 'DejaVu Sans', sans-serif";
 
 /** The scene's canvas with its caption below, as a PNG; `scale` pixels of it are one on the screen. */
@@ -37,7 +40,7 @@ export async function captioned(scene: CanvasImageSource & { width: number; heig
     x += 20 + write(g, text, x + 20, h - 27, "#d5dee8", `12px ${FONT}`) + 18;
   }
   rule(g, w / 2, h - 34, caption.bar);
-  if (caption.flow) scaleOf(g, w - 236, h - 34, caption.flow);
+  if (caption.flow) scaleOf(g, w - 236, w < NARROW ? h - 84 : h - 34, caption.flow);
   const made = await new Promise<Blob | null>((resolve) => canvas.toBlob(resolve, "image/png"));
   if (!made) throw new Error("The browser made no picture.");
   return made;

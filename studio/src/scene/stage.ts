@@ -47,6 +47,7 @@ export class Stage {
   /** pixels that panels cover at both sides, and the width over height at which what is free shows the swimmer whole */
   private sides = { left: 0, right: 0, whole: 1.15 };
   private aim = new THREE.Vector3();
+  private size = new THREE.Vector2();
 
   constructor(private host: HTMLElement) {
     this.renderer = new THREE.WebGLRenderer({ antialias: true, powerPreference: "high-performance" });
@@ -107,7 +108,12 @@ export class Stage {
 
   /** Camera from ahead and above, farther off on a tall screen; the swimmer swims to the right. */
   reset(distance = 2.75): void {
-    const way = new THREE.Vector3(-0.16, 0.9, 0.36).normalize().multiplyScalar(distance * this.fits);
+    this.face(distance * this.fits);
+  }
+
+  /** The same from just so far, or as far as it is. */
+  face(distance = this.camera.position.distanceTo(this.controls.target)): void {
+    const way = new THREE.Vector3(-0.16, 0.9, 0.36).normalize().multiplyScalar(distance);
     this.controls.target.copy(this.aim);
     this.camera.position.copy(this.aim).add(way);
     this.controls.update();
@@ -192,7 +198,8 @@ export class Stage {
 
   private resize(): void {
     const { clientWidth: w, clientHeight: h } = this.host;
-    this.renderer.setSize(w, h);
+    if (w !== this.size.x || h !== this.size.y) this.renderer.setSize(w, h); // which is slow
+    this.renderer.getSize(this.size);
     this.camera.aspect = w / h;
     const [x, y] = this.clear.map((share) => 0.5 * (1 - share));
     const { left, right } = this.sides;
@@ -201,24 +208,23 @@ export class Stage {
   }
 }
 
-/** Dark water, a little lighter behind the swimmer. */
-function backdrop(): THREE.CanvasTexture {
-  const canvas = document.createElement("canvas");
-  canvas.width = canvas.height = 512;
-  const g = canvas.getContext("2d")!;
-  const light = g.createRadialGradient(256, 220, 10, 256, 240, 380);
-  light.addColorStop(0, "#1c2b3b");
-  light.addColorStop(0.45, "#121c28");
-  light.addColorStop(1, "#080c12");
-  g.fillStyle = light;
-  g.fillRect(0, 0, 512, 512);
-  const grain = g.getImageData(0, 0, 512, 512);
-  for (let i = 0; i < grain.data.length; i += 4) {
-    const d = (Math.random() - 0.5) * 3;
-    for (let j = 0; j < 3; j++) grain.data[i + j] += d;
+const WATER: [number, number[]][] = [[0, [28, 43, 59]], [0.45, [18, 28, 40]], [1, [8, 12, 18]]];
+
+/** Dark water, a little lighter behind the swimmer; with grain, so that no steps show. */
+function backdrop(): THREE.DataTexture {
+  const n = 512;
+  const pixels = new Uint8Array(4 * n * n);
+  for (let at = 0; at < n * n; at++) {
+    const far = Math.min(1, Math.hypot((at % n) / n - 0.5, Math.floor(at / n) / n - 0.55) / 0.74);
+    const [[a, inner], [b, outer]] = far < WATER[1][0] ? WATER : WATER.slice(1);
+    const share = (far - a) / (b - a);
+    const grain = Math.random() * 3 - 1;
+    for (let j = 0; j < 3; j++) pixels[4 * at + j] = inner[j] + share * (outer[j] - inner[j]) + grain;
+    pixels[4 * at + 3] = 255;
   }
-  g.putImageData(grain, 0, 0);
-  const texture = new THREE.CanvasTexture(canvas);
+  const texture = new THREE.DataTexture(pixels, n, n);
   texture.colorSpace = THREE.SRGBColorSpace;
+  texture.magFilter = THREE.LinearFilter;
+  texture.needsUpdate = true;
   return texture;
 }

@@ -99,10 +99,14 @@ class Rounded(Basis):
     """The same for people and files: what is but rounding of sums that cancel is zero."""
 
     @cached_property
+    def _lever(self) -> Any:
+        R = np.real(np.diagonal(self.gait.resistance_series[0]))
+        return np.sqrt(R[3:].max() / R[:3].max())
+
+    @cached_property
     def _sizes(self) -> np.ndarray:
         """Largest velocity and rate of rotation at any time, each over the swimmer's length too."""
-        R = np.real(np.diagonal(self.gait.resistance_series[0]))
-        length = np.sqrt(R[3:].max() / R[:3].max())
+        length = self._lever
         most = np.abs(self.gait.mean_velocity) + np.abs(self.gait.velocity_amplitude)
         size = max(most[:3].max(), length * most[3:].max())
         return np.repeat([size, size / length], 3)
@@ -121,7 +125,7 @@ class Rounded(Basis):
 
     @property
     def path_radius(self) -> Any:
-        return _settled(self._screw.radius, self._sizes[0] / self._sizes[3])
+        return _settled(self._screw.radius, self._lever)
 
     @property
     def path_pitch(self) -> Any:

@@ -105,6 +105,15 @@ def test_the_closed_form_is_left_with_the_square_of_the_amplitude():
     off = [held_thrust(swimmer(8.0, y, base="hinged"), y) - truth for y in (0.02, 0.01)]
     assert off[0] / off[1] == pytest.approx(4.0, rel=0.02)
     assert off[0] / truth == pytest.approx(-0.0116, rel=0.03)  # beyond half a per cent, truly
+    assert held_thrust(swimmer(8.0, 0.013, base="hinged"), 0.013) == pytest.approx(truth, rel=5e-3)
+    assert held_thrust(swimmer(8.0, 1e-5, base="hinged"), 1e-5) == pytest.approx(truth, rel=1e-7)
+
+
+def test_a_beat_that_is_left_is_told():
+    about = swimmer(2.4, 0.7, base="hinged").gait().info
+    assert not about["settles"]
+    assert about["settling_periods"] is None
+    assert any("does not settle to this motion" in r for r in about["remarks"])
 
 
 @pytest.mark.slow

@@ -124,7 +124,7 @@ export class Stage {
     const way = new THREE.Vector3(-0.16, 0.9, 0.36).normalize();
     if (normal) way.addScaledVector(new THREE.Vector3(...normal), 1.6);
     this.controls.target.set(middle[0], middle[1], middle[2]).multiplyScalar(this.scale);
-    const distance = (2.1 * reach * this.scale) / Math.tan((this.camera.fov * Math.PI) / 360);
+    const distance = (1.7 * reach * this.scale) / Math.tan((this.camera.fov * Math.PI) / 360);
     this.camera.position.copy(this.controls.target).addScaledVector(way.normalize(), Math.min(distance * this.fits, 0.9 * this.controls.maxDistance));
     this.controls.update();
   }

@@ -16,7 +16,9 @@ export class TailMesh {
 
   constructor(material: THREE.Material) {
     this.mesh = new THREE.Mesh(this.tube.geometry, material);
-    this.mesh.frustumCulled = false;
+    const { color } = material as THREE.MeshStandardMaterial;
+    this.mesh.add(new THREE.Line(this.tube.core, new THREE.LineBasicMaterial({ color })));
+    for (const part of [this.mesh, ...this.mesh.children]) part.frustumCulled = false;
     this.group.matrixAutoUpdate = false;
     this.group.add(this.mesh);
   }
@@ -40,11 +42,14 @@ export class TailMesh {
 
   dispose(): void {
     this.tube.geometry.dispose();
+    this.tube.core.dispose();
   }
 }
 
 class Tube {
   readonly geometry = new THREE.BufferGeometry();
+  /** its centreline, a pixel wide: what is seen of a filament that is thinner than that from afar */
+  readonly core = new THREE.BufferGeometry();
   private rings = 0;
   private points = new Float32Array(0);
   private normals = new Float32Array(0);
@@ -72,6 +77,7 @@ class Tube {
       const thin = 1 + ((shape.narrowing - 1) * Math.min(i, rings - 1)) / (rings - 1);
       this.ring(i, here, normal, binormal, tangent, half.map((a) => a * thin), lift);
     }
+    this.core.setFromPoints(centre);
     for (const name of ["position", "normal"]) this.geometry.attributes[name].needsUpdate = true;
     this.geometry.computeBoundingSphere();
   }
@@ -116,6 +122,7 @@ class Tube {
 
   private allocate(rings: number): void {
     this.rings = rings;
+    this.core.deleteAttribute("position");
     const rows = rings + CAP;
     this.points = new Float32Array(3 * rows * (AROUND + 1));
     this.normals = new Float32Array(3 * rows * (AROUND + 1));

@@ -5,6 +5,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+import xarray as xr
 from click.testing import CliRunner
 
 import microswim as ms
@@ -61,6 +62,15 @@ def test_a_map_of_noise_is_refused():
     noisy = replace(ROBOT, noise=ms.Noise(temperature=1.0))
     with pytest.raises(ms.SpecError, match="noise"):
         ms.starts(noisy, 1.0, {"z": [1.0]})
+
+
+def test_the_legend_of_all_outcomes_lies_within_the_picture():
+    ends = np.array([["free", "escaped", "orbits"], ["trapped", "touched", "inside"]])
+    found = xr.Dataset({"outcome": (("z", "tilt"), ends)}, {"z": [1.0, 2.0], "tilt": [0, 1, 2]})
+    figure = ms.plots.starts(found)
+    figure.draw_without_rendering()
+    legend = figure.legends[0].get_window_extent()
+    assert figure.bbox.x0 <= legend.x0 < legend.x1 <= figure.bbox.x1
 
 
 def test_the_command_writes_map_and_picture_and_goes_on(tmp_path):

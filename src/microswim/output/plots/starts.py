@@ -77,7 +77,9 @@ def starts(found: xr.Dataset) -> Figure:
         else:
             ax.set_yticks([])
         seen = [Patch(color=colours(i), label=words[i]) for i in sorted(set(codes.ravel()))]
-        figure.legend(handles=seen, loc="outside upper center", ncols=len(seen), frameon=False)
+        figure.legend(
+            handles=seen, loc="outside upper center", ncols=min(len(seen), 3), frameon=False
+        )
     return figure
 
 

@@ -66,7 +66,7 @@ def test_a_folder_with_results_is_refused_before_the_work(arguments, made, spec,
 def test_a_folder_in_place_of_a_file_is_said_at_once(spec, tmp_path):
     run = call("calibrate", spec, "--reference", "bem", "-o", tmp_path)
     assert run.exit_code == 2
-    assert run.stderr.startswith("Error: --output = ")
+    assert run.stderr.startswith("Error: --out = ")
     assert "folder" in run.stderr
 
 

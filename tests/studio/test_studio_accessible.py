@@ -57,9 +57,11 @@ def test_axe_finds_no_fault_in_any_panel_or_dialog(page):
     page.wait_for_selector("#tracks")
     assert page.evaluate(FAULTS) == [], "tracks"
     page.click("#card-close")
-    page.click("#compare")
-    assert page.evaluate(FAULTS) == [], "compare"
-    page.click("#compare")
+    for _ in range(2):  # compare, and end it; on a phone the menu folds each time
+        if page.is_phone:
+            page.click("#more")
+        page.click("#compare")
+        assert page.evaluate(FAULTS) == [], "compare"
 
 
 def test_tab_goes_over_the_page_in_the_order_in_which_it_is_read(page):

@@ -94,48 +94,53 @@ class SampledTail(PlacedTail):
             return float(np.real(self.length / self.wavelength))
         return max(len(c) for c in self._series) / 12.0
 
+    @cached_property
+    def _panels(self) -> tuple[np.ndarray, list[tuple[np.ndarray, np.ndarray]]]:
+        """Ends of the panels; series of each and of its derivative along s, all of one width."""
+        ends = self.edges * float(np.real(self.length))
+        most = max(C.shape[1] for C in self._series)
+        both = []
+        for C, width in zip(self._series, np.diff(ends)):
+            whole = np.zeros((len(C), most, 3))
+            whole[:, : C.shape[1]] = C
+            both.append((whole, chebyshev.chebder(whole, axis=0) * 2.0 / width))
+        return ends, both
+
     def curve(self, s: Any, phase: Any) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
         s, phase = np.broadcast_arrays(s, phase)
-        kind = np.result_type(s, phase, np.float64)
-        out = np.empty((3, s.size, 3), dtype=kind)
-        x, angle = s.reshape(-1), phase.reshape(-1)
-        L = float(np.real(self.length))
-        which = np.searchsorted(self.edges[1:-1] * L, np.real(x), side="right")
-        for p, C in enumerate(self._series):
-            here = which == p
-            lo, hi = self.edges[p] * L, self.edges[p + 1] * L
-            out[:, here] = _evaluated(
-                C, 2.0 / (hi - lo), (x[here] - lo) * 2.0, hi - lo, angle[here]
-            )
-        return tuple(o.reshape(*s.shape, 3) for o in out)  # type: ignore[return-value]
+        x, of_x = np.unique(s.reshape(-1), return_inverse=True)
+        angle, of_angle = np.unique(phase.reshape(-1), return_inverse=True)
+        if x.size * angle.size <= 2 * s.size:
+            P, P_s = self._along(x)
+            E, dE = _fourier(angle, P.shape[1])
+            on_grid = (np.matmul(basis, series) for basis, series in ((E, P), (E, P_s), (dE, P)))
+            found = [values[of_x, of_angle] for values in on_grid]
+        else:
+            P, P_s = (series[of_x] for series in self._along(x))
+            E, dE = (basis[of_angle] for basis in _fourier(angle, P.shape[1]))
+            pairs = ((E, P), (E, P_s), (dE, P))
+            found = [np.einsum("pj,pjc->pc", basis, series) for basis, series in pairs]
+        return tuple(v.reshape(*s.shape, 3) for v in found)  # type: ignore[return-value]
+
+    def _along(self, s: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        """Harmonics of position and of its derivative along s, (points, harmonics, 3) each; s in
+        order.
+        """
+        ends, panels = self._panels
+        cuts = [0, *np.searchsorted(np.real(s), ends[1:-1], side="left").tolist(), len(s)]
+        found = []
+        for low, high, a, b, both in zip(cuts, cuts[1:], ends, ends[1:], panels):
+            y = (2.0 * s[low:high] - a - b) / (b - a)
+            T = chebyshev.chebvander(y, len(both[0]) - 1)
+            found.append([_summed(T, series) for series in both])
+        P, P_s = (np.concatenate(parts) for parts in zip(*found))
+        return P, P_s
 
 
-def _evaluated(
-    C: np.ndarray, slope: float, twice: np.ndarray, width: float, angle: np.ndarray
-) -> np.ndarray:
-    """Position and both derivatives of a panel, (3, points, 3); s and phase apart on a grid."""
-    y = twice / width - 1.0
-    own_y, of_y = np.unique(y, return_inverse=True)
-    own_angle, of_angle = np.unique(angle, return_inverse=True)
-    grid = own_y.size * own_angle.size <= 2 * y.size
-    if not grid:
-        own_y, own_angle = y, angle
-    T = chebyshev.chebvander(own_y, len(C) - 1)
-    dT = chebyshev.chebvander(own_y, max(len(C) - 2, 0))
-    E, dE = _fourier(own_angle, C.shape[1])
-    D = chebyshev.chebder(C, axis=0) * slope
-    P, P_s = (_along(*pair).reshape(-1, *C.shape[1:]) for pair in ((T, C), (dT, D)))
-    pairs = ((P, E), (P_s, E), (P, dE))
-    if not grid:
-        return np.stack([np.einsum("pjc,pj->pc", a, e) for a, e in pairs])
-    return np.stack([np.einsum("xjc,aj->xac", a, e, optimize=True) for a, e in pairs])[
-        :, of_y, of_angle
-    ]
-
-
-def _along(basis: np.ndarray, series: np.ndarray) -> np.ndarray:
+def _summed(basis: np.ndarray, series: np.ndarray) -> np.ndarray:
     """Series along s at the points, its harmonics and components in one row."""
-    return basis @ series.reshape(len(series), -1)
+    n, *others = series.shape
+    return (basis[:, :n] @ series.reshape(n, -1)).reshape(-1, *others)
 
 
 def _fourier(phase: np.ndarray, m: int) -> tuple[np.ndarray, np.ndarray]:

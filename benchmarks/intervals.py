@@ -31,7 +31,7 @@ from scipy.stats import beta, norm
 
 import microswim as ms
 from microswim.numerics.rigid_motion import multiply
-from microswim.studies.identification.fitting import first_guesses, honesty, outcome
+from microswim.studies.identification.fitting import first_guesses, honesty, outcome, within_errors
 from microswim.studies.identification.paths import path_of
 from microswim.swimmer.drag.coefficients import Unchosen
 
@@ -152,7 +152,7 @@ def tried(kind: str, seed: int) -> list[dict[str, Any]]:
     begun = time.process_time()
     line: dict[str, Any] = {"kind": kind, "seed": seed, "listed": "", "why": ""}
     try:
-        outcome.model_errors = STATED.get(kind, none)
+        outcome.model_errors = within_errors.model_errors = STATED.get(kind, none)
         found = ms.identify_swimmer(known, track, tuple(truth), model_error=kind in STATED)
     except ms.MicroswimError as error:
         line |= {"why": str(error), "seconds": round(time.process_time() - begun, 2)}
@@ -272,6 +272,20 @@ def once(function: Any) -> Any:
     return called
 
 
+def alike(function: Any) -> Any:
+    """Return a function that works out the errors over a grid once for what states them."""
+    kept: dict[Any, Any] = {}
+
+    def called(grid: Any) -> Any:
+        key = (outcome.model_errors, repr(grid.swimmer))
+        if key not in kept:
+            kept[key] = function(grid)
+        return kept[key]
+
+    return called
+
+
 if __name__ == "__main__":
     first_guesses.shown = once(first_guesses.shown)
+    within_errors.finely = alike(within_errors.finely)
     main()

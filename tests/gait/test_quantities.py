@@ -161,11 +161,42 @@ def test_on_a_circle_the_speed_along_the_path_is_that_of_the_circle():
     arc = chord * half / np.sin(half)
     assert told["path_speed"] == pytest.approx(arc / turning.period, rel=1e-6)
     assert told["swimming_speed"] < 1e-9 < told["path_speed"]
+    times = np.linspace(0.0, 40.0, 40 * 64 + 1) * turning.period
+    x = ms.trajectory(turning, times).position.values[:, :2]
+    beat = np.stack([np.convolve(c, np.full(64, 1 / 64), "valid") for c in x.T], axis=-1)
+    step = np.linalg.norm(beat[64:] - beat[:-64], axis=1).mean()  # of averages: both are shorter
+    radius = step / (2.0 * np.sin(half)) * half / np.sin(half)
+    assert told["path_curvature"] == pytest.approx(1.0 / radius, rel=1e-4)
+
+
+@pytest.mark.parametrize("handedness", ["left", "right"])
+def test_curvature_and_torsion_of_the_path_are_those_of_its_helix(handedness):
+    """Frenet's formulas on the helix itself: ``|x' x x''| / |x'|^3`` and the triple product."""
+    swimmer = ms.Swimmer.preset("tabak/helix", {"tail.handedness": handedness})
+    found = ms.screw(swimmer.gait())
+    e, a, t = found.axis, found.arm, found.angle
+    b = np.cross(e, a)
+    d1, d2, d3 = t * b + found.advance * e, -(t**2) * a, -(t**3) * b
+    across = np.cross(d1, d2)
+    told = ms.summary(swimmer.gait())
+    bent = np.linalg.norm(across) / np.linalg.norm(d1) ** 3
+    assert told["path_curvature"] == pytest.approx(bent, rel=1e-9)
+    assert told["path_torsion"] == pytest.approx(across @ d3 / (across @ across), rel=1e-9)
+
+
+def test_the_turn_of_a_period_has_an_exact_derivative():
+    swimmer, h = ms.Swimmer.preset("tabak/helix"), 1e-5
+    at = [ms.summary(swimmer.with_({"tail.amplitude": 0.1 + x}).gait()) for x in (h, -h)]
+    for name in ("rotation_per_period", "path_pitch", "path_curvature", "path_torsion"):
+        slope = (at[0][name] - at[1][name]) / (2 * h)
+        exact = swimmer.gradient(name, "tail.amplitude")["tail.amplitude"]
+        assert exact == pytest.approx(slope, rel=1e-6), name
 
 
 def test_on_a_straight_path_both_speeds_are_one():
     told = ms.summary(ms.Swimmer.preset("tabak/plane_wave").gait())
     assert told["path_speed"] == pytest.approx(told["swimming_speed"], rel=1e-9)
+    assert told["path_curvature"] == told["path_torsion"] == 0.0
 
 
 def test_what_is_rounding_reads_zero():

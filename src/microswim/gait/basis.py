@@ -9,7 +9,7 @@ import numpy as np
 
 from microswim.errors import SpecError
 from microswim.gait.gait import Gait
-from microswim.gait.screw import screw
+from microswim.gait.screw import average_radius, screw
 from microswim.gait.turning.driven_speed import driven_velocity
 from microswim.gait.turning.step_out import Drive, fastest, onset
 from microswim.numerics.rigid_motion import ScrewMotion
@@ -54,6 +54,18 @@ class Basis:
     @property
     def path_pitch(self) -> Any:
         return self._screw.pitch
+
+    @cached_property
+    def _bent(self) -> tuple[Any, Any]:
+        return self._screw.bent(average_radius(self.gait, self._screw))
+
+    @property
+    def path_curvature(self) -> Any:
+        return self._bent[0]
+
+    @property
+    def path_torsion(self) -> Any:
+        return self._bent[1]
 
     @property
     def rotation_per_period(self) -> Any:
@@ -130,6 +142,10 @@ class Rounded(Basis):
     @property
     def path_pitch(self) -> Any:
         return 0.0 * self._screw.angle if self.swimming_speed == 0.0 else self._screw.pitch
+
+    @property
+    def path_torsion(self) -> Any:
+        return 0.0 * self._screw.angle if self.swimming_speed == 0.0 else self._bent[1]
 
 
 def _settled(value: Any, size: Any) -> Any:

@@ -148,6 +148,20 @@ _LIST = (
         of_many=False,
     ),
     Quantity(
+        "path_curvature",
+        "curvature",
+        "of the circle or helix that the path runs, its wobble averaged out; zero if straight",
+        lambda b: b.path_curvature,
+        of_many=False,
+    ),
+    Quantity(
+        "path_torsion",
+        "curvature",
+        "of the same helix, positive if it is right-handed; zero on a circle",
+        lambda b: b.path_torsion,
+        of_many=False,
+    ),
+    Quantity(
         "rotation_per_period",
         "angle",
         "rotation of the screw motion of a period, 0 to 2 pi",

@@ -14,6 +14,7 @@ from microswim.numerics.rigid_motion import ScrewMotion, along_twist, multiply, 
 
 #: Seconds of a step as Python, side by side with the others.
 ONE_STEP = 1e-5
+AVERAGED = 256  #: steps of a period over which a path is averaged
 ASIDE = 1e-3  #: share of a displacement along s from which on one end leads
 
 
@@ -56,12 +57,46 @@ def screw(gait: Gait, steps: int | None = None) -> ScrewMotion:
         times, counts = np.array([0.0, 2.0 * np.pi]), np.array([0, steps])
         X, Q, _ = integrate(packed, free, x, q, phase[()], times, counts, rates, loads)
         return ScrewMotion(X[-1], Q[-1], gait.period)
-    # As Python, all steps side by side: without loads a step does not depend on the pose.
+    return ScrewMotion(*_joined(*_side_by_side(gait, steps)), gait.period)
+
+
+def average_radius(gait: Gait, whole: ScrewMotion) -> Any:
+    """Return the radius of the circle or helix of the path without its wobble.
+
+    Mean over the period of where the body's centre stands about the screw axis, the turn of the
+    screw up to then taken back: it does not depend on the phase at which a period begins.
+
+    Parameters
+    ----------
+    gait
+        Of a free swimmer.
+    whole
+        Its screw motion.
+    """
+    if gait.turned or gait.one_pose or not whole.turns:
+        return whole.radius
+    x = _one_after_another(*_side_by_side(gait, AVERAGED))[0]
+    share = (np.arange(AVERAGED) + 1.0) / AVERAGED
+    off = x + whole.arm - (share * whole.advance)[:, None] * whole.axis
+    back = (-0.5 * whole.angle) * share
+    about = np.concatenate([np.cos(back)[:, None], np.sin(back)[:, None] * whole.axis], axis=1)
+    centre = np.mean(np.einsum("nij,nj->ni", rotation_matrix(about), off), axis=0)
+    centre = centre - whole.axis * np.sum(whole.axis * centre)
+    return np.sqrt(np.sum(centre * centre))
+
+
+def _side_by_side(gait: Gait, steps: int) -> tuple[np.ndarray, np.ndarray]:
+    """Displacement and turn (n, 3), (n, 4) of each step of a period, as Python, all at once:
+    without loads a step does not depend on the pose.
+    """
+    packed, forward = pack(gait), 1.0 if np.real(gait.rate) >= 0 else -1.0
+    kind = packed.dtype
+    rates, loads = np.array([forward], dtype=kind), np.zeros((1, 5, 3), dtype=kind)
     x, q, work = (np.zeros((n, steps), dtype=kind) for n in (3, 4, WORK))
     q[0], h = 1.0, 2.0 * np.pi / steps
     phases = (forward * h * np.arange(steps)).astype(kind)
-    step.written(packed, free, x, q, phases, h, rates, loads, work)
-    return ScrewMotion(*_joined(x.T, q.T), gait.period)
+    step.written(packed, np.array(gait.free), x, q, phases, h, rates, loads, work)
+    return x.T, q.T
 
 
 def leading_end(gait: Gait) -> str:
@@ -100,6 +135,17 @@ def _of_one_phase(gait: Gait, forward: float) -> tuple[np.ndarray, np.ndarray]:
     twist[3] += 2.0 * np.pi * forward * gait.turned
     x, q = along_twist(twist)
     return x, -q
+
+
+def _one_after_another(x: np.ndarray, q: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Pose after each of n motions one after the other, by doubling."""
+    ahead = 1
+    while ahead < len(q):
+        moved = np.einsum("nij,nj->ni", rotation_matrix(q[:-ahead]), x[ahead:])
+        x = np.concatenate([x[:ahead], x[:-ahead] + moved])
+        q = np.concatenate([q[:ahead], multiply(q[:-ahead], q[ahead:])])
+        ahead *= 2
+    return x, q
 
 
 def _joined(x: np.ndarray, q: np.ndarray) -> tuple[np.ndarray, np.ndarray]:

@@ -119,7 +119,10 @@ class ScrewMotion:
     @cached_property
     def angle(self) -> Any:
         """Rotation over the period (rad), 0 to 2 pi."""
-        half = np.arctan2(np.real(self._sine), np.real(self.quaternion[0]))
+        sine, cosine = self._sine, self.quaternion[0]
+        half = np.arctan2(np.real(sine), np.real(cosine))
+        if np.iscomplexobj(self.quaternion):  # d half = c ds - s dc
+            half += 1j * (np.real(cosine) * np.imag(sine) - np.real(sine) * np.imag(cosine))
         return 2.0 * half
 
     @cached_property
@@ -150,6 +153,18 @@ class ScrewMotion:
     def pitch(self) -> Any:
         """Advance per full turn about the axis; infinite without rotation."""
         return 2.0 * np.pi * np.sqrt(self.advance**2) / self.angle if self.turns else np.inf
+
+    def bent(self, radius: Any) -> tuple[Any, Any]:
+        """Return curvature and torsion of the helix of a radius about the axis.
+
+        ``r t^2 / (a^2 + r^2 t^2)`` and ``a t / (a^2 + r^2 t^2)`` with advance a and turn t of a
+        period, the latter positive of a right-handed helix; zero of a straight path.
+        """
+        round_it = radius * self.angle
+        whole = self.advance**2 + round_it**2
+        if not self.turns or whole == 0:
+            return 0.0 * self.angle, 0.0 * self.angle
+        return self.angle * round_it / whole, self.angle * self.advance / whole
 
     @cached_property
     def arm(self) -> np.ndarray:

@@ -1,11 +1,15 @@
 """Beats with a mean curvature, whose swimmers circle: found from their tracks."""
 
+import json
+import re
 from pathlib import Path
 
 import numpy as np
 import pytest
+from click.testing import CliRunner
 
 import microswim as ms
+from microswim.cli import main
 from microswim.studies.identification.fitting.problem import quick_gait
 from microswim.studies.identification.paths import path_of
 
@@ -31,6 +35,33 @@ ramp = 1.0
 [coefficients]
 law = "cox"
 """
+
+
+BENT = ("--set", "tail.mean_curvature=19.1rad/mm")
+
+
+def test_run_tells_how_much_more_the_path_bends_than_the_flagellum(tmp_path):
+    (tmp_path / "bull.toml").write_text(BULL)
+    asked = ["run", str(tmp_path / "bull.toml"), *BENT]
+    run = CliRunner().invoke(main, [*asked, "--json"])
+    found = json.loads(run.stdout)
+    assert found["curvature_ratio"] == pytest.approx(found["path_curvature"] / 19.1e3)
+    assert 0.1 < found["expected_error"]["path_curvature"] < 0.2
+    told = CliRunner().invoke(main, asked).stdout
+    assert re.search(r"curvature ratio +[\d.]+ ± 0\.\d+ +of the path over the flagellum", told)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("law", ["lighthill", "cox"])
+def test_the_curvature_of_the_path_is_as_wrong_as_is_said(law, tmp_path):
+    """Of a beat that is none of those whose errors were counted, beside boundary elements."""
+    bent = BULL.replace("cox", law).replace("ramp", 'mean_curvature = "19.1 rad/mm"\nramp')
+    (tmp_path / "bull.toml").write_text(bent)
+    swimmer = ms.Swimmer.from_toml(tmp_path / "bull.toml")
+    ours, truth = (swimmer.gait(m, **o) for m, o in (("rft", {}), ("bem", {"level": "coarse"})))
+    error = ms.expected_error(swimmer, ours)["path_curvature"]
+    a, b = (ms.summary(gait)["path_curvature"] for gait in (ours, truth))
+    assert abs(b / a - 1.0) < error
 
 
 def test_the_closed_path_of_a_swimmer_that_circles_is_the_integrated_one():

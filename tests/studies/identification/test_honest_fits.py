@@ -133,7 +133,7 @@ def test_first_guesses_are_those_of_the_swimmers_own_model():
     """A design that the atlas covers by the atlas, one beyond it by the law; as gait by gait."""
     swimmer = replace(ms.Swimmer.preset("tabak/helix"), coefficients=Unchosen())
     waves = np.array([2.6, 4.9])
-    speed, swing, turn, spin = shown(swimmer, {"tail.waves": waves})
+    speed, swing, turn, spin, _ = shown(swimmer, {"tail.waves": waves})
     for i, model in enumerate(("atlas", "rft")):
         gait = swimmer.with_({"tail.waves": waves[i]}).gait("auto")
         assert gait.model == model

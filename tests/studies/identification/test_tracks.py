@@ -89,6 +89,26 @@ WRITERS = {
 }
 
 
+HEADERS = [
+    "Spur;Zeit (s);x-Position (µm);y-Position (µm)",
+    "Piste;Temps (secondes);x (micromètres);y (micromètres)",
+    "Célula;Tiempo en segundos;x en µm;y en µm",
+    "Track;aika [s];x [µm];y [µm]",
+]
+
+
+@pytest.mark.parametrize("header", HEADERS)
+def test_headers_in_other_languages_are_known(tmp_path, header):
+    """A column of time in any language: it alone has a unit of time."""
+    lines = [f"{n};{f / FPS};{x};{y}".replace(".", ",") for n, f, x, y in rows()]
+    (tmp_path / "own.csv").write_bytes("\r\n".join([header, *lines]).encode("cp1252"))
+    excel(tmp_path / "same.csv")
+    own, same = (ms.read_tracks(tmp_path / name) for name in ("own.csv", "same.csv"))
+    assert list(own) == list(same)
+    assert own["12"].position == pytest.approx(same["12"].position)
+    assert own["12"].time == pytest.approx(same["12"].time)
+
+
 @pytest.mark.parametrize("name", WRITERS)
 def test_one_film_however_it_was_tracked(tmp_path, name):
     write, options = WRITERS[name]

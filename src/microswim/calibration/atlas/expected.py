@@ -27,6 +27,15 @@ RIBBONS = {"coarse": 0.01, "standard": 0.006, "fine": 0.003}
 ELASTIC = {"us": 0.85, "os": 0.08}
 #: Ranges of these designs: radii of filament and body over the length, sperm number, angle.
 LIKE = ((0.005, 0.03), (0.08, 0.3), (1.5, 5.0), (0.2, 0.8))
+#: The same of flagella with a mean curvature by each law of local resistance: u_s, u_q, mean w_r,
+#: and the curvature of the path, over the law's own values (benchmarks/accuracy_flagella.py).
+BENT = {
+    "lighthill": {"us": 0.11, "uq": 0.19, "or": 0.11, "path_curvature": 0.07},
+    "gray_hancock": {"us": 0.34, "uq": 0.44, "or": 0.10, "path_curvature": 0.18},
+    "cox": {"us": 0.27, "uq": 0.21, "or": 0.11, "path_curvature": 0.16},
+}
+#: Ranges of those: radius and head over the length, bend (rad), waves.
+BENT_LIKE = ((0.003, 0.01), (0.04, 0.12), (0.3, 1.5), (0.6, 1.6))
 #: What is known of the force on a held swimmer: local drag was off by a factor of five on thick
 #: helices (`tabak/helix`: 196 against 37 by boundary elements).
 UNJUDGED = "no error is known, and local drag may be off by a factor; --model bem computes it"
@@ -90,9 +99,20 @@ def expected_error(swimmer: Swimmer, gait: Gait) -> dict[str, Any]:
         return {**dict.fromkeys(DEGREES_OF_FREEDOM, 0.0), "how": UNRESISTED}
     values, how = by_model.get(gait.model, _unknown)(swimmer, gait)
     held = [0.0 if not free else value for value, free in zip(values, gait.free)]
+    known = dict(zip(DEGREES_OF_FREEDOM, held))
+    if swimmer.tail.bend:
+        known["path_curvature"] = _of_curvature(swimmer, gait, known)
     if not any(gait.free):
         how = "held still: no velocity to be wrong; of its force " + HELD.get(gait.model, UNJUDGED)
-    return {**dict(zip(DEGREES_OF_FREEDOM, held)), "how": how}
+    return {**known, "how": how}
+
+
+def _of_curvature(swimmer: Swimmer, gait: Gait, known: dict[str, Any]) -> float | None:
+    """Return the relative error of the path's curvature: rate of turning over speed."""
+    if gait.model == "rft" and _is_like_bent(swimmer):
+        return BENT[swimmer.coefficients.law]["path_curvature"]
+    us, turn = known["us"], known["or"]
+    return None if us is None or turn is None else float(us + turn)
 
 
 def _unknown(swimmer: Swimmer, gait: Gait) -> tuple[list[Any], str]:
@@ -119,6 +139,8 @@ def _of_surrogate(swimmer: Swimmer, gait: Gait) -> tuple[list[Any], str]:
         return _promised(made, swimmer)
     if atlas is not None and not coordinates.outside(swimmer):
         return _from_atlas(swimmer, gait)
+    if swimmer.tail.bend:
+        return _of_bent(swimmer, gait)
     law = swimmer.coefficients.law
     if swimmer.interaction != Interaction() or law == "constant":
         return [None] * 6, "not known: law or interaction coefficients are the user's own"
@@ -131,6 +153,25 @@ def _of_surrogate(swimmer: Swimmer, gait: Gait) -> tuple[list[Any], str]:
         return [None] * 6, "not measured without a wave"
     how = f"within it {law} lies from boundary elements for 19 of 20 of the nearest designs solved"
     return _relative(misses, swimmer, gait), how
+
+
+def _of_bent(swimmer: Swimmer, gait: Gait) -> tuple[list[Any], str]:
+    """Return what a law of local resistance missed of flagella that are bent in the mean."""
+    if not (_is_like_bent(swimmer) and all(gait.free)):
+        return [None] * 6, "not measured for such bent tails; compare with model bem"
+    misses = BENT[swimmer.coefficients.law]
+    how = "largest difference of this law from boundary elements, 24 bent flagella"
+    return [misses.get(name, 0.0) for name in DEGREES_OF_FREEDOM], how
+
+
+def _is_like_bent(swimmer: Swimmer) -> bool:
+    """Whether a swimmer is one as those of `BENT`, by local resistance as it comes."""
+    tail, head = swimmer.tail, float(max(swimmer.body.semi_axes3))
+    L = float(tail.arc_length)
+    place = (tail.radius / L, head / L, abs(tail.bend) * L, tail.number_of_waves)
+    inside = all(low <= np.real(x) <= high for x, (low, high) in zip(place, BENT_LIKE))
+    plain = swimmer.interaction == Interaction() and swimmer.calibration is None
+    return inside and plain and swimmer.region is None and swimmer.coefficients.law in BENT
 
 
 def as_it_comes(swimmer: Swimmer) -> Misses | None:

@@ -63,6 +63,8 @@ def numbers(swimmer: Swimmer, gait: Gait) -> dict[str, Any]:
     if physical_sense.stands_still(swimmer):  # held or free, nothing else moves: no rounding left
         gait = replace(gait, free=physical_sense.ABOUT_S)
     found = quantities.numbers(gait, swimmer.body_length) | driven(gait, drive_of(swimmer))
+    if swimmer.tail.bend:
+        found["curvature_ratio"] = found["path_curvature"] / abs(float(swimmer.tail.bend))
     return {
         "model": gait.model,
         "units": gait.units,

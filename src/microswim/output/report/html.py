@@ -21,14 +21,12 @@ from microswim.gait.readable import quantity, significant, with_error
 from microswim.gait.screw import way_of
 from microswim.gait.turning.driven import DRIVEN
 from microswim.gait.units import unit
-from microswim.output.report import magnetic
+from microswim.output.report import bent, magnetic
 from microswim.output.report.document import document
 from microswim.output.report.document import table as document_table
 from microswim.swimmer import physical_sense
 from microswim.swimmer.geometry.tails.kinds import Tail
 from microswim.swimmer.swimmer import Swimmer
-
-BENT = 1.05  #: speed along the path over swimming speed from which on both are told
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -101,10 +99,9 @@ def numbers_table(numbers: dict[str, Any], name: str) -> Table:
     hertz = f", {quantity(numbers['body_rate_hz'], 'Hz')}" if si else ""
     lengths = f"{significant(numbers['body_lengths_per_time'])} body lengths per {_time(si)}"
     u_s = q(numbers["mean_velocity"][0], "speed", "us")
-    bent = (numbers["path_speed"] or 0.0) > BENT * (numbers["swimming_speed"] or 0.0)
     rows = [
         row("swimming_speed", lengths, "us"),
-        *([row("path_speed", "the path is bent: forward and round")] if bent else []),
+        *bent.rows(numbers, row, off),
         ("mean velocity u_s", u_s, way_of(numbers)),
         row("lateral_amplitude", "half of peak to peak", "uq", " u_q"),
         row("body_rate", turns + hertz, "os", " |Omega_s|"),

@@ -22,9 +22,21 @@ from microswim.spec.units import DIMENSIONS, to_si
 PIXEL, FRAME = "px", "frame"
 _PIXELS = {"px", "pixel", "pixels", "pix"}
 _FRAMES = {"frame", "frames"}
-HEADER_ROWS = 6  #: below the titles at the most
+#: Units as programs of other languages write them out.
+WORDS = {
+    "s": ("sekunde", "sekunden", "sek", "seconde", "secondes", "segundo", "segundos", "secondo",
+          "secondi"),
+    "ms": ("millisekunde", "millisekunden", "millisecondes", "milisegundos", "millisecondi"),
+    "min": ("minute", "minuten", "minuto", "minutos", "minuti"),
+    "um": ("mikrometer", "mikron", "micromètre", "micromètres", "micrómetro", "micrómetros",
+           "micrometro", "micrometros", "micrometri"),
+    "mm": ("millimètre", "millimètres", "milímetro", "milímetros", "millimetro", "millimetri"),
+}  # fmt: skip
+_UNIT_OF = {word: unit for unit, words in WORDS.items() for word in words}
+#: x (um), x [um], x / um, x in um
 _TITLE = re.compile(
-    r"(?P<name>[^(\[/]*?)\s*(?:\((?P<a>[^)]*)\)|\[(?P<b>[^\]]*)\]|/\s*(?P<c>.+))\s*"
+    r"(?P<name>[^(\[/]*?)\s*(?:\((?P<a>[^)]*)\)|\[(?P<b>[^\]]*)\]|/\s*(?P<c>.+)"
+    r"|(?:\bin|\ben|,)\s+(?P<d>\S+))\s*"
 )
 
 
@@ -132,6 +144,10 @@ def _known(
             if here:
                 places[name] = here[0]
                 break
+    if "time" in known and not {"time", "frame"} & set(places):
+        timed = [i for i, (_, unit) in enumerate(parts) if _is_time(unit)]
+        if len(timed) == 1:  # whatever it is called
+            places["time"] = timed[0]
     return places, {name: parts[i][1] for name, i in places.items()}
 
 
@@ -146,7 +162,7 @@ def _parts(title: str, known: Mapping[str, tuple[str, ...]]) -> tuple[str, str |
     words = {word for words in known.values() for word in words}
     match = _TITLE.fullmatch(title)
     if match:
-        unit = next(match[k] for k in "abc" if match[k] is not None)
+        unit = next(match[k] for k in "abcd" if match[k] is not None)
         return match["name"].strip().lower(), unit.strip() or None
     name, _, unit = title.rpartition("_")
     if title.lower() not in words and name.lower() in words:
@@ -171,11 +187,20 @@ def _is_titles(found: dict[str, str]) -> bool:
     return found.get("x", "").lower() in ("x", "x position", "position x")
 
 
+def _is_time(unit: str | None) -> bool:
+    """Whether a unit is one of time."""
+    try:
+        to_si(f"1 {plain(unit)}", "s")
+    except ValueError:
+        return False
+    return unit is not None
+
+
 def _is_unit(text: str) -> bool:
     if text.lower() in _PIXELS | _FRAMES:
         return True
     try:
-        to_si(f"1 {text}", "m")
+        to_si(f"1 {plain(text)}", "m")
     except ValueError:
         return False
     return bool(text)
@@ -194,7 +219,7 @@ def plain(unit: str | None) -> str | None:
     word = unit.strip().replace("\\u00b5", "µ").replace("\\u00B5", "µ")
     if word.lower() in _PIXELS:
         return PIXEL
-    return FRAME if word.lower() in _FRAMES else word
+    return FRAME if word.lower() in _FRAMES else _UNIT_OF.get(word.lower(), word)
 
 
 def factor(table: Table, name: str, dimension: str, units: str, mend: str) -> float:

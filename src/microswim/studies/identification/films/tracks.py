@@ -25,12 +25,9 @@ from microswim.studies.identification.films.track_xml import table_of_xml
 #: What a column may be called, in lower case.
 KNOWN = {
     "time": film.TIME, "frame": film.FRAMES,
-    "x": ("x", "position_x", "pos_x", "x position", "x_position", "centroid_x"),
-    "y": ("y", "position_y", "pos_y", "y position", "y_position", "centroid_y"),
-    "z": ("z", "position_z", "pos_z", "z position", "z_position", "centroid_z"),
+    "x": film.axis("x"), "y": film.axis("y"), "z": film.axis("z"),
     "w": ("w", "qw"), "i": ("i", "qx"), "j": ("j", "qy"), "k": ("k", "qz"),
-    "track": ("track_id", "track id", "track", "particle", "trajectory", "cell", "cell_id",
-              "track_number"),
+    "track": film.TRACKS,
 }  # fmt: skip
 ATTITUDE = ("w", "i", "j", "k")
 

@@ -121,7 +121,7 @@ def branch_of(
         stretch = np.hypot(stretch * noise[:, None], rest) / whole
         degrees = max(done.fun.size - done.x.size, 1)
         half = student.ppf(0.975, degrees) * whole[:, 0]
-        for name, ends in reach(problem, grid, values, errors).items():
+        for name, ends in reach(problem, grid, done, spread, errors).items():
             i = problem.names.index(name)
             out = np.abs(np.array(ends) - values[i]) / max(half[i], 1e-300)
             stretch[i] = np.maximum(stretch[i], out)

@@ -47,9 +47,11 @@ class Grid:
     ----------
     amplitude, waves
         The grid: 0.3 to 3 times the swimmer's own, and 0.75 to 5.5; one value if it is known.
-    speed, wobble, turn, spin
-        Swimming speed, amplitudes of u_q and w_r, and mean w_s of each, the tail's amplitude
-        running slowest.
+    speed, wobble, turn, spin, axial
+        Swimming speed, amplitudes of u_q and w_r, and means of w_s and u_s of each, the tail's
+        amplitude running slowest.
+    swimmer
+        Whose designs they are.
     """
 
     amplitude: np.ndarray
@@ -58,6 +60,8 @@ class Grid:
     wobble: np.ndarray
     turn: np.ndarray
     spin: np.ndarray
+    axial: np.ndarray
+    swimmer: Swimmer
 
     @classmethod
     def of(cls, swimmer: Swimmer, names: Iterable[str]) -> Grid | None:
@@ -75,8 +79,8 @@ class Grid:
         B, N = np.meshgrid(b, n, indexing="ij")
         axes = {k: v.ravel() for k, v in ((AMPLITUDE, B), (WAVES, N)) if k in names}
         if not swimmer.tail.in_batches and set(axes) == {AMPLITUDE, WAVES}:
-            return cls(b, n, *_between(swimmer, b, n))
-        return cls(b, n, *shown(swimmer, axes)) if axes else None
+            return cls(b, n, *_between(swimmer, b, n), swimmer)
+        return cls(b, n, *shown(swimmer, axes), swimmer) if axes else None
 
 
 def _between(swimmer: Swimmer, b: np.ndarray, n: np.ndarray) -> list[np.ndarray]:
@@ -89,9 +93,7 @@ def _between(swimmer: Swimmer, b: np.ndarray, n: np.ndarray) -> list[np.ndarray]
 
 
 @settled(True)
-def _one_by_one(
-    swimmer: Swimmer, axes: dict[str, np.ndarray]
-) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]:
+def _one_by_one(swimmer: Swimmer, axes: dict[str, np.ndarray]) -> tuple[np.ndarray, ...]:
     """`shown` of designs that no loop takes many of, by the gaits that a fit takes."""
     rows = []
     with warnings.catch_warnings():
@@ -100,17 +102,15 @@ def _one_by_one(
             try:
                 made = quick_gait(lifted(swimmer, dict(zip(axes, map(float, values)))))
                 swing = made.velocity_amplitude
-                rows.append((screw(made).speed, swing[1], swing[5], made.mean_velocity[3]))
+                mean = made.mean_velocity
+                rows.append((screw(made).speed, swing[1], swing[5], mean[3], mean[0]))
             except (MicroswimError, np.linalg.LinAlgError, ValueError):
-                rows.append((np.nan,) * 4)
-    speed, wobble, turn, spin = np.array(rows, dtype=float).T
-    return speed, wobble, turn, spin
+                rows.append((np.nan,) * 5)
+    return tuple(np.array(rows, dtype=float).T)
 
 
-def shown(
-    swimmer: Swimmer, axes: dict[str, np.ndarray]
-) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]:
-    """Return swimming speed, amplitudes of u_q and w_r, and mean w_s of designs."""
+def shown(swimmer: Swimmer, axes: dict[str, np.ndarray]) -> tuple[np.ndarray, ...]:
+    """Return swimming speed, amplitudes of u_q and w_r, and means of w_s and u_s of designs."""
     if not swimmer.tail.in_batches:
         return _one_by_one(swimmer, axes)
     found = np.array(_side_by_side(swimmer, axes))
@@ -118,15 +118,14 @@ def shown(
     if by_atlas is not None:
         better = np.array(_side_by_side(by_atlas, axes))
         found = np.where(np.isfinite(better).all(axis=0), better, found)
-    speed, swing, turn, spin = found
-    return speed, swing, turn, spin
+    return tuple(found)
 
 
 def _side_by_side(swimmer: Swimmer, axes: dict[str, np.ndarray]) -> tuple[np.ndarray, ...]:
     """`shown` of designs by one batch; NaN where it does not cover them."""
     found = evaluate(swimmer, axes, tolerance=1e-3)
-    swing = found["velocity_amplitude"]
-    return found["swimming_speed"], swing[:, 1], swing[:, 5], found["mean_velocity"][:, 3]
+    swing, mean = found["velocity_amplitude"], found["mean_velocity"]
+    return found["swimming_speed"], swing[:, 1], swing[:, 5], mean[:, 3], mean[:, 0]
 
 
 @dataclass(frozen=True, eq=False)
@@ -167,7 +166,7 @@ class Designs:
         """
         one = {k: np.array([v]) for k, v in found.items() if k in (AMPLITUDE, WAVES)}
         f = found[FREQUENCY]
-        speed, wobble, _, spin = shown(self.problem.swimmer, one)
+        speed, wobble, _, spin, _ = shown(self.problem.swimmer, one)
         here = seen(self.problem, speed, wobble, spin, f)
         speed, wobble = float(here[0][0]), float(here[1][0])
         if min(self.grid.amplitude.size, self.grid.waves.size) == 1:

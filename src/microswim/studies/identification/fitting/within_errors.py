@@ -1,28 +1,51 @@
 """Designs that the error of the model does not tell apart: an interval may reach over all of them.
 
-Around a fit the errors of the velocities move the values in proportion; large errors do more. A
-planar beat shows a speed, and how far it swings and turns. Every design of the grid that has these
-three within the errors to expect may have made the track. Small errors leave those that hang
-together with the design of the fit: between others the shape of the path decides. Large ones change
-that shape as well, and then the interval reaches over all of them.
+Around a fit the errors of the velocities move the values in proportion; large errors do more. Of a
+planar beat the track shows u_s, u_q and w_r as far as its noise lets it, and the model foretells
+those of every design of the grid as far as its errors *there* let it. With y and C the logarithms
+of the first and their covariance, L and S those of the second,
+
+    chi^2(design) = (y - L)' (C + S)^-1 (y - L)
+
+and a value reaches over every design that, all else free, lies no more than ``t^2`` behind the
+best: the deviations of the model are fitted as well, each at the cost that its error says. Small
+errors leave those that hang together with the design of the fit: between others the shape of the
+path decides. Large ones change that shape as well.
 """
 
 from __future__ import annotations
 
+import warnings
+from functools import lru_cache
 from typing import Any
 
 import numpy as np
+from scipy.interpolate import RegularGridInterpolator
 from scipy.ndimage import label
+from scipy.optimize import least_squares
+from scipy.stats import norm
 
+from microswim.errors import MicroswimError
+from microswim.gait.gait import Gait
 from microswim.studies.identification.fitting.first_guesses import AMPLITUDE, WAVES, Grid, shown
+from microswim.studies.identification.fitting.honesty import model_errors
 from microswim.studies.identification.fitting.problem import PathProblem
+from microswim.swimmer.fields import lifted
 
 LARGE = 0.2  #: error of a velocity from which on the shape of a path tells no design from others
-SHOWN = (0, 1, 5)  #: us, uq and or: whose errors stand for speed, swing and turn
+SHOWN = (0, 1, 5)  #: us, uq and or
+T = float(norm.ppf(0.975))
+FINER = 4  #: designs between two of the grid
+COARSER = (4, 5)  #: steps of the grid between designs whose errors are asked for
+ALL = 1.22  #: times the error within which one lies in 19 of 20: so all three of them do
+LEAST = 0.05  #: share of a velocity of the model that is left of it at the least
+LATER = (1, 5)  #: uq and or, whose phases may be off too
+LOOSE = 2.0  #: deviation of the logarithms and phases that are looked for
+PHASES = 32
 
 
 def reach(
-    problem: PathProblem, grid: Grid | None, values: np.ndarray, errors: np.ndarray
+    problem: PathProblem, grid: Grid | None, done: Any, spread: float, errors: np.ndarray
 ) -> dict[str, tuple[float, float]]:
     """Return how far down and up amplitude and number of waves reach, empty where it is not known.
 
@@ -32,30 +55,122 @@ def reach(
         Whose track it is: of a planar beat in the image.
     grid
         Of the designs; both amplitude and waves are unknown.
-    values
-        Of the unknowns of a fit.
+    done
+        What least squares found.
+    spread
+        Size of the noise in units of the residuals.
     errors
-        Relative errors to expect of the six velocities.
+        Relative errors to expect of the six velocities there.
     """
     if grid is None or not problem.planar or not {AMPLITUDE, WAVES} <= set(problem.names):
         return {}
-    here = dict(zip(problem.names, map(float, values)))
-    one = {name: np.array([here[name]]) for name in (AMPLITUDE, WAVES)}
-    own = shown(problem.swimmer, one)
-    shape = grid.amplitude.size, grid.waves.size
-    alike = np.ones(shape, dtype=bool)
-    for wanted, found, k in zip(own, (grid.speed, grid.wobble, grid.turn), SHOWN):
-        with np.errstate(divide="ignore", invalid="ignore"):
-            off = np.abs(np.log(np.abs(found / wanted)))
-        alike &= (off <= np.log1p(errors[k])).reshape(shape)
-    i = int(np.argmin(np.abs(np.log(grid.amplitude / here[AMPLITUDE]))))
-    j = int(np.argmin(np.abs(grid.waves - here[WAVES])))
+    here = [float(done.x[problem.names.index(name)]) for name in (AMPLITUDE, WAVES)]
+    b, n, velocities, off = finely(grid)
+    seen, precision = _seen(problem, done, spread)
+    own = shown(problem.swimmer, {AMPLITUDE: np.array(here[:1]), WAVES: np.array(here[1:])})
+    wanted = np.log(np.abs([own[4][0], own[1][0], own[2][0]])) + seen
+    miss = velocities - wanted[:, None, None]
+    behind = _behind(miss, _deviations(miss, off), precision)
+    alike = behind <= T**2
+    i, j = int(np.argmin(np.abs(np.log(b / here[0])))), int(np.argmin(np.abs(n - here[1])))
     alike[i, j] = True
     if errors[list(SHOWN)].max() < LARGE:
         islands: Any = label(alike, structure=np.ones((3, 3)))
         alike = islands[0] == islands[0][i, j]
     rows, columns = np.nonzero(alike)
-    return {AMPLITUDE: _ends(grid.amplitude, rows), WAVES: _ends(grid.waves, columns)}
+    return {AMPLITUDE: _ends(b, rows), WAVES: _ends(n, columns)}
+
+
+def _deviations(miss: np.ndarray, off: np.ndarray) -> np.ndarray:
+    """Deviations of the logarithms by relative errors: a truth ``1 - e`` of the model lies farther
+    off than one of ``1 + e``.
+    """
+    less = -np.log(np.maximum(1.0 - off, LEAST))
+    return ALL / T * np.where(miss > 0, less, np.log1p(off))
+
+
+def _behind(miss: np.ndarray, off: np.ndarray, precision: np.ndarray) -> np.ndarray:
+    """Chi-squared behind the best of designs that miss the velocities, (3, i, j), with deviations
+    `off`; ``(C + S)^-1 = P (1 + S P)^-1`` with the precision ``P = C^-1``, which may be singular.
+    """
+    d, S = miss.reshape(3, -1).T, off.reshape(3, -1).T ** 2
+    known = np.isfinite(d).all(axis=1)
+    d, S = d[known], S[known]
+    left = np.linalg.solve(np.eye(3) + S[:, :, None] * precision, d[:, :, None])[:, :, 0]
+    found = np.full(known.size, np.inf)
+    found[known] = np.einsum("ni,ij,nj->n", d, precision, left)
+    return (found - found.min()).reshape(miss.shape[1:])
+
+
+def _seen(problem: PathProblem, done: Any, spread: float) -> tuple[np.ndarray, np.ndarray]:
+    """Logarithms of the track's velocities over those of a fit, and the precision of that.
+
+    Least squares of the path with the velocities of the fit larger and, across, later by what fits;
+    frequency, phase and pose beside them, amplitude and waves as they are.
+    """
+    names, n = problem.names, len(problem.names)
+    beside = [i for i, name in enumerate(names) if name not in (AMPLITUDE, WAVES)]
+    beside += range(n, len(done.x))
+    gait, count = problem.gait(done.x[:n]), len(SHOWN) + len(LATER)
+    size = np.maximum(np.linalg.norm(problem.jacobian(done.x)[:, beside], axis=0), 1e-12) / spread
+
+    def residuals(a: np.ndarray) -> np.ndarray:
+        z = done.x.copy()
+        z[beside] += a[count:] / size
+        moved = _moved(gait.at_rate(problem.gait(z[:n]).rate), a[:count])
+        return np.concatenate([problem.residuals_of(moved, z) / spread, a[:count] / LOOSE])
+
+    start = np.zeros(count + len(beside))
+    found = least_squares(residuals, start, x_scale="jac", max_nfev=30, ftol=1e-6, xtol=1e-4)
+    J, k = found.jac[: done.fun.size], len(SHOWN)
+    Q = np.linalg.qr(J[:, k:])[0]
+    D = J[:, :k] - Q @ (Q.T @ J[:, :k])
+    return found.x[:k], D.T @ D
+
+
+def _moved(gait: Gait, a: np.ndarray) -> Gait:
+    """A gait whose velocities are larger, by logarithms, and later, by phases (rad); R is one."""
+    turned = np.fft.rfft(gait.velocity(2.0 * np.pi * np.arange(PHASES) / PHASES), axis=0)
+    h, k = np.arange(len(turned)), len(SHOWN)
+    turned[:, list(SHOWN)] *= np.exp(a[:k])
+    turned[:, list(LATER)] *= np.exp(-1j * h[:, None] * a[k:])
+    V = np.fft.irfft(turned, PHASES, axis=0)
+    free: dict[str, Any] = {"rate": gait.rate, "free": gait.free, "units": gait.units}
+    whole = np.broadcast_to(np.eye(6), (PHASES, 6, 6))
+    return Gait.from_samples(whole, -V / gait.rate, np.ones(PHASES), model=gait.model, **free)
+
+
+@lru_cache(maxsize=4)
+def finely(grid: Grid) -> tuple[np.ndarray, ...]:
+    """Return a grid with designs between its own: amplitudes, waves, logarithms of the velocities
+    and the relative errors to expect of the model, each (3, amplitudes, waves).
+    """
+    x, n = np.log(grid.amplitude), grid.waves
+    own = np.array([grid.axial, grid.wobble, grid.turn]).reshape(3, x.size, n.size)
+    with np.errstate(divide="ignore", invalid="ignore"):
+        own = np.log(np.abs(own))
+    own[~np.isfinite(own)] = np.nan
+    rows, columns = (np.unique([*range(0, v.size, k), v.size - 1]) for v, k in zip((x, n), COARSER))
+    off = np.array([[_expected(grid, x[i], n[j]) for j in columns] for i in rows])
+    off = np.where(np.isfinite(off), off, np.nanmax(off, axis=(0, 1), initial=0.0))
+    fine = [np.interp(np.arange(FINER * (v.size - 1) + 1) / FINER, np.arange(v.size), v)
+            for v in (x, n)]  # fmt: skip
+    places = np.stack(np.meshgrid(*fine, indexing="ij"), axis=-1)
+    velocities = RegularGridInterpolator((x, n), np.moveaxis(own, 0, -1))(places)
+    errors = np.expm1(RegularGridInterpolator((x[rows], n[columns]), np.log1p(off))(places))
+    return np.exp(fine[0]), fine[1], *(np.moveaxis(v, -1, 0) for v in (velocities, errors))
+
+
+def _expected(grid: Grid, log_amplitude: float, waves: float) -> np.ndarray:
+    """Errors to expect of u_s, u_q and w_r at a design, NaN where they are not known."""
+    one = lifted(grid.swimmer, {AMPLITUDE: float(np.exp(log_amplitude)), WAVES: float(waves)})
+    try:
+        with warnings.catch_warnings():
+            warnings.simplefilter("ignore")  # of laws beyond their range: that is in the errors
+            found = model_errors(one.with_({}).gait("auto"))
+    except (MicroswimError, np.linalg.LinAlgError, ValueError):
+        found = None
+    return np.full(3, np.nan) if found is None else found[list(SHOWN)]
 
 
 def _ends(values: np.ndarray, of: np.ndarray) -> tuple[float, float]:

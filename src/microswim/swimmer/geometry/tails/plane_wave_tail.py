@@ -107,6 +107,10 @@ class PlaneWaveTail(WaveTail):
         return np.stack([-slope[..., 1], slope[..., 0], slope[..., 2]], axis=-1)
 
     @property
+    def bend(self) -> Any:
+        return self.mean_curvature or 0.0
+
+    @property
     def apparent_length(self) -> Any:
         """Length L along s; along the filament if the tail has a mean curvature."""
         return super().apparent_length if self.mean_curvature is None else self.arc_length

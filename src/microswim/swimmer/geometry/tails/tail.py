@@ -135,6 +135,11 @@ class Tail(ABC):
         """Length along the filament."""
 
     @property
+    def bend(self) -> Any:
+        """Curvature of the filament, mean over its length and the beat; zero of a symmetric one."""
+        return 0.0
+
+    @property
     @abstractmethod
     def alpha(self) -> Any:
         """Apparent over actual length, averaged where it varies."""

@@ -6,9 +6,8 @@ from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
-from numpy.polynomial import legendre
 
-from microswim.swimmer.geometry.tails.waveforms.waveform_tail import WaveformTail
+from microswim.swimmer.geometry.tails.waveforms.waveform_tail import WaveformTail, mean_curvature
 
 
 @dataclass(frozen=True, eq=False)
@@ -112,4 +111,4 @@ class Waveform:
     @property
     def mean_curvature(self) -> float:
         """Mean over the filament and the beat of ``d psi / ds``."""
-        return float(np.diff(legendre.legval([-1.0, 1.0], self.modes[:, 0]))[0] / self.length)
+        return mean_curvature(self.modes, self.length)

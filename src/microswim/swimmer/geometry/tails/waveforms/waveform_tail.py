@@ -100,6 +100,10 @@ class WaveformTail(SampledTail):
         return self.length
 
     @property
+    def bend(self) -> float:
+        return mean_curvature(np.array(self.modes), float(np.real(self.length)))
+
+    @property
     def number_of_waves(self) -> float:
         """Number of waves on the filament."""
         return float(np.real(self.length / self.wavelength))  # type: ignore[operator]
@@ -131,6 +135,11 @@ def harmonics(phase: Any, columns: int) -> np.ndarray:
     h = (np.arange(columns) + 1) // 2
     angle = np.asarray(phase)[..., None] * h
     return np.where(np.arange(columns) % 2 == 1, np.cos(angle), np.where(h, np.sin(angle), 1.0))
+
+
+def mean_curvature(modes: np.ndarray, length: float) -> float:
+    """Return the mean over the filament and the beat of ``d psi / ds``."""
+    return float(np.diff(legendre.legval([-1.0, 1.0], modes[:, 0]))[0] / length)
 
 
 def tangent_angle(modes: np.ndarray, length: float, s: Any, phase: Any) -> np.ndarray:

@@ -58,7 +58,7 @@ def test_the_curvature_of_the_path_is_as_wrong_as_is_said(law, tmp_path):
     bent = BULL.replace("cox", law).replace("ramp", 'mean_curvature = "19.1 rad/mm"\nramp')
     (tmp_path / "bull.toml").write_text(bent)
     swimmer = ms.Swimmer.from_toml(tmp_path / "bull.toml")
-    ours, truth = (swimmer.gait(m, **o) for m, o in (("rft", {}), ("bem", {"level": "coarse"})))
+    ours, truth = swimmer.gait("rft"), swimmer.gait("bem", level="coarse")
     error = ms.expected_error(swimmer, ours)["path_curvature"]
     a, b = (ms.summary(gait)["path_curvature"] for gait in (ours, truth))
     assert abs(b / a - 1.0) < error

@@ -99,7 +99,7 @@ def expected_error(swimmer: Swimmer, gait: Gait) -> dict[str, Any]:
         return {**dict.fromkeys(DEGREES_OF_FREEDOM, 0.0), "how": UNRESISTED}
     values, how = by_model.get(gait.model, _unknown)(swimmer, gait)
     held = [0.0 if not free else value for value, free in zip(values, gait.free)]
-    known = dict(zip(DEGREES_OF_FREEDOM, held))
+    known: dict[str, Any] = dict(zip(DEGREES_OF_FREEDOM, held))
     if swimmer.tail.bend:
         known["path_curvature"] = _of_curvature(swimmer, gait, known)
     if not any(gait.free):

@@ -19,9 +19,9 @@ FRAMES = ("frame", "frames", "frame number", "frame_number", "slice", "frameid",
           "bildnummer", "image", "imagen", "fotograma", "cuadro", "fotogramma",
           "quadro")  # fmt: skip
 TRACKS = ("track_id", "track id", "track", "particle", "trajectory", "cell", "cell_id",
-          "track_number", "spur", "teilchen", "partikel", "zelle", "trajectoire", "particule",
-          "cellule", "trayectoria", "partícula", "célula", "traiettoria", "particella",
-          "cellula")  # fmt: skip
+          "track_number", "spur", "piste", "traza", "traccia", "teilchen", "partikel", "zelle",
+          "trajectoire", "particule", "cellule", "trayectoria", "partícula", "célula",
+          "traiettoria", "particella", "cellula")  # fmt: skip
 _PLACES = ("position", "pos", "coordinate", "coord", "centroid", "center", "centre", "koordinate",
            "posición", "coordenada", "coordonnée", "posizione", "coordinata")  # fmt: skip
 NO_LENGTH = "give --pixel, such as --pixel 0.11um, or a unit in the header, {title} (um)"

@@ -79,8 +79,8 @@ class Grid:
         B, N = np.meshgrid(b, n, indexing="ij")
         axes = {k: v.ravel() for k, v in ((AMPLITUDE, B), (WAVES, N)) if k in names}
         if not swimmer.tail.in_batches and set(axes) == {AMPLITUDE, WAVES}:
-            return cls(b, n, *_between(swimmer, b, n), swimmer)
-        return cls(b, n, *shown(swimmer, axes), swimmer) if axes else None
+            return cls(b, n, *_between(swimmer, b, n), swimmer=swimmer)
+        return cls(b, n, *shown(swimmer, axes), swimmer=swimmer) if axes else None
 
 
 def _between(swimmer: Swimmer, b: np.ndarray, n: np.ndarray) -> list[np.ndarray]:

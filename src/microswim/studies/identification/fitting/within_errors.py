@@ -151,7 +151,7 @@ def finely(grid: Grid) -> tuple[np.ndarray, ...]:
         own = np.log(np.abs(own))
     own[~np.isfinite(own)] = np.nan
     rows, columns = (np.unique([*range(0, v.size, k), v.size - 1]) for v, k in zip((x, n), COARSER))
-    off = np.array([[_expected(grid, x[i], n[j]) for j in columns] for i in rows])
+    off = np.array([[_expected(grid, float(x[i]), float(n[j])) for j in columns] for i in rows])
     off = np.where(np.isfinite(off), off, np.nanmax(off, axis=(0, 1), initial=0.0))
     fine = [np.interp(np.arange(FINER * (v.size - 1) + 1) / FINER, np.arange(v.size), v)
             for v in (x, n)]  # fmt: skip

@@ -239,6 +239,14 @@ def test_error_estimate_covers_the_error():
     assert error["relative_forward"] < 0.02
 
 
+def test_single_precision_has_the_digits_that_an_estimate_needs(rough):
+    """Six digits of R, of a level that is off by a hundredth; and no more, so that it is single."""
+    single = bem.solve(swimmer(ms.HelicalTail(**BASE)), level=replace(ROUGH, single=True))
+    size = np.sqrt(np.diag(rough.resistance))
+    off = np.abs((single.resistance - rough.resistance) / np.outer(size, size)).max()
+    assert 1e-12 < off < 1e-5
+
+
 def test_thin_helix_against_slender_body_theory():
     length, amplitude, wavelength, radius = 10.0, 1.0, 5.0, 0.03
     tail = ms.HelicalTail(

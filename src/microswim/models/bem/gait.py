@@ -160,7 +160,8 @@ def gait(
     info["error"] = None
     if below is not None:
         every = 2 if wanted >= 6 and wanted % 2 == 0 else 1
-        level_below = replace(get_level(below, order), phases=chosen.phases // every)
+        phases_below = chosen.phases // every
+        level_below = replace(get_level(below, order), phases=phases_below, single=True)
         same = _assembled(swimmer, solutions[::every], count // every, signs, info)
         info["error"] = _difference(same, gait(swimmer, level=level_below), below)
     return _assembled(swimmer, solutions, count, signs, info)

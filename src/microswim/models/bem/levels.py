@@ -13,12 +13,16 @@ LEVELS = ("coarse", "standard", "fine")
 
 @dataclass(frozen=True)
 class Level:
-    """Patches, quadrature and number of phases over a full period (where phases are sampled)."""
+    """Patches, quadrature and number of phases over a full period (where phases are sampled).
+
+    `single`: factorised in single precision, to six digits; for estimates of an error.
+    """
 
     name: str
     resolution: Resolution
     rule: Quadrature
     phases: int
+    single: bool = False
 
 
 _BY_NAME = {

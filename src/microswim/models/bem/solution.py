@@ -322,7 +322,7 @@ def solve(
     modes = rigid_modes(surface.nodes, centre) * surface.on_swimmer[:, None, None, None]
     velocities = np.concatenate([modes, surface.node_motion[..., None]], axis=-1)
     meshed = time.perf_counter() - start
-    solved = solve_density(layer, velocities)
+    solved = solve_density(layer, velocities, chosen.single)
     seconds = {"geometry": meshed, **solved.seconds}
     factors = solved.factors if keep else None
     return Solution(swimmer, phase, layer, solved.density, seconds, tuple(remarks), factors)

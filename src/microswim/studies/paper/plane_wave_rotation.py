@@ -16,6 +16,7 @@ import numpy as np
 from scipy.optimize import least_squares
 
 from microswim.gait.gait import Gait
+from microswim.models.rft.gait import unchecked
 from microswim.swimmer.drag.interaction import Interaction
 from microswim.swimmer.swimmer import Swimmer
 
@@ -105,7 +106,7 @@ def _model(swimmer: Swimmer, values: dict[str, float], variant: Variant, own: An
         tail=(values["tail_t"], values["tail_n"], 1.0),
     )
     law = replace(swimmer.coefficients, tip=variant.tip)
-    made = replace(swimmer, interaction=x, coefficients=law).gait()
+    made = unchecked(replace(swimmer, interaction=x, coefficients=law))
     phase = 2.0 * np.pi * np.arange(PHASES) / PHASES
     drag = np.array(swimmer.body.diagonal(swimmer.fluid.viscosity))
     R, wrench, G = made.resistance(phase), made.propulsion(phase), made.activity(phase)

@@ -57,11 +57,22 @@ def for_a_tail(triangles: Triangles, level: str) -> tuple[Triangles, float, int]
         count = _count(facets_of(triangles, size, wanted.layers))
         if count <= wanted.unknowns:
             break
-        fewer = coarsened(triangles, int(0.8 * len(triangles.faces) * wanted.unknowns / count))
-        if fewer is triangles or abs(fewer.curved_volume / whole - 1.0) > TOO_FEW:
+        most = int(0.8 * len(triangles.faces) * wanted.unknowns / count)
+        fewer = _keeping(triangles, most, whole)
+        if fewer is triangles:
             break
         triangles = fewer
     return triangles, size, wanted.layers
+
+
+def _keeping(triangles: Triangles, most: int, volume: float) -> Triangles:
+    """Return at most so many triangles, or as many more as it takes to keep a volume."""
+    while most < len(triangles.faces):
+        made = coarsened(triangles, most)
+        if made is not triangles and abs(made.curved_volume / volume - 1.0) <= TOO_FEW:
+            return made
+        most = int(1.4 * most) + 1
+    return triangles
 
 
 def surface_of(triangles: Triangles, level: str = "standard") -> tuple[Surface, Triangles]:

@@ -253,14 +253,14 @@ def test_poses_not_used_are_met_and_a_path_follows_them(tmp_path: Path) -> None:
     path at the gap of which is never lost.
     """
     short = replace(ROBOT.with_({"tail.length": 0.8, "tail.waves": 1.0}), wall=ms.Wall(0.8))
-    few = wall.Grid(gaps=5, tilts=4, phases=5, smallest=0.05, left_out=8)
+    few = wall.Grid(gaps=5, tilts=5, phases=12, smallest=0.05, left_out=8)
     poses = wall.beside_wall(short, grid=few, folder=tmp_path, workers=0)
     assert 0 < poses.expected_error["us"] < 0.1
     seen = []
     again = wall.beside_wall(
         short, grid=few, folder=tmp_path, workers=0, progress=lambda done, of: seen.append(done)
     )
-    assert seen == [4 * 7 * 5 + 1, 4 * 7 * 5 + 1 + 8]  # all of them kept
+    assert seen == [4 * 9 * 12 + 1, 4 * 9 * 12 + 1 + 8]  # all of them kept
     assert np.array_equal(again.table.factors, poses.table.factors)
     speed = np.linalg.norm(poses.gait.velocity(0.0)[:3])
     for distance, tilt in [(0.7, 0.0), (1.3, 0.3), (0.6, 0.2)]:

@@ -129,7 +129,7 @@ def scaling():
     """Base case on ever finer patches of order 3: exponents of assembly and factorisation."""
     level = bem.get_level("standard")
     rows = []
-    for size in (8.0, 5.0, 3.2, 2.2, 1.4, 1.0):
+    for size in (8.0, 5.0, 3.2, 2.2, 1.4, 1.0, 0.57):
         r = replace(
             level.resolution,
             panel=0.6 * size,

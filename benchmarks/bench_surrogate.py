@@ -201,6 +201,21 @@ def throughput():
     return micro
 
 
+def through_evaluate():
+    """Microseconds per design, with the law, checks, powers and efficiency; the designs of C."""
+    rng, count = np.random.default_rng(0), 20 * DESIGNS
+    values = {
+        "tail.amplitude": rng.uniform(0.03, 0.2, count),
+        "tail.waves": rng.uniform(0.8, 4.5, count),
+    }
+    micro = {}
+    for name, law in (("Gray and Hancock's law", "gray_hancock"), ("Lighthill's", "lighthill")):
+        helix = ms.Swimmer.preset("tabak/helix", {"coefficients.law": law})
+        ms.evaluate(helix, values)
+        micro[name] = 1e6 * least(lambda: ms.evaluate(helix, values), 7) / count  # noqa: B023
+    return micro
+
+
 def of_waves():
     """Microseconds per plane wave, six phases of 32 nodes: our table of sines, and plain C."""
     wave = ms.Swimmer.preset("tabak/plane_wave", {"coefficients.law": "gray_hancock"})
@@ -265,6 +280,7 @@ def main():
         "milliseconds with summary": 1e3 * least(lambda: ms.summary(helix.gait()), 5, 20),
         "seconds per 200 x 200 map": mapped,
         "microseconds per design of a map": 1e6 * mapped / b.size,
+        "microseconds per design through evaluate": through_evaluate(),
     }
     if (narrow := with_avx2_alone()) is not None:
         results["AVX2 alone"] = narrow

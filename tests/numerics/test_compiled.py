@@ -55,7 +55,7 @@ print(*sorted({{m.split(".")[0] for m in sys.modules}}))
 CALLS = {
     "nodes": (kernels.node_numbers, (PLANE_WAVE, 3.0, 0.9, 0.2)),
     "nodes of a ramp": (rigidhelix.ramp_nodes, (0.3, 0.9, 12.0)),
-    "law": (lighthill._at, (0.8, 0.2, lighthill._table(), *lighthill._GAUSS)),
+    "law": (lighthill._thick, (0.8, 0.2, lighthill._table(), *lighthill._GAUSS)),
     "plain": (kernels.wave_tail, (HELIX, True, WAVE, 0.4, gauss(9), gauss(20))),
     "helix": (rigidhelix.helix_tail, (True, WAVE, 0.4, gauss(12))),
     "helix, complex": (rigidhelix.helix_tail, (True, STEP, 0.4, gauss(12))),

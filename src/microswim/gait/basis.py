@@ -140,6 +140,10 @@ class Rounded(Basis):
         return _settled(self._screw.radius, self._lever)
 
     @property
+    def path_curvature(self) -> Any:
+        return _settled(self._bent[0], 1.0 / self._lever)
+
+    @property
     def path_pitch(self) -> Any:
         return 0.0 * self._screw.angle if self.swimming_speed == 0.0 else self._screw.pitch
 

@@ -389,7 +389,7 @@ def test_the_coarser_level_is_told_for_all_six_velocities():
     told = fine.info["error"]["velocities"]
     u, v = fine.mean_velocity, rough.mean_velocity
     for i in (0, 3):
-        assert told[i] == pytest.approx(abs(v[i] / u[i] - 1.0))
+        assert told[i] == pytest.approx(abs(v[i] / u[i] - 1.0), rel=1e-3)  # in single precision
     for i in (1, 2, 4, 5):
         assert told[i] == pytest.approx(
             abs(rough.velocity_amplitude[i] / fine.velocity_amplitude[i] - 1.0), abs=2e-3

@@ -109,7 +109,14 @@ class Stokes:
         return np.asarray(jacobian(points)).reshape(self.mesh.ne, -1).min(axis=1)
 
     def assemble(self, viscosity: float, inertia: float = 0.0) -> None:
-        """Assemble K where the mesh now is; `inertia` is the coefficient c of the mass term."""
+        """Assemble K where the mesh now is; `inertia` is the coefficient c of the mass term.
+
+        Refused where the memory foreseen for its factors is not there.
+        """
+        if self.inverse is None:
+            need = memory.of_sparse(self.unknowns, self.order)
+            mend = "take a coarser level, a smaller channel or a larger machine"
+            memory.require(need, self.unknowns, mend)
         self._viscosity.Set(viscosity)
         self._inertia.Set(inertia)
         start = time.perf_counter()
@@ -126,14 +133,7 @@ class Stokes:
         self.renew_factors()
 
     def renew_factors(self) -> None:
-        """Make the factors of K; its symbolic analysis is kept from one position to the next.
-
-        Refused where the memory foreseen is not there.
-        """
-        if self.inverse is None:
-            need = memory.of_sparse(self.unknowns, self.order)
-            mend = "take a coarser level, a smaller channel or a larger machine"
-            memory.require(need, self.unknowns, mend)
+        """Make the factors of K; its symbolic analysis is kept from one position to the next."""
         start = time.perf_counter()
         if self.inverse is None:
             self.inverse = factorised(self.matrix, self.free)

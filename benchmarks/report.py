@@ -18,6 +18,7 @@ import readme
 from aims import aims
 from matplotlib import rc_context
 from matplotlib.figure import Figure
+from matplotlib.ticker import NullFormatter
 
 HERE = Path(__file__).parent
 DOCS = HERE.parent / "docs"
@@ -147,6 +148,7 @@ def plot(lines: dict[str, Any], path: Path) -> None:
             axes.loglog(x, y, style, color=colour, ms=4, lw=1.2, label=name)
         label = "unknowns" if kind == "unknowns" else "nodes, phases, designs, workers"
         axes.set_xlabel(label, color=GREY)
+        axes.xaxis.set_minor_formatter(NullFormatter())  # names of 2, 3, 4 would meet
         axes.set_ylabel("processor seconds", color=GREY)
         axes.tick_params(which="both", colors=GREY, labelsize=7)
         axes.spines[:].set_color(GREY)

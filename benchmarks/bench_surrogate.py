@@ -102,14 +102,19 @@ def plain_numba(p, body, free, ramp_rule, rule):
     return V
 
 
-def designs(count):
-    """Parameters, body resistances, free motions and nodes on the ramp for 8 and 12 digits."""
-    swimmer = ms.Swimmer.preset("tabak/helix", {"coefficients.law": "gray_hancock"})
+def drawn(count):
+    """Amplitudes and numbers of waves of random designs."""
     rng = np.random.default_rng(0)
-    values = {
+    return {
         "tail.amplitude": rng.uniform(0.03, 0.2, count),
         "tail.waves": rng.uniform(0.8, 4.5, count),
     }
+
+
+def designs(count):
+    """Parameters, body resistances, free motions and nodes on the ramp for 8 and 12 digits."""
+    swimmer = ms.Swimmer.preset("tabak/helix", {"coefficients.law": "gray_hancock"})
+    values = drawn(count)
     many = lifted(swimmer, values)
     p = np.ascontiguousarray(rft.parameters(many))
     body = np.ascontiguousarray(np.broadcast_to(rft.body_resistance(many), (count, 6, 6)))
@@ -203,11 +208,8 @@ def throughput():
 
 def through_evaluate():
     """Microseconds per design, with the law, checks, powers and efficiency; the designs of C."""
-    rng, count = np.random.default_rng(0), 20 * DESIGNS
-    values = {
-        "tail.amplitude": rng.uniform(0.03, 0.2, count),
-        "tail.waves": rng.uniform(0.8, 4.5, count),
-    }
+    count = 20 * DESIGNS
+    values = drawn(count)
     micro = {}
     for name, law in (("Gray and Hancock's law", "gray_hancock"), ("Lighthill's", "lighthill")):
         helix = ms.Swimmer.preset("tabak/helix", {"coefficients.law": law})

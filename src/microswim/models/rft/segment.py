@@ -190,17 +190,6 @@ def keep_sums(S: Any, l: int, a: Any) -> None:
 
 
 @compiled(fastmath=FAST)
-def add_segment(R: Any, F: Any, X: Any, T: Any, U: Any, dl: Any, c: Any, spin: float) -> Any:
-    """Add one `segment` of length dl and unit tangent T to R and F; returns its part of G.
-
-    ``c = (c_t, c_n, c_r)``.
-    """
-    sums = segment(X, T, U, c[1] * dl, (c[0] - c[1]) * dl, c[2] * dl, spin)
-    add_sums(R, F, sums[:21], sums[21:27])
-    return sums[27]
-
-
-@compiled(fastmath=FAST)
 def add_sums(R: Any, F: Any, sums: Any, forces: Any) -> None:
     """Add the 21 sums, row by row, to the lower triangle of R, and the six forces to F."""
     n = 0

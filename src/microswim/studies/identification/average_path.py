@@ -1,8 +1,8 @@
 """The path without its wobble, and the speed along it, as far as noise lets it be seen.
 
 Positions are averaged over whole periods of the wobble (over nothing where there is none), then
-smoothed by local parabolas [Savitzky and Golay 1964] whose window leave-one-out cross-validation
-chooses. The velocity's own noise follows from the residuals and is taken off.
+smoothed by local parabolas [Savitzky and Golay 1964], in a frame that turns along where the path
+winds, whose window and turning leave-one-out cross-validation chooses. The velocity's own noise follows from the residuals and is taken off.
 """
 
 from __future__ import annotations
@@ -11,11 +11,15 @@ from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
+from scipy.interpolate import CubicSpline
 from scipy.signal import savgol_coeffs, savgol_filter
 from scipy.stats import chi2
 from scipy.stats import t as student
 
+from microswim.studies.identification.turning_frame import local_fit, rate_of_winding
+
 MOST = 20_000  #: averages of which a path is made
+TURNS = 0.8  #: of the error of a parabola, that a turning one must foretell better
 WINDOWS = (5, 7, 11, 15, 23, 31, 47, 63, 95, 127, 191, 255, 511, 1023)
 
 
@@ -55,6 +59,8 @@ class AveragePath:
         Averages in a local parabola: that far apart velocities are independent.
     swims
         Whether the velocities are above their noise (one chance in a thousand).
+    winding, width
+        Rate at which the frame of the local parabolas turns; time over which an average was taken.
     """
 
     time: np.ndarray
@@ -64,13 +70,19 @@ class AveragePath:
     noise: float
     window: int
     swims: bool
+    winding: float = 0.0
+    width: float = 0.0
 
     @property
     def independent(self) -> np.ndarray:
         """Velocities one window apart, at least two of them."""
-        m = len(self.velocity)
+        return self.among(self.velocity)
+
+    def among(self, values: np.ndarray) -> np.ndarray:
+        """Return those values of the averages that are one window apart."""
+        m = len(values)
         step = min(self.window, m - 1)
-        return self.velocity[(m - 1) % step // 2 :: step]
+        return values[(m - 1) % step // 2 :: step]
 
     @property
     def spacing(self) -> float:
@@ -90,7 +102,8 @@ class AveragePath:
 
     def seen_from(self, t: np.ndarray, x: np.ndarray) -> np.ndarray:
         """Return positions off the path, along and across it; in a plane."""
-        off = x - np.stack([np.interp(t, self.time, column) for column in self.position.T], axis=-1)
+        within = np.clip(t, self.time[0], self.time[-1])
+        off = x - CubicSpline(self.time, self.position)(within)
         turned = np.exp(-1j * np.interp(t, self.time, self.heading)) * (off[:, 0] + 1j * off[:, 1])
         return np.stack([turned.real, turned.imag], axis=-1)
 
@@ -99,7 +112,10 @@ class AveragePath:
         fits = [w for w in WINDOWS if w <= min(self.window, len(self.mean) // 5)]
         if not fits:
             return None
-        return self if fits[-1] == self.window else smoothed(self.time, self.mean, fits[-1])
+        return self if fits[-1] == self.window else self._through(fits[-1])
+
+    def _through(self, window: int) -> AveragePath:
+        return smoothed(self.time, self.mean, window, self.winding, self.width)
 
     def speed(self) -> Estimate:
         """Return the mean speed along the path, its noise taken off.
@@ -111,7 +127,7 @@ class AveragePath:
         value, noise = self._speed(), self.noise
         halves = [w for w in WINDOWS if 2 * w <= self.window + 3]
         if halves:
-            half = smoothed(self.time, self.mean, halves[-1])
+            half = self._through(halves[-1])
             value += (half._speed() - value) / (1.0 - (halves[-1] / self.window) ** 2)
             noise = half.noise
         few = 2.0 * noise / np.sqrt(max(size.size / self.window, 1.0))
@@ -153,9 +169,9 @@ def average_path(t: np.ndarray, x: np.ndarray, period: float | None) -> AverageP
     period
         Of the wobble, None if it has none.
     """
-    time, mean = _averages(t, x, period)
-    window = _window(mean)
-    return _straight(time, mean) if window is None else smoothed(time, mean, window)
+    time, mean, width = _averages(t, x, period)
+    window, winding = _window(time, mean, width)
+    return _straight(time, mean) if window is None else smoothed(time, mean, window, winding, width)
 
 
 def _straight(time: np.ndarray, mean: np.ndarray) -> AveragePath:
@@ -170,7 +186,9 @@ def _straight(time: np.ndarray, mean: np.ndarray) -> AveragePath:
     return AveragePath(time, mean, line, np.tile(v, (m, 1)), noise, m, swims)
 
 
-def smoothed(time: np.ndarray, mean: np.ndarray, window: int) -> AveragePath:
+def smoothed(
+    time: np.ndarray, mean: np.ndarray, window: int, winding: float = 0.0, width: float = 0.0
+) -> AveragePath:
     """Return the path smoothed by parabolas over a window.
 
     Parameters
@@ -179,22 +197,42 @@ def smoothed(time: np.ndarray, mean: np.ndarray, window: int) -> AveragePath:
         Averages, evenly spaced.
     window
         An odd number of them, at least 5.
+    winding
+        Rate at which the frame of the parabolas turns; 0 in space.
+    width
+        Time over which an average was taken.
     """
     dt, m = float(time[1] - time[0]), len(mean)
-    smooth: Any = savgol_filter(mean, window, 2, axis=0, mode="interp")
-    v: Any = savgol_filter(mean, window, 2, deriv=1, delta=dt, axis=0, mode="interp")
-    inner = slice(window // 2, m - window // 2)
-    h = savgol_coeffs(window, 2)[window // 2]
-    s2 = float(np.mean((mean - smooth)[inner] ** 2) / (1.0 - h))
-    noise = float(np.sqrt(s2 * np.sum(savgol_coeffs(window, 2, deriv=1, delta=dt) ** 2)))
-    some = v[inner][::window]
+    if winding:
+        fit = local_fit(dt, mean, window, winding, width)
+        smooth, v, off, h, spread = fit.position, fit.velocity, fit.off, fit.hat, fit.spread
+    else:
+        smooth, v = (_parabolas(mean, window, deriv=k, delta=dt) for k in (0, 1))
+        off, h = (mean - smooth)[window // 2 : m - window // 2], _own(window)
+        spread = float(np.sqrt(np.sum(savgol_coeffs(window, 2, deriv=1, delta=dt) ** 2)))
+    s2 = float(np.mean(off**2) / (1.0 - h))
+    noise = float(np.sqrt(s2)) * spread
+    some = v[window // 2 : m - window // 2][::window]
     total = float((some**2).sum())
     swims = total > noise**2 * chi2.ppf(0.999, some.size) and total > 0
-    return AveragePath(time, mean, smooth, v, noise, window, bool(swims))
+    return AveragePath(time, mean, smooth, v, noise, window, bool(swims), winding, width)
 
 
-def _averages(t: np.ndarray, x: np.ndarray, period: float | None) -> tuple[np.ndarray, np.ndarray]:
-    """Means of the path (straight between samples) over whole periods, evenly spaced."""
+def _parabolas(x: np.ndarray, window: int, **options: Any) -> np.ndarray:
+    return np.asarray(savgol_filter(x, window, 2, axis=0, mode="interp", **options))
+
+
+def _own(window: int) -> float:
+    """Share of an average in its own parabola."""
+    return float(savgol_coeffs(window, 2)[window // 2])
+
+
+def _averages(
+    t: np.ndarray, x: np.ndarray, period: float | None
+) -> tuple[np.ndarray, np.ndarray, float]:
+    """Means of the path (straight between samples) over whole periods, evenly spaced, and over
+    what time each is.
+    """
     frame = float(np.median(np.diff(t)))
     T = t[-1] - t[0]
     step = max(period or frame, T / MOST)
@@ -203,7 +241,7 @@ def _averages(t: np.ndarray, x: np.ndarray, period: float | None) -> tuple[np.nd
     count = max(int((T + (0.0 if period else frame)) / step + 1e-6), 2)
     if period is None and step == frame:
         grid = t[0] + frame * np.arange(count)
-        return grid, np.stack([np.interp(grid, t, column) for column in x.T], axis=-1)
+        return grid, np.stack([np.interp(grid, t, column) for column in x.T], axis=-1), 0.0
     step = min(step, T / count)
     ends = t[0] + step * np.arange(count + 1)
     area = np.concatenate(
@@ -213,20 +251,32 @@ def _averages(t: np.ndarray, x: np.ndarray, period: float | None) -> tuple[np.nd
     part = (ends - t[i])[:, None]
     slope = (x[i + 1] - x[i]) / (t[i + 1] - t[i])[:, None]
     whole = area[i] + part * x[i] + part**2 * slope / 2.0
-    return (ends[1:] + ends[:-1]) / 2.0, np.diff(whole, axis=0) / step
+    return (ends[1:] + ends[:-1]) / 2.0, np.diff(whole, axis=0) / step, float(step)
 
 
-def _window(x: np.ndarray) -> int | None:
-    """Window whose parabola foretells a point left out best: ``r / (1 - h)`` its error."""
+def _window(time: np.ndarray, x: np.ndarray, width: float) -> tuple[int | None, float]:
+    """Window and turning whose local fit foretells an average left out best: ``r / (1 - h)`` its
+    error. The widest of those that do alike; turning only where it foretells better.
+    """
     fits = [w for w in WINDOWS if w <= 0.6 * len(x)]
     if not fits:
-        return None
-    edge = fits[-1] // 2
+        return None, 0.0
+    edge, step = fits[-1] // 2, float(time[1] - time[0])
     inner = slice(edge, len(x) - edge)
-    errors = []
-    for w in fits:
-        h = savgol_coeffs(w, 2)[w // 2]
-        off = (x - savgol_filter(x, w, 2, axis=0, mode="interp"))[inner]
-        errors.append(float(np.mean(off**2)) / (1.0 - h) ** 2)
-    best = min(errors)
-    return max(w for w, e in zip(fits, errors) if e <= 1.02 * best)
+
+    def chosen(errors: list[float]) -> tuple[int, float]:
+        best = min(errors)
+        return max(w for w, e in zip(fits, errors) if e <= 1.02 * best), best
+
+    errors = [float(np.mean((x - _parabolas(x, w))[inner] ** 2)) / (1.0 - _own(w)) ** 2
+              for w in fits]  # fmt: skip
+    window, straight = chosen(errors)
+    winding = rate_of_winding(step, x) if x.shape[1] == 2 else 0.0
+    if winding == 0.0:
+        return window, 0.0
+    turned = [local_fit(step, x, w, winding, width) for w in fits]
+    trims = [edge - w // 2 for w in fits]
+    errors = [float(np.mean(f.off[k : len(f.off) - k] ** 2)) / (1.0 - f.hat) ** 2
+              for f, k in zip(turned, trims)]  # fmt: skip
+    wound, turning = chosen(errors)
+    return (wound, winding) if turning < TURNS * straight else (window, 0.0)

@@ -42,8 +42,7 @@ def turning_rate(path: AveragePath) -> Estimate:
     v, step = path.independent, path.spacing
     size = np.linalg.norm(v, axis=1)
     if v.shape[1] == 2:
-        angle = np.unwrap(np.arctan2(v[:, 1], v[:, 0]))
-        rate = np.diff(angle) / step
+        rate = np.diff(path.among(path.heading)) / step
         noise = path.noise / float(size.mean())
         least = 2.0 * np.sqrt(2.0) * noise / (step * rate.size)
         return Estimate.around(float(rate.mean()), float(np.hypot(mean_error(rate, 1), least)))

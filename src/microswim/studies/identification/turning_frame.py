@@ -1,0 +1,116 @@
+"""Local fits of a path that winds: parabolas in a frame that turns along.
+
+Where a path turns by more than a radian within five averages a parabola cuts its loops. In a plane,
+with positions as complex numbers, ``a + (b + c t) exp(i w t)`` is a circle whose rate, radius and
+centre shift slowly; for w to zero it is the parabola. What averaging over a beat takes off a
+circle, ``sinc(w P / 2)``, is put back.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+FINER = 8  #: rates per natural one, ``2 pi / duration``
+FASTEST = 0.9 * np.pi  #: rad from one average to the next, beyond which nobody knows the side
+LEAST = 1.0  #: rad within five averages, below which a parabola does
+
+
+def rate_of_winding(step: float, mean: np.ndarray) -> float:
+    """Return the rate at which a path winds (rad per time, to the left positive), 0 for none.
+
+    The strongest line of the velocities from average to average.
+
+    Parameters
+    ----------
+    step
+        Time between averages.
+    mean
+        Averages in a plane, shape (m, 2).
+    """
+    v = np.diff(mean[:, 0] + 1j * mean[:, 1])
+    size = FINER * len(v)
+    rate = 2.0 * np.pi * np.fft.fftfreq(size, step)
+    power = np.abs(np.fft.fft(v - v.mean(), size))
+    power[np.abs(rate) * step > FASTEST] = 0.0
+    i = int(np.argmax(power))
+    return float(rate[i]) if abs(rate[i]) * 4.0 * step > LEAST else 0.0
+
+
+@dataclass(frozen=True, eq=False)
+class LocalFit:
+    """Positions and velocities of a path by local fits.
+
+    Parameters
+    ----------
+    position, velocity
+        Of the path, shape (m, 2).
+    off
+        Averages less the fit, of those with a whole window around them.
+    hat
+        Share of an average in its own fit.
+    spread
+        Root of the sum of squared weights of a velocity.
+    """
+
+    position: np.ndarray
+    velocity: np.ndarray
+    off: np.ndarray
+    hat: float
+    spread: float
+
+
+def local_fit(step: float, mean: np.ndarray, window: int, rate: float, width: float) -> LocalFit:
+    """Return the path by local fits in a frame that turns at a rate.
+
+    Parameters
+    ----------
+    step
+        Time between averages.
+    mean
+        Averages in a plane, shape (m, 2).
+    window
+        An odd number of averages, at least 5.
+    rate
+        At which the frame turns, not 0.
+    width
+        Time over which each average was taken, 0 for samples.
+    """
+    z, half = mean[:, 0] + 1j * mean[:, 1], window // 2
+    t = step * np.arange(-half, half + 1)
+    turned = np.exp(1j * rate * t)
+    held = np.sinc(rate * width / (2.0 * np.pi))
+    lost = _slope_of_sinc(rate * width / 2.0) * width / 2.0
+    seen = np.stack([np.ones_like(turned), held * turned, (held * t - 1j * lost) * turned], axis=1)
+    true = np.stack([np.ones_like(turned), turned, t * turned], axis=1)
+    speed = np.stack([0.0 * turned, 1j * rate * turned, (1.0 + 1j * rate * t) * turned], axis=1)
+    coefficients = np.linalg.pinv(seen)
+    x, v, kept = (_swept(rows @ coefficients, z) for rows in (true, speed, seen))
+    inner = slice(half, len(z) - half)
+    return LocalFit(
+        position=_plane(x),
+        velocity=_plane(v),
+        off=_plane((z - kept)[inner]),
+        hat=float((seen @ coefficients)[half, half].real),
+        spread=float(np.linalg.norm((speed @ coefficients)[half])),
+    )
+
+
+def _swept(weights: np.ndarray, z: np.ndarray) -> np.ndarray:
+    """Values of the local fits: at the middle of each window; at the ends by the outermost one."""
+    window = len(weights)
+    half = window // 2
+    middle = np.convolve(z, weights[half][::-1], mode="valid")
+    return np.concatenate([
+        weights[:half] @ z[:window], middle, weights[half + 1 :] @ z[-window:]
+    ])  # fmt: skip
+
+
+def _plane(z: np.ndarray) -> np.ndarray:
+    return np.stack([z.real, z.imag], axis=-1)
+
+
+def _slope_of_sinc(x: float) -> float:
+    """Derivative of ``sin(x) / x``."""
+    return -x / 3.0 if abs(x) < 1e-4 else (np.cos(x) - np.sin(x) / x) / x

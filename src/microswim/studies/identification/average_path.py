@@ -100,11 +100,28 @@ class AveragePath:
         """Range of the heading (rad)."""
         return float(np.ptp(self.heading))
 
-    def seen_from(self, t: np.ndarray, x: np.ndarray) -> np.ndarray:
-        """Return positions off the path, along and across it; in a plane."""
-        within = np.clip(t, self.time[0], self.time[-1])
-        off = x - CubicSpline(self.time, self.position)(within)
-        turned = np.exp(-1j * np.interp(t, self.time, self.heading)) * (off[:, 0] + 1j * off[:, 1])
+    def frames(self) -> list[np.ndarray]:
+        """Return the angles of axes that turn with the path: with its heading, at a steady rate."""
+        rate = rate_of_winding(float(self.time[1] - self.time[0]), self.mean)
+        return [self.heading, *([rate * (self.time - self.time[0])] if rate else [])]
+
+    def seen_from(
+        self, t: np.ndarray, x: np.ndarray, turn: np.ndarray, off: bool = False
+    ) -> np.ndarray:
+        """Return positions off the path (or what is off it already) in axes that turn; in a plane.
+
+        Parameters
+        ----------
+        t, x
+            Times and positions.
+        turn
+            Angles of the axes, at the times of the averages.
+        off
+            Whether the path is taken off already.
+        """
+        if not off:
+            x = x - CubicSpline(self.time, self.position)(np.clip(t, *self.time[[0, -1]]))
+        turned = np.exp(-1j * np.interp(t, self.time, turn)) * (x[:, 0] + 1j * x[:, 1])
         return np.stack([turned.real, turned.imag], axis=-1)
 
     def narrower(self) -> AveragePath | None:

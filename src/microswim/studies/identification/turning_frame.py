@@ -17,7 +17,7 @@ FASTEST = 0.9 * np.pi  #: rad from one average to the next, beyond which nobody 
 LEAST = 1.0  #: rad within five averages, below which a parabola does
 
 
-def rate_of_winding(step: float, mean: np.ndarray) -> float:
+def rate_of_winding(step: float, mean: np.ndarray, least: float = LEAST) -> float:
     """Return the rate at which a path winds (rad per time, to the left positive), 0 for none.
 
     The strongest line of the velocities from average to average.
@@ -28,6 +28,8 @@ def rate_of_winding(step: float, mean: np.ndarray) -> float:
         Time between averages.
     mean
         Averages in a plane, shape (m, 2).
+    least
+        Turn within five averages (rad) that is asked for.
     """
     v = np.diff(mean[:, 0] + 1j * mean[:, 1])
     size = FINER * len(v)
@@ -35,7 +37,7 @@ def rate_of_winding(step: float, mean: np.ndarray) -> float:
     power = np.abs(np.fft.fft(v - v.mean(), size))
     power[np.abs(rate) * step > FASTEST] = 0.0
     i = int(np.argmax(power))
-    return float(rate[i]) if abs(rate[i]) * 4.0 * step > LEAST else 0.0
+    return float(rate[i]) if abs(rate[i]) * 4.0 * step > least else 0.0
 
 
 @dataclass(frozen=True, eq=False)

@@ -25,7 +25,7 @@ from microswim.studies.identification.average_path import AveragePath, Estimate
 from microswim.studies.identification.displacement import persistence_time
 from microswim.studies.identification.films.track import Track
 from microswim.studies.identification.spectrum import Line, line
-from microswim.studies.identification.without_model import wobble_and_path
+from microswim.studies.identification.wobble import wobble_and_path
 
 #: What is computed, and what it measures.
 WANDERING = {
@@ -199,7 +199,7 @@ def _inclined(track: Track, seen: Line, path: AveragePath) -> dict[str, Estimate
         return {}
     t, x = track.time, track.position
     inner = (t >= path.time[0]) & (t <= path.time[-1])
-    t, off = t[inner], path.seen_from(t[inner], x[inner])
+    t, off = t[inner], path.seen_from(t[inner], x[inner], path.heading)
     if t.size < FEWEST_POSITIONS:
         return {}
     angle = 2.0 * np.pi * seen.frequency * t

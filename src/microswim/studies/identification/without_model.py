@@ -11,19 +11,16 @@ from typing import Any
 
 import numpy as np
 
-from microswim.studies.identification.average_path import (
-    AveragePath,
-    Estimate,
-    average_path,
-    mean_error,
-)
+from microswim.studies.identification.average_path import AveragePath, Estimate, mean_error
 from microswim.studies.identification.displacement import (
     mean_squared_displacement,
     persistence_time,
     turning_rate,
 )
 from microswim.studies.identification.films.track import Track
-from microswim.studies.identification.spectrum import Line, line
+from microswim.studies.identification.loops import Loops, loops_of
+from microswim.studies.identification.spectrum import Line
+from microswim.studies.identification.wobble import is_round, wobble_and_path
 
 #: What is computed, and what it measures.
 NUMBERS = {
@@ -32,14 +29,13 @@ NUMBERS = {
     "straight_line_velocity": "speed",
     "linearity": "number",
     "turning_rate": "rate",
+    "loop_radius": "length",
+    "drift": "speed",
     "persistence_time": "time",
     "effective_diffusion": "diffusion",
     "wobble_frequency": "frequency",
     "wobble_amplitude": "length",
 }
-
-
-STRAIGHT = 0.3  #: rad, a turn that does not split the line of a wobble
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
@@ -127,6 +123,9 @@ def describe_track(track: Track, name: str = "") -> TrackNumbers:
     lag, displacement = mean_squared_displacement(t, x)
     numbers = _velocities(t, x, path, seen) | _wobble(seen)
     numbers |= _turning(path, numbers, lag, displacement)
+    loops = loops_of(path)
+    if loops is not None:
+        numbers |= {"loop_radius": loops.radius, "drift": loops.drift}
     rate = 1.0 / float(np.median(np.diff(t)))
     return TrackNumbers(
         name=name,
@@ -135,36 +134,11 @@ def describe_track(track: Track, name: str = "") -> TrackNumbers:
         lag=lag,
         displacement=displacement,
         path=path.position,
-        notes=_notes(t, x, path, seen, numbers),
+        notes=(*_notes(t, x, path, seen, numbers), *_both_ways(x, seen, loops, numbers)),
         positions=t.size,
         duration=float(t[-1] - t[0]),
         frame_rate=rate,
     )
-
-
-def wobble_and_path(track: Track) -> tuple[Line, AveragePath]:
-    """Return the wobble, and the path without it; a circle that the path itself runs is no wobble.
-
-    Such a circle is a line of the spectrum too: both coordinates swing alike, a quarter of a turn
-    apart, and without it next to nothing is left of the path. In a plane the wobble is looked for
-    once more in the axes of the path, along and across, since turning splits its line in two.
-    """
-    t, x = track.time, track.position
-    seen = line(t, x)
-    path = average_path(t, x, 1.0 / seen.frequency if seen.stands_out else None)
-    if not seen.stands_out or x.shape[1] != 2:
-        return seen, path
-    major, minor = np.linalg.svd(seen.wave, compute_uv=False)
-    moved = float(np.linalg.norm(path.velocity, axis=1).mean())
-    if minor > 0.5 * major and moved < 0.3 * 2.0 * np.pi * seen.frequency * seen.amplitude:
-        other = line(t, x, above=2.5 * seen.frequency)
-        seen, path = other, average_path(t, x, 1.0 / other.frequency if other.stands_out else None)
-    if not (seen.stands_out and path.swims and path.speed().value > 3.0 * path.noise):
-        return seen, path
-    if path.turned < STRAIGHT:
-        return seen, path
-    again = line(t, path.seen_from(t, x), above=0.5 * seen.frequency)
-    return (again, average_path(t, x, 1.0 / again.frequency)) if again.stands_out else (seen, path)
 
 
 def _velocities(
@@ -202,7 +176,7 @@ def _turning(
         spread = displacement[known[-1]] / (2.0 * d * lag[known[-1]])
         return {"speed": None, "effective_diffusion": Estimate(*map(float, spread))}
     found: dict[str, Estimate | None] = {"turning_rate": turning_rate(narrow)}
-    if tau is None or not np.isfinite(tau.value) or tau.low > path.time[-1] - path.time[0]:
+    if tau is None or not np.isfinite(tau.value) or tau.value > path.time[-1] - path.time[0]:
         return found
     D = [v.value**2 * tau.value / d, v.low**2 * tau.low / d, v.high**2 * tau.high / d]
     return found | {"persistence_time": tau, "effective_diffusion": Estimate(*D)}
@@ -244,3 +218,27 @@ def _notes(
     if lost > 0.02:
         notes.append(f"{lost:.0%} of its frames are missing")
     return tuple(notes)
+
+
+def _both_ways(
+    x: np.ndarray, seen: Line, loops: Loops | None, numbers: dict[str, Any]
+) -> list[str]:
+    """What two coordinates do not tell of a circle: whether it is the path or the wobble."""
+    if x.shape[1] != 2:
+        return []
+    if loops is not None:
+        moves = " whose centre moves at drift" if loops.drifts else ""
+        swims = ", which swims in the image at drift," if loops.drifts else ""
+        return [
+            f"its path runs in loops{moves}, told as a cell that circles; in two coordinates a "
+            f"helix seen along its axis{swims} looks the same"
+        ]
+    speed = numbers["speed"]
+    if not seen.stands_out or not is_round(seen):
+        return []
+    around = 2.0 * np.pi * seen.frequency * seen.amplitude / np.sqrt(2.0)
+    times = f"{around / speed.value:.2g} times speed" if speed is not None else "a speed of its own"
+    return [
+        "its wobble is a circle, told as a helix seen along its axis; in two coordinates a cell "
+        f"that swims in such circles, at {times}, and drifts looks the same"
+    ]

@@ -257,9 +257,10 @@ def _known(design: dict[str, Any]) -> list[str]:
 
 SHOWN = {
     "speed": "speed", "curvilinear_velocity": "curvilinear", "straight_line_velocity": "straight",
-    "linearity": "linearity", "turning_rate": "turning", "wobble_frequency": "wobble",
-    "wobble_amplitude": "its amplitude",
+    "linearity": "linearity", "turning_rate": "turning", "loop_radius": "loops of radius",
+    "drift": "drift", "wobble_frequency": "wobble", "wobble_amplitude": "its amplitude",
 }  # fmt: skip
+RARE = ("loop_radius", "drift")  #: shown where a cell has them
 
 
 def _print_cells(rows: list[Any], units: str) -> None:
@@ -269,10 +270,11 @@ def _print_cells(rows: list[Any], units: str) -> None:
     from microswim.output.report.html import Table
     from microswim.studies.identification.without_model import NUMBERS
 
+    names = [n for n in SHOWN if n not in RARE or any(row[n] is not None for row in rows)]
     lines = []
     for row in rows:
         line = [row["track"]]
-        for name in SHOWN:
+        for name in names:
             value, interval = row[name], row["interval_95"][name]
             of = unit(units, NUMBERS[name])
             if value is None:
@@ -284,7 +286,7 @@ def _print_cells(rows: list[Any], units: str) -> None:
     fastest = min(row["frame_rate"] for row in rows) / 2.0
     limit = with_error(fastest, None, unit(units, "frequency"))
     note = f"± is the 95 % interval. A beat faster than {limit} does not show at this frame rate."
-    print_table(Table("Cells", ("track", *SHOWN.values()), lines, note))
+    print_table(Table("Cells", ("track", *(SHOWN[n] for n in names)), lines, note))
     notes: dict[str, list[str]] = {}
     for row in rows:
         for sentence in row["notes"]:

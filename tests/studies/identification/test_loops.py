@@ -1,4 +1,4 @@
-"""Paths that run in loops, planted in closed form: speed, turning, loops, and what no track tells."""
+"""Paths that run in loops, planted in closed form: what is found of them, and what cannot be."""
 
 import numpy as np
 import pytest

@@ -2,7 +2,8 @@
 
 Positions are averaged over whole periods of the wobble (over nothing where there is none), then
 smoothed by local parabolas [Savitzky and Golay 1964], in a frame that turns along where the path
-winds, whose window and turning leave-one-out cross-validation chooses. The velocity's own noise follows from the residuals and is taken off.
+winds; cross-validation, one left out, chooses window and turning. The velocity's own noise follows
+from the residuals and is taken off.
 """
 
 from __future__ import annotations
@@ -16,11 +17,14 @@ from scipy.signal import savgol_coeffs, savgol_filter
 from scipy.stats import chi2
 from scipy.stats import t as student
 
-from microswim.studies.identification.turning_frame import local_fit, rate_of_winding
+from microswim.studies.identification.turning_frame import Averaging, local_fit, rate_of_winding
 
 MOST = 20_000  #: averages of which a path is made
 TURNS = 0.8  #: of the error of a parabola, that a turning one must foretell better
 WINDOWS = (5, 7, 11, 15, 23, 31, 47, 63, 95, 127, 191, 255, 511, 1023)
+
+
+AS_IT_IS = Averaging()
 
 
 @dataclass(frozen=True)
@@ -59,8 +63,10 @@ class AveragePath:
         Averages in a local parabola: that far apart velocities are independent.
     swims
         Whether the velocities are above their noise (one chance in a thousand).
-    winding, width
-        Rate at which the frame of the local parabolas turns; time over which an average was taken.
+    winding
+        Rate at which the frame of the local parabolas turns.
+    averaging
+        How the averages were taken.
     """
 
     time: np.ndarray
@@ -71,7 +77,7 @@ class AveragePath:
     window: int
     swims: bool
     winding: float = 0.0
-    width: float = 0.0
+    averaging: Averaging = AS_IT_IS
 
     @property
     def independent(self) -> np.ndarray:
@@ -102,7 +108,7 @@ class AveragePath:
 
     def frames(self) -> list[np.ndarray]:
         """Return the angles of axes that turn with the path: with its heading, at a steady rate."""
-        rate = rate_of_winding(float(self.time[1] - self.time[0]), self.mean)
+        rate = rate_of_winding(float(self.time[1] - self.time[0]), self.mean, least=0.0)
         return [self.heading, *([rate * (self.time - self.time[0])] if rate else [])]
 
     def seen_from(
@@ -132,7 +138,7 @@ class AveragePath:
         return self if fits[-1] == self.window else self._through(fits[-1])
 
     def _through(self, window: int) -> AveragePath:
-        return smoothed(self.time, self.mean, window, self.winding, self.width)
+        return smoothed(self.time, self.mean, window, self.winding, self.averaging)
 
     def speed(self) -> Estimate:
         """Return the mean speed along the path, its noise taken off.
@@ -186,9 +192,11 @@ def average_path(t: np.ndarray, x: np.ndarray, period: float | None) -> AverageP
     period
         Of the wobble, None if it has none.
     """
-    time, mean, width = _averages(t, x, period)
-    window, winding = _window(time, mean, width)
-    return _straight(time, mean) if window is None else smoothed(time, mean, window, winding, width)
+    time, mean, averaging = _averages(t, x, period)
+    window, winding = _window(time, mean, averaging)
+    if window is None:
+        return _straight(time, mean)
+    return smoothed(time, mean, window, winding, averaging)
 
 
 def _straight(time: np.ndarray, mean: np.ndarray) -> AveragePath:
@@ -204,7 +212,7 @@ def _straight(time: np.ndarray, mean: np.ndarray) -> AveragePath:
 
 
 def smoothed(
-    time: np.ndarray, mean: np.ndarray, window: int, winding: float = 0.0, width: float = 0.0
+    time: np.ndarray, mean: np.ndarray, window: int, winding: float, averaging: Averaging
 ) -> AveragePath:
     """Return the path smoothed by parabolas over a window.
 
@@ -216,12 +224,12 @@ def smoothed(
         An odd number of them, at least 5.
     winding
         Rate at which the frame of the parabolas turns; 0 in space.
-    width
-        Time over which an average was taken.
+    averaging
+        How the averages were taken.
     """
     dt, m = float(time[1] - time[0]), len(mean)
     if winding:
-        fit = local_fit(dt, mean, window, winding, width)
+        fit = local_fit(dt, mean, window, winding, averaging)
         smooth, v, off, h, spread = fit.position, fit.velocity, fit.off, fit.hat, fit.spread
     else:
         smooth, v = (_parabolas(mean, window, deriv=k, delta=dt) for k in (0, 1))
@@ -232,7 +240,7 @@ def smoothed(
     some = v[window // 2 : m - window // 2][::window]
     total = float((some**2).sum())
     swims = total > noise**2 * chi2.ppf(0.999, some.size) and total > 0
-    return AveragePath(time, mean, smooth, v, noise, window, bool(swims), winding, width)
+    return AveragePath(time, mean, smooth, v, noise, window, bool(swims), winding, averaging)
 
 
 def _parabolas(x: np.ndarray, window: int, **options: Any) -> np.ndarray:
@@ -246,9 +254,9 @@ def _own(window: int) -> float:
 
 def _averages(
     t: np.ndarray, x: np.ndarray, period: float | None
-) -> tuple[np.ndarray, np.ndarray, float]:
-    """Means of the path (straight between samples) over whole periods, evenly spaced, and over
-    what time each is.
+) -> tuple[np.ndarray, np.ndarray, Averaging]:
+    """Means of the path (straight between samples) over whole periods, evenly spaced, and how
+    they were taken.
     """
     frame = float(np.median(np.diff(t)))
     T = t[-1] - t[0]
@@ -258,7 +266,7 @@ def _averages(
     count = max(int((T + (0.0 if period else frame)) / step + 1e-6), 2)
     if period is None and step == frame:
         grid = t[0] + frame * np.arange(count)
-        return grid, np.stack([np.interp(grid, t, column) for column in x.T], axis=-1), 0.0
+        return grid, np.stack([np.interp(grid, t, column) for column in x.T], axis=-1), Averaging()
     step = min(step, T / count)
     ends = t[0] + step * np.arange(count + 1)
     area = np.concatenate(
@@ -268,10 +276,11 @@ def _averages(
     part = (ends - t[i])[:, None]
     slope = (x[i + 1] - x[i]) / (t[i + 1] - t[i])[:, None]
     whole = area[i] + part * x[i] + part**2 * slope / 2.0
-    return (ends[1:] + ends[:-1]) / 2.0, np.diff(whole, axis=0) / step, float(step)
+    taken = Averaging(float(step), frame)
+    return (ends[1:] + ends[:-1]) / 2.0, np.diff(whole, axis=0) / step, taken
 
 
-def _window(time: np.ndarray, x: np.ndarray, width: float) -> tuple[int | None, float]:
+def _window(time: np.ndarray, x: np.ndarray, averaging: Averaging) -> tuple[int | None, float]:
     """Window and turning whose local fit foretells an average left out best: ``r / (1 - h)`` its
     error. The widest of those that do alike; turning only where it foretells better.
     """
@@ -291,7 +300,7 @@ def _window(time: np.ndarray, x: np.ndarray, width: float) -> tuple[int | None, 
     winding = rate_of_winding(step, x) if x.shape[1] == 2 else 0.0
     if winding == 0.0:
         return window, 0.0
-    turned = [local_fit(step, x, w, winding, width) for w in fits]
+    turned = [local_fit(step, x, w, winding, averaging) for w in fits]
     trims = [edge - w // 2 for w in fits]
     errors = [float(np.mean(f.off[k : len(f.off) - k] ** 2)) / (1.0 - f.hat) ** 2
               for f, k in zip(turned, trims)]  # fmt: skip

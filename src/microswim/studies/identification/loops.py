@@ -70,7 +70,7 @@ def loops_of(path: AveragePath) -> Loops | None:
     swung = np.diff(c[2] * np.exp(1j * rate * t))
     if np.sum(np.abs(v) ** 2) > (1.0 - STEADY) * np.sum(np.abs(v + swung) ** 2):
         return None
-    seen = np.sinc(rate * path.width / (2.0 * np.pi))
+    seen = path.averaging.held(rate)
     radius, drift = (float(abs(one)) for one in (c[2] / seen, c[1]))
     wide, half = float(errors[2]) / seen, float(errors[1])
     if wide > radius:

@@ -1,9 +1,9 @@
 """Local fits of a path that winds: parabolas in a frame that turns along.
 
 Where a path turns by more than a radian within five averages a parabola cuts its loops. In a plane,
-with positions as complex numbers, ``a + (b + c t) exp(i w t)`` is a circle whose rate, radius and
-centre shift slowly; for w to zero it is the parabola. What averaging over a beat takes off a
-circle, ``sinc(w P / 2)``, is put back.
+with positions as complex numbers, ``a + b t + (c + d t) exp(i w t)`` is a circle whose rate and
+radius shift slowly around a centre that moves. What averaging over a beat takes off a circle is put
+back.
 """
 
 from __future__ import annotations
@@ -40,6 +40,29 @@ def rate_of_winding(step: float, mean: np.ndarray, least: float = LEAST) -> floa
     return float(rate[i]) if abs(rate[i]) * 4.0 * step > least else 0.0
 
 
+@dataclass(frozen=True)
+class Averaging:
+    """How averages were taken.
+
+    Parameters
+    ----------
+    width
+        Time over which, 0 for samples as they are.
+    frame
+        Time between samples, joined by straight lines.
+    """
+
+    width: float = 0.0
+    frame: float = 0.0
+
+    def held(self, rate: float) -> float:
+        """Return the share of a circle run at a rate that is left."""
+        if self.width == 0.0:
+            return 1.0
+        turn = rate / (2.0 * np.pi)
+        return float(np.sinc(turn * self.width) * np.sinc(turn * self.frame) ** 2)
+
+
 @dataclass(frozen=True, eq=False)
 class LocalFit:
     """Positions and velocities of a path by local fits.
@@ -63,7 +86,9 @@ class LocalFit:
     spread: float
 
 
-def local_fit(step: float, mean: np.ndarray, window: int, rate: float, width: float) -> LocalFit:
+def local_fit(
+    step: float, mean: np.ndarray, window: int, rate: float, averaging: Averaging
+) -> LocalFit:
     """Return the path by local fits in a frame that turns at a rate.
 
     Parameters
@@ -76,17 +101,18 @@ def local_fit(step: float, mean: np.ndarray, window: int, rate: float, width: fl
         An odd number of averages, at least 5.
     rate
         At which the frame turns, not 0.
-    width
-        Time over which each average was taken, 0 for samples.
+    averaging
+        How the averages were taken.
     """
     z, half = mean[:, 0] + 1j * mean[:, 1], window // 2
     t = step * np.arange(-half, half + 1)
     turned = np.exp(1j * rate * t)
-    held = np.sinc(rate * width / (2.0 * np.pi))
-    lost = _slope_of_sinc(rate * width / 2.0) * width / 2.0
-    seen = np.stack([np.ones_like(turned), held * turned, (held * t - 1j * lost) * turned], axis=1)
-    true = np.stack([np.ones_like(turned), turned, t * turned], axis=1)
-    speed = np.stack([0.0 * turned, 1j * rate * turned, (1.0 + 1j * rate * t) * turned], axis=1)
+    held, few = averaging.held(rate), 1e-4 * abs(rate)
+    lost = -1j * (averaging.held(rate + few) - averaging.held(rate - few)) / (2.0 * few)
+    one, none = np.ones_like(turned), np.zeros_like(turned)
+    seen = np.stack([one, t + none, held * turned, (held * t + lost) * turned], axis=1)
+    true = np.stack([one, t + none, turned, t * turned], axis=1)
+    speed = np.stack([none, one, 1j * rate * turned, (1.0 + 1j * rate * t) * turned], axis=1)
     coefficients = np.linalg.pinv(seen)
     x, v, kept = (_swept(rows @ coefficients, z) for rows in (true, speed, seen))
     inner = slice(half, len(z) - half)
@@ -111,8 +137,3 @@ def _swept(weights: np.ndarray, z: np.ndarray) -> np.ndarray:
 
 def _plane(z: np.ndarray) -> np.ndarray:
     return np.stack([z.real, z.imag], axis=-1)
-
-
-def _slope_of_sinc(x: float) -> float:
-    """Derivative of ``sin(x) / x``."""
-    return -x / 3.0 if abs(x) < 1e-4 else (np.cos(x) - np.sin(x) / x) / x

@@ -226,19 +226,19 @@ def _both_ways(
     """What two coordinates do not tell of a circle: whether it is the path or the wobble."""
     if x.shape[1] != 2:
         return []
+    said, speed = [], numbers["speed"]
     if loops is not None:
         moves = " whose centre moves at drift" if loops.drifts else ""
         swims = ", which swims in the image at drift," if loops.drifts else ""
-        return [
+        said.append(
             f"its path runs in loops{moves}, told as a cell that circles; in two coordinates a "
             f"helix seen along its axis{swims} looks the same"
-        ]
-    speed = numbers["speed"]
-    if not seen.stands_out or not is_round(seen):
-        return []
-    around = 2.0 * np.pi * seen.frequency * seen.amplitude / np.sqrt(2.0)
-    times = f"{around / speed.value:.2g} times speed" if speed is not None else "a speed of its own"
-    return [
-        "its wobble is a circle, told as a helix seen along its axis; in two coordinates a cell "
-        f"that swims in such circles, at {times}, and drifts looks the same"
-    ]
+        )
+    if seen.stands_out and is_round(seen):
+        around = 2.0 * np.pi * seen.frequency * seen.amplitude / np.sqrt(2.0)
+        times = f", at {around / speed.value:.2g} times speed," if speed is not None else ""
+        said.append(
+            "its wobble is a circle, told as a helix seen along its axis; in two coordinates a "
+            f"cell that swims in such circles{times} and drifts looks the same"
+        )
+    return said

@@ -13,6 +13,7 @@ from microswim.cli import main
 from microswim.errors import RenamedWarning
 from microswim.gait.quantities import NUMBERS, OF_SHAPE, OLD, QUANTITIES
 from microswim.gait.units import UNITS
+from microswim.output.io.run import dataset
 from microswim.studies.optimisation import merits
 from microswim.studio.answers import readings
 
@@ -61,7 +62,7 @@ def test_doors_agree(told, door):
             found = {n: v for n, v in readings(swimmer, gait).items() if v is not None}
             assert set(found) >= {n for n in NUMBERS if printed[n] is not None}
         case "dataset":
-            run = ms.io.dataset(swimmer, gait, periods=1)
+            run = dataset(swimmer, gait, periods=1)
             found = {n: run[n].values for n in QUANTITIES}
             for name, quantity in QUANTITIES.items():
                 assert run[name].attrs["units"] == UNITS[quantity.dimension][1], name

@@ -87,6 +87,6 @@ def _circle(t: np.ndarray, z: np.ndarray, rate: float) -> tuple[np.ndarray, np.n
     total = max(float(np.sum(np.abs(left) ** 2)), 1e-300)
     memory = float(np.clip(np.sum(left[1:] * left[:-1].conj()).real / total, 0.0, 1.0))
     free = max(len(z) * (1.0 - memory) / (1.0 + memory) - 3.0, 1.0)
-    share = np.sqrt(np.diag(np.linalg.inv((basis.conj().T @ basis).real)) * len(z) / (free + 3.0))
+    share = np.sqrt(np.diag(np.linalg.inv(np.real(basis.conj().T @ basis))) * len(z) / (free + 3.0))
     deviation = np.sqrt(total / (2.0 * len(z)) * (free + 3.0) / free)
     return c, left, student.ppf(0.975, free) * deviation * share

@@ -136,4 +136,4 @@ def _swept(weights: np.ndarray, z: np.ndarray) -> np.ndarray:
 
 
 def _plane(z: np.ndarray) -> np.ndarray:
-    return np.stack([z.real, z.imag], axis=-1)
+    return np.stack([np.real(z), np.imag(z)], axis=-1)

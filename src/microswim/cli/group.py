@@ -29,6 +29,8 @@ if TYPE_CHECKING:
     from microswim.output.report.html import Table
     from microswim.swimmer.group import Group
 
+#: Swimmers that stand side by side in a table, and those of a larger group that are printed.
+BESIDE, SHOWN = 6, 12
 PATH_FILES = ("paths.png", "paths.nc", "paths.csv", "paths.json")
 
 
@@ -38,6 +40,7 @@ PATH_FILES = ("paths.png", "paths.nc", "paths.csv", "paths.json")
         "microswim group pair.toml --set swimmer[1].phase=1.57 --json",
         'microswim group pair.toml --set tail.frequency="20 Hz" --out results',
         "microswim group pair.toml --time 10s --out path     the paths from there",
+        "microswim group drop.toml --time 60s --model far     thousands of swimmers",
     )
     + '\n\n\b\nA scene, pair.toml:\n  [[swimmer]]\n  spec = "robot.toml"\n\n\b\n  [[swimmer]]\n'
     '  spec = "robot.toml"\n  position = ["0 um", "20 um", "0 um"]\n  direction = [1, 0, 0]\n'
@@ -67,10 +70,11 @@ PATH_FILES = ("paths.png", "paths.nc", "paths.csv", "paths.json")
 @click.option("--time", metavar="T", help="Follow them for so long, such as 10s.")
 @click.option(
     "--model",
-    type=click.Choice(["estimate", "bem"]),
+    type=click.Choice(["estimate", "bem", "far"]),
     default="estimate",
     show_default=True,
-    help="With --time: point forces, a millisecond a step and pair, or the solve at each step.",
+    help="With --time: point forces, a millisecond a step and pair; the solve at each step; or "
+    "thousands of swimmers from afar, averaged over their periods.",
 )
 @click.option(
     "--samples",
@@ -100,7 +104,8 @@ def command(
 
     SCENE is a TOML file of [[swimmer]] tables: spec (a file beside it) or preset, position of the
     body's centre, direction of the axis from the body along the tail, roll, phase, frequency, free
-    ("none" holds it), force, torque, and "set" for fields of the spec; and of one [wall], if any:
+    ("none" holds it), force, torque, places (a CSV with a row x, y, z, and dx, dy, dz and phase if
+    they differ, for each of many), and "set" for fields of the spec; and of one [wall], if any:
     position of a point of it, normal into the fluid.
     """
     from microswim.cli import _folder
@@ -163,12 +168,11 @@ def _follow(
 
 
 def _report(scene: str, found: xr.Dataset, level: str, seconds: float) -> dict[str, Any]:
-    import numpy as np
+    from scipy.spatial import KDTree
 
     x, time = found.position.values, float(found.time[-1])
-    apart = np.linalg.norm(x[:, :, None] - x[:, None], axis=-1)
-    apart = apart[:, *np.triu_indices(x.shape[1], 1)]
-    by_points = found.attrs["model"] == "estimate"
+    apart = [KDTree(here).query(here, 2)[0][:, 1].min() for here in x] if x.shape[1] > 1 else []
+    by_points = found.attrs["model"] != "bem"
     worst = float(found.expected_error.max()) if by_points else None
     how = "velocity: the largest along the paths, a share of the velocities; position: not known"
     if not by_points:
@@ -183,7 +187,7 @@ def _report(scene: str, found: xr.Dataset, level: str, seconds: float) -> dict[s
         "quaternion": found.quaternion.values[-1],
         "phase": found.phase.values[-1],
         "drift": (x[-1] - x[0]) / time,
-        "nearest": float(apart.min()) if apart.size else None,
+        "nearest": float(min(apart)) if apart else None,
         "expected_error": {"velocity": worst, "how": how},
         "wall_seconds": seconds,
     }
@@ -200,18 +204,22 @@ def _print_paths(report: dict[str, Any]) -> None:
     def q(values: Any, kind: str) -> str:
         return ", ".join(quantity(float(v), unit(units, kind)) for v in values)
 
-    rows = [
-        ("at the end, x, y, z", *(q(x, "length") for x in report["position"])),
-        ("drift, x, y, z", *(q(x, "speed") for x in report["drift"])),
+    count = len(report["position"])
+    columns = [
+        ("", *(f"swimmer {n}" for n in range(min(count, SHOWN)))),
+        ("at the end, x, y, z", *(q(x, "length") for x in report["position"][:SHOWN])),
+        ("drift, x, y, z", *(q(x, "speed") for x in report["drift"][:SHOWN])),
     ]
+    header, *rows = columns if count <= BESIDE else zip(*columns, strict=True)
     error = report["expected_error"]
     share = error["velocity"]
     known = error["how"] if share is None else f"velocities within {100.0 * share:.2g} %"
     near = report["nearest"]
     apart = f"bodies' centres at least {q([near], 'length')} apart; " if near is not None else ""
-    note = f"{apart}{known}; {significant(report['wall_seconds'], 2)} s"
+    more = f"; {count - SHOWN} more in --json and --out" if count > SHOWN else ""
+    note = f"{apart}{known}; {significant(report['wall_seconds'], 2)} s{more}"
     title = f"{report['scene']}: paths over {q([report['time']], 'time')}, {report['model']}"
-    print_table(Table(title, ("", *(f"swimmer {n}" for n in range(len(rows[0]) - 1))), rows, note))
+    print_table(Table(title, header, rows, note))
 
 
 def _write_paths(out: Path, found: xr.Dataset, report: dict[str, Any]) -> None:

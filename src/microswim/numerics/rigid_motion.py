@@ -72,6 +72,17 @@ def along_twist(twist: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     return x, np.concatenate([[np.cos(0.5 * t)], np.sin(0.5 * t) / t * w])
 
 
+def twist_along(x: np.ndarray, q: np.ndarray) -> np.ndarray:
+    """Return the constant body twist (6,) of which displacement (3,) and quaternion (4,) are what
+    comes of it after unit time: `along_twist` turned round, by the smaller of both angles.
+    """
+    q = q if q[0] >= 0.0 else -q
+    sine = np.sqrt(np.sum(q[1:] ** 2) + 1e-40)
+    w = 2.0 * np.arctan2(sine, q[0]) / sine * q[1:]
+    reached = np.stack([along_twist(np.concatenate([e, w]))[0] for e in np.eye(3)], axis=1)
+    return np.concatenate([np.linalg.solve(reached, x), w])
+
+
 def multiply(a: np.ndarray, b: np.ndarray) -> np.ndarray:
     """Return the product of arrays of quaternions that broadcast."""
     aw, av = a[..., :1], a[..., 1:]

@@ -79,7 +79,7 @@ class Member:
     @property
     def rotation(self) -> Array:
         """Rotation (3, 3) from the swimmer's axes to the scene's."""
-        return _towards(np.array(self.direction)) @ about_s(self.roll)
+        return towards(np.array(self.direction)) @ about_s(self.roll)
 
     @property
     def wrench(self) -> Array:
@@ -104,7 +104,7 @@ def about_s(angle: float) -> Array:
     return np.array([[1.0, 0.0, 0.0], [0.0, c, -s], [0.0, s, c]])
 
 
-def _towards(direction: Array) -> Array:
+def towards(direction: Array) -> Array:
     """Return the smallest rotation (3, 3) that takes e_s to a direction; straight back: about r.
 
     Q = I + [w] + [w]^2 / (1 + c),  w = e_s x d, c = d_s                        (Rodrigues)
@@ -119,7 +119,7 @@ def _towards(direction: Array) -> Array:
 
 def direction_and_roll(Q: Array) -> tuple[Array, float]:
     """Return direction and roll of a member whose rotation (3, 3) is Q."""
-    rolled = _towards(Q[:, 0]).T @ Q
+    rolled = towards(Q[:, 0]).T @ Q
     return Q[:, 0], float(np.arctan2(rolled[2, 1], rolled[1, 1]))
 
 

@@ -29,6 +29,8 @@ class Alone:
     points : (b, 3), (b, 3, 7)
         Middles of the patches from the centre, and their forces in six rigid motions and the
         tail's.
+    dipoles, quadrupoles : (3, 3, 7), (3, 3, 3, 7)
+        ``int f_j x_k dS`` and ``int f_j x_k x_l dS`` in these motions, x from the centre.
     rate : float
         Phase rate of the motor, relative to the body (rad per time).
     moments : (5,)
@@ -41,6 +43,8 @@ class Alone:
     resistance: Array
     propulsion: Array
     points: tuple[Array, Array]
+    dipoles: Array
+    quadrupoles: Array
     rate: float
     moments: Array
     remarks: tuple[str, ...]
@@ -63,11 +67,14 @@ def solve_alone(member: Member, level: Level) -> Alone:
     found = trusted(member.swimmer.settled, phase_of_block(member), level, keep=True)
     assert found.factors is not None
     rate = _motor_rate(found)
+    dipoles, quadrupoles = _moments(found)
     return Alone(
         block=Block(found.layer, found.factors, found.centre),
         resistance=found.resistance,
         propulsion=found.propulsion,
         points=_points(found),
+        dipoles=dipoles,
+        quadrupoles=quadrupoles,
         rate=rate,
         moments=moments(found) * (rate / found.rate if found.rate else 0.0),
         remarks=found.remarks,
@@ -90,3 +97,12 @@ def _points(alone: Solution) -> tuple[Array, Array]:
     middle = moment.sum(axis=1) / area.sum(axis=1)[:, None] - alone.centre
     density = alone.density.reshape(*alone.surface.nodes.shape, 7)
     return middle, np.einsum("ep,epck->eck", area, density)
+
+
+def _moments(alone: Solution) -> tuple[Array, Array]:
+    """Return dipoles (3, 3, 7) and quadrupoles (3, 3, 3, 7) of six rigid motions and the tail's."""
+    s = alone.surface
+    area, moment = s.moments[:2]
+    f, arm = alone.density.reshape(*s.nodes.shape, 7), moment - area[..., None] * alone.centre
+    second = np.einsum("epj...,epk,epl->jkl...", f, arm, s.nodes - alone.centre)
+    return np.einsum("epj...,epk->jk...", f, arm), second

@@ -4,6 +4,10 @@
     spec = "robot.toml"                      # beside the scene; or preset = "tabak/helix"
     position = ["0 um", "20 um", "0 um"]
 
+    [[swimmer]]                              # one for each row of a table
+    spec = "cell.toml"
+    places = "cells.csv"
+
     [wall]                                   # if any: a point of it, its normal into the fluid
     position = ["0 um", "-5 um", "0 um"]
     normal = [0, 1, 0]
@@ -25,6 +29,7 @@ from microswim.errors import SpecError, nearest
 from microswim.spec import complaint, file, presets
 from microswim.spec.named_files import beside
 from microswim.spec.readers import text
+from microswim.spec.readers.places import read_places
 from microswim.spec.types import Angle, Force, Frequency, Length, Number, Table, Torque
 from microswim.spec.units import DIMENSIONS
 from microswim.swimmer.group import Group
@@ -41,6 +46,7 @@ class SwimmerTable(Table):
 
     spec: str | None = None
     preset: str | None = None
+    places: str | None = None
     position: list[Length] = Field(default_factory=list)
     direction: list[Number] = Field(default_factory=list)
     roll: Angle = 0.0
@@ -90,8 +96,12 @@ def read_scene(
     tables = _swimmer_tables(scene, str(path))
     common = _overridden(tables, dict(overrides or {}))
     specs: dict[str, Swimmer] = {}
-    members = tuple(_member(n, t, path.parent, common, trust, specs) for n, t in enumerate(tables))
-    return Group(members, _wall(scene.get("wall"), members[0].swimmer.units))
+    members = [
+        member
+        for n, table in enumerate(tables)
+        for member in _members(n, table, path.parent, common, trust, specs)
+    ]
+    return Group(tuple(members), _wall(scene.get("wall"), members[0].swimmer.units))
 
 
 def _wall(given: Any, units: str) -> Any:
@@ -142,14 +152,15 @@ def _overridden(tables: list[dict[str, Any]], overrides: dict[str, Any]) -> dict
     return common
 
 
-def _member(
+def _members(
     n: int,
     given: dict[str, Any],
     folder: Path,
     common: dict[str, Any],
     trust: str | PathLike[str] | None,
     specs: dict[str, Swimmer],
-) -> Member:
+) -> list[Member]:
+    """Return the swimmers of a table: one, or one for each of its places."""
     name = f"swimmer[{n}]"
     unknown = [k for k in given if k not in SwimmerTable.model_fields]
     if unknown:
@@ -164,11 +175,23 @@ def _member(
         raise SpecError(f'{name}.spec: {missing} spec = "robot.toml", or preset = "tabak/helix"')
     swimmer = _swimmer(name, table, given, folder, common, trust, specs)
     _check_units(name, given, swimmer.units)
+    own = table.model_dump(exclude_unset=True, include=OF_MEMBER)
+    places = [{}] if table.places is None else _places(name, table, own, folder, swimmer.units)
     try:
-        return Member(swimmer=swimmer, **table.model_dump(exclude_unset=True, include=OF_MEMBER))
+        return [Member(swimmer=swimmer, **own | place) for place in places]
     except SpecError as error:
         dot = "." if error.field.partition("[")[0] in SwimmerTable.model_fields else " "
         raise SpecError(f"{name}{dot}{error}") from None
+
+
+def _places(
+    name: str, table: SwimmerTable, own: dict[str, Any], folder: Path, units: str
+) -> list[dict[str, Any]]:
+    """Return what the rows of the places of a table say."""
+    found = read_places(folder / str(table.places), units)
+    for field in own.keys() & found[0].keys():
+        raise SpecError(f"{name}.{field}: its places say it too; remove one of the two")
+    return found
 
 
 def _swimmer(

@@ -1,0 +1,155 @@
+"""Many swimmers in one fluid, each seen from afar: velocities of all in one sum.
+
+    V_i = V_i(W_i) + A_i (u, grad u)(x_i),   u of the forces, dipoles and near quadrupoles of others
+
+What each is alone comes from `from_afar`; the flow that comes back is left out, and what is told of
+a near neighbour ends with its quadrupole. Motors are out of step: each swimmer meets the others'
+averages over their periods.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from functools import cached_property
+from typing import Any
+
+import numpy as np
+from scipy.spatial import KDTree
+
+from microswim.errors import SpecError
+from microswim.models.group.from_afar import FromAfar, from_afar
+from microswim.models.group.singularities import flow, near_quadrupoles
+from microswim.numerics.array import Array
+from microswim.swimmer.group import Group
+from microswim.swimmer.member import about_s, towards
+
+#: Sizes of a swimmer within which neighbours' quadrupoles count.
+NEAR = 8.0
+
+
+@dataclass(frozen=True, eq=False)
+class Swarm:
+    """Swimmers of a few kinds, seen from afar.
+
+    Parameters
+    ----------
+    kinds : sequence of FromAfar
+    kind : (n,)
+        Which of them each swimmer is.
+    wrench : (n, 6)
+        External force and torque, in the scene's axes.
+    viscosity : float
+        Of the fluid.
+    signs : (n,)
+        In which sense the tails turn as their phases grow.
+    """
+
+    kinds: Sequence[FromAfar]
+    kind: Array
+    wrench: Array
+    viscosity: float
+    signs: Array
+
+    @cached_property
+    def rates(self) -> Array:
+        """Phase rates of the motors (n,)."""
+        return self._each([k.rate for k in self.kinds])
+
+    def _each(self, of_kinds: Sequence[Any]) -> Array:
+        """Return what is given for each kind for each swimmer."""
+        return np.asarray(of_kinds)[self.kind.astype(int)]
+
+    def along_paths(self, Q: Array, phases: Array) -> Array:
+        """Return rotations (n, 3, 3) with s along the mean paths of swimmers at rotations Q.
+
+        The axis of a helix' screw turns with its phase.
+        """
+        axes = self._each([k.axis for k in self.kinds])
+        turned = [about_s(a) @ n for a, n in zip(self.signs * phases, axes, strict=True)]
+        return Q @ np.array([towards(n) for n in turned])
+
+    @cached_property
+    def size(self) -> float:
+        """Size of the largest swimmer."""
+        return max(k.size for k in self.kinds)
+
+    def velocity(self, X: Array, Q: Array) -> tuple[Array, float, float]:
+        """Return velocities (n, 6) in the swimmers' axes, their error, the smallest distance.
+
+        Parameters
+        ----------
+        X, Q
+            Bodies' centres (n, 3) and rotations (n, 3, 3) to the scene's axes.
+        """
+        V, F, D, quadrupoles = self._alone(Q)
+        u, g = flow(X, F, D, self.viscosity)
+        pairs = KDTree(X).query_pairs(NEAR * self.size, output_type="ndarray")
+        last, slope = np.zeros_like(u), np.zeros_like(g)
+        near_quadrupoles(np.ascontiguousarray(X), quadrupoles, pairs, last, slope)
+        last, slope = (x / (8.0 * np.pi * self.viscosity) for x in (last, slope))
+        ends = self._answer(Q, last, slope)
+        V_all = V + self._answer(Q, u, g) + ends
+        apart = np.linalg.norm(X[pairs[:, 0]] - X[pairs[:, 1]], axis=1)
+        nearest = float(apart.min()) if len(apart) else float("inf")
+        return V_all, self._error(V, ends), nearest
+
+    def _error(self, V: Array, ends: Array) -> float:
+        """Return the largest share of a velocity that the last term kept is of."""
+        own = np.linalg.norm(V[:, :3], axis=1)
+        speed = np.where(own > 0.0, own, own.max())
+        moved = np.linalg.norm(ends[:, :3], axis=1)
+        turned = self.size * np.linalg.norm(ends[:, 3:], axis=1)
+        off = np.maximum(moved, turned)
+        return float(np.max(np.divide(off, speed, out=np.zeros_like(off), where=speed > 0.0)))
+
+    def _alone(self, Q: Array) -> tuple[Array, ...]:
+        """Return velocities in the swimmers' axes, forces, dipoles and quadrupoles in the scene's,
+        of swimmers without neighbours.
+        """
+        n = len(Q)
+        V, F, D, last = np.zeros((n, 6)), *(np.zeros((n, *m * (3,))) for m in (1, 2, 3))
+        load = np.ones((n, 7))
+        load[:, :3] = np.einsum("nji,nj->ni", Q, self.wrench[:, :3])
+        load[:, 3:6] = np.einsum("nji,nj->ni", Q, self.wrench[:, 3:])
+        for k, one in enumerate(self.kinds):
+            r = self.kind == k
+            q, w = Q[r], load[r]
+            V[r] = w @ one.motion.T
+            F[r] = np.einsum("nja,aw,nw->nj", q, one.force, w, optimize=True)
+            D[r] = np.einsum("nja,nkb,abw,nw->njk", q, q, one.dipole, w, optimize=True)
+            own = np.einsum("abcw,nw->nabc", one.quadrupole, w)
+            last[r] = np.einsum("nja,nkb,nlc,nabc->njkl", q, q, q, own, optimize=True)
+        return V, F, D, last
+
+    def _answer(self, Q: Array, u: Array, g: Array) -> Array:
+        """Return velocities (n, 6) in the swimmers' axes in a flow of the scene."""
+        seen = np.empty((len(Q), 3, 4))
+        seen[:, :, 0] = np.einsum("nij,ni->nj", Q, u)
+        seen[:, :, 1:] = np.einsum("nia,nik,nkb->nab", Q, g, Q, optimize=True)
+        out = np.empty((len(Q), 6))
+        for k, one in enumerate(self.kinds):
+            r = self.kind == k
+            out[r] = np.einsum("sjk,njk->ns", one.response, seen[r])
+        return out
+
+
+def swarm(group: Group, level: str = "standard") -> Swarm:
+    """Return the swimmers of a group seen from afar.
+
+    Raises
+    ------
+    SpecError
+        Beside a wall.
+    """
+    if group.wall is not None:
+        raise SpecError('wall: model = "far" knows free fluid alone; remove the wall')
+    swimmers = {id(m.swimmer): m.swimmer for m in group.members}
+    order = {key: k for k, key in enumerate(swimmers)}
+    return Swarm(
+        kinds=[from_afar(s, level) for s in swimmers.values()],
+        kind=np.array([order[id(m.swimmer)] for m in group.members]),
+        wrench=np.array([[*m.force, *m.torque] for m in group.members]),
+        viscosity=float(group.viscosity),
+        signs=np.array([m.swimmer.tail.sign for m in group.members]),
+    )

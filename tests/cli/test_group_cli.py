@@ -116,3 +116,48 @@ def test_a_time_that_makes_no_sense_is_refused(scene, asked, said):
     result = run(scene, *asked)
     assert result.exit_code == 2
     assert said in result.stderr
+
+
+PLACES = "x;y;z;dx;dy;dz;phase (deg)\n" + "".join(
+    f"{12 * (i % 3)};{12 * (i // 3)},5;0;1;0,1;{i}e-2;{30 * i}\n" for i in range(9)
+)
+
+
+def test_many_places_make_many_swimmers_seen_from_afar(tmp_path):
+    (tmp_path / "cells.csv").write_text(PLACES)
+    scene = tmp_path / "drop.toml"
+    scene.write_text('[[swimmer]]\npreset = "tabak/helix"\nplaces = "cells.csv"\n')
+    members = ms.Group.from_toml(scene).members
+    assert [m.position[1] for m in members[::3]] == [0.5, 12.5, 24.5]
+    assert members[4].direction == pytest.approx((1.0, 0.1, 0.04))
+    assert members[3].phase == pytest.approx(np.pi / 2)
+    asked = ("--time", "3", "--samples", "3", "--level", "coarse", "--model", "far")
+    result = run(scene, *asked, "--json")
+    assert result.exit_code == 0, result.stderr
+    found = json.loads(result.stdout)
+    assert found["model"] == "far"
+    assert np.shape(found["position"]) == (9, 3)
+    assert found["nearest"] == pytest.approx(12.0, abs=0.1)
+    assert 0 < found["expected_error"]["velocity"] < 0.02
+    assert "swimmer 8" in run(scene, *asked).stdout
+
+
+@pytest.mark.parametrize(
+    ("table", "more", "told"),
+    [
+        ("x,y\n1,2\n", "", "no column z"),
+        ("x,y,z\n1,2,\n", "", "z: no number in row 1"),
+        ("x (um),y (um),z (um)\n1,2,3\n", "", "has a unit and the swimmer has none"),
+        ("x,y,z,dx\n1,2,3,1\n", "", "give dx, dy and dz"),
+        ("x,y,z,spin\n1,2,3,1\n", "", "column spin: not known"),
+        ("x,y,z\n1,2,3\n", "position = [1, 2, 3]\n", "its places say it too"),
+    ],
+)
+def test_places_that_are_none_are_refused_in_a_sentence(tmp_path, table, more, told):
+    (tmp_path / "cells.csv").write_text(table)
+    scene = tmp_path / "drop.toml"
+    scene.write_text(f'[[swimmer]]\npreset = "tabak/helix"\nplaces = "cells.csv"\n{more}')
+    result = run(scene, "--time", "3", "--model", "far")
+    assert result.exit_code == 2
+    assert told in result.stderr
+    assert "Traceback" not in result.stderr

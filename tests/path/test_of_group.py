@@ -96,3 +96,35 @@ def test_a_path_that_was_stopped_is_gone_on_with_to_the_same_numbers(tmp_path):
     assert again.identical(whole)
     with pytest.raises(ms.SpecError, match="another path"):
         ms.group_path(PAIR, [0.0, 0.5], level="coarse", keep=place)
+
+
+def test_from_afar_one_swimmer_follows_the_axis_of_its_screw():
+    """Against the path of its gait, about the mean path by the radius of the screw."""
+    times, gait = np.array([0.0, 150.0]), HELIX.gait("bem", level="coarse")
+    for phase in (0.0, 1.0):
+        one = ms.Group((ms.Member(swimmer=HELIX, phase=phase),))
+        found = ms.group_path(one, times, model="far", level="coarse").position[-1, 0].values
+        known = ms.trajectory(gait, times, phase=phase).position[-1].values
+        assert np.linalg.norm(known) > 4.0
+        assert np.linalg.norm(found - known) < 2.5 * ms.screw(gait).radius
+
+
+def test_from_afar_a_pair_goes_where_the_point_forces_say():
+    """Motors in step by the one, out of step by the other, which far apart is the same."""
+    there = PAIR.moved(positions=[(0, 0, 0), (1, 7, 2)])
+    times = np.array([0.0, 20.0])
+    ends = [ms.group_path(there, times, model=m, level="coarse") for m in ("estimate", "far")]
+    alone = ms.group_path(there.moved(positions=[(0, 0, 0), (1, 1e6, 2)]), times, model="far",
+                          level="coarse")  # fmt: skip
+    near, far = (e.position[-1].values for e in ends)
+    changed = np.linalg.norm(far[0] - alone.position[-1, 0].values)
+    radius = ms.screw(HELIX.gait("bem", level="coarse")).radius
+    assert changed > 3 * radius
+    assert np.linalg.norm(near - far, axis=1).max() < 2.5 * radius + 0.15 * changed
+    assert float(ends[1].expected_error.max()) < 0.02
+
+
+def test_from_afar_swimmers_that_come_too_near_are_refused():
+    near = PAIR.moved(positions=[(0, 0, 0), (0, 1.2, 0)])
+    with pytest.raises(ms.MicroswimError, match=r'model = "far".*take model = "bem"'):
+        ms.group_path(near, [0.0, 1.0], model="far", level="coarse")

@@ -18,8 +18,11 @@ from microswim.swimmer.member import direction_and_roll
 
 #: Steps in a period of the fastest motor, and the largest turn in a step (rad).
 STEPS, TURN = 16, 0.35
-#: Share of the smallest distance by which two swimmers may come nearer in a step.
+#: Share of the smallest distance, or of a swimmer's size if that is larger, by which two swimmers
+#: may come nearer in a step.
 NEARER = 0.1
+#: Share of many swimmers within the stated error.
+HELD = 0.95
 #: Largest error of an estimate that a path is followed with.
 WORST = 0.25
 
@@ -88,10 +91,12 @@ class FromAfar:
 
     def at(self, pose: Pose) -> tuple[Array, float, float]:
         """Return velocities, their error, a step by how they turn and come nearer."""
-        V, error, nearest = self.swarm.velocity(*pose[:2])
-        _require("far", error)
+        V, errors, nearest = self.swarm.velocity(*pose[:2])
+        half, most = np.quantile(errors, [0.5, HELD], method="higher")
+        _require("far", float(half))
         speed, turning = (float(np.linalg.norm(v, axis=1).max()) for v in (V[:, :3], V[:, 3:]))
-        return V, error, _over(max(turning / TURN, 2.0 * speed / (NEARER * nearest)))
+        apart = max(nearest, self.swarm.size)
+        return V, float(most), _over(max(turning / TURN, 2.0 * speed / (NEARER * apart)))
 
 
 def _over(rate: float) -> float:

@@ -17,7 +17,7 @@ from microswim.numerics.array import Array
 from microswim.numerics.compiling.compiled import njit
 
 #: Singularities from which on the fast sum is the faster one, and its precision.
-MANY, PRECISION = 2000, 1e-4
+MANY, PRECISION = 3000, 1e-3
 
 
 def flow(X: Array, F: Array, D: Array, viscosity: float) -> tuple[Array, Array]:
@@ -40,8 +40,25 @@ def flow(X: Array, F: Array, D: Array, viscosity: float) -> tuple[Array, Array]:
     fast = _fast_sum() if len(X) >= MANY else None
     if fast is not None:
         return _by_fmm(fast, X, F, D, viscosity)
+    every = np.stack(np.triu_indices(len(X), 1), axis=1)
+    return flow_of_pairs(X, F, D, every, np.ones(len(every)), viscosity)
+
+
+def flow_of_pairs(
+    X: Array, F: Array, D: Array, pairs: Array, weight: Array, viscosity: float
+) -> tuple[Array, Array]:
+    """Return the same by some pairs (m, 2) alone, both ways, each times its weight (m,)."""
     u, g = np.zeros((len(X), 3)), np.zeros((len(X), 3, 3))
-    pair_by_pair(*map(np.ascontiguousarray, (X, F, D)), u, g)
+    near_dipoles(*map(np.ascontiguousarray, (X, F, D, pairs, weight)), u, g)
+    return u / (8.0 * np.pi * viscosity), g / (8.0 * np.pi * viscosity)
+
+
+def flow_of_quadrupoles(
+    X: Array, Q: Array, pairs: Array, weight: Array, viscosity: float
+) -> tuple[Array, Array]:
+    """Return the same of quadrupoles (n, 3, 3, 3), ``Q[j, k, l] = f_j x_k x_l``."""
+    u, g = np.zeros((len(X), 3)), np.zeros((len(X), 3, 3))
+    near_quadrupoles(*map(np.ascontiguousarray, (X, Q, pairs, weight)), u, g)
     return u / (8.0 * np.pi * viscosity), g / (8.0 * np.pi * viscosity)
 
 
@@ -88,55 +105,51 @@ def _doublets(D: Array) -> tuple[Array, Array]:
 
 
 @njit(cache=True, fastmath=True)
-def pair_by_pair(X, F, D, u, g):
-    """Add 8 pi mu times the flow of forces and dipoles at one another; g[:, i, k] = d_k u_i.
+def near_dipoles(X, F, D, pairs, weight, u, g):
+    """Add 8 pi mu times the flow of forces and dipoles between pairs (m, 2), both ways.
 
-    With q = x.D.x, v = (D + D') x and w = (D - D') x the dipole's flow is
+    g[:, i, k] = d_k u_i. With q = x.D.x, v = (D + D') x and w = (D - D') x the dipole's flow is
     ``u = w/r^3 + x (3 q/r^5 - tr D/r^3)``.
     """
-    n = X.shape[0]
     x, v, w = np.empty(3), np.empty(3), np.empty(3)
-    for a in range(n):
-        for b in range(n):
-            if a == b:
-                continue
-            for i in range(3):
-                x[i] = X[a, i] - X[b, i]
-            r2 = x[0] * x[0] + x[1] * x[1] + x[2] * x[2]
-            i1 = 1.0 / np.sqrt(r2)
-            i2 = i1 * i1
-            i3 = i1 * i2
-            i5 = i3 * i2
-            q, trace, along = 0.0, 0.0, 0.0
-            for i in range(3):
-                up, down = 0.0, 0.0
-                for k in range(3):
-                    up += D[b, i, k] * x[k]
-                    down += D[b, k, i] * x[k]
-                v[i], w[i] = up + down, up - down
-                q += x[i] * up
-                trace += D[b, i, i]
-                along += x[i] * F[b, i]
-            size = 3.0 * q * i5 - trace * i3 + along * i3
-            for i in range(3):
-                u[a, i] += F[b, i] * i1 + w[i] * i3 + x[i] * size
-                g[a, i, i] += size
-                for k in range(3):
-                    slope = 3.0 * v[k] * i5 - 15.0 * q * x[k] * i5 * i2 + 3.0 * trace * x[k] * i5
-                    slope += F[b, k] * i3 - 3.0 * along * x[k] * i5
-                    turning = (D[b, i, k] - D[b, k, i]) * i3 - 3.0 * w[i] * x[k] * i5
-                    g[a, i, k] += turning + x[i] * slope - F[b, i] * x[k] * i3
+    for m in range(2 * len(pairs)):
+        a, b, share = pairs[m // 2, m % 2], pairs[m // 2, 1 - m % 2], weight[m // 2]
+        for i in range(3):
+            x[i] = X[a, i] - X[b, i]
+        i2 = 1.0 / (x[0] * x[0] + x[1] * x[1] + x[2] * x[2])
+        i1 = np.sqrt(i2)
+        i3 = i1 * i2
+        i5 = i3 * i2
+        q, trace, along = 0.0, 0.0, 0.0
+        for i in range(3):
+            up, down = 0.0, 0.0
+            for k in range(3):
+                up += D[b, i, k] * x[k]
+                down += D[b, k, i] * x[k]
+            v[i], w[i] = up + down, up - down
+            q += x[i] * up
+            trace += D[b, i, i]
+            along += x[i] * F[b, i]
+        size = 3.0 * q * i5 - trace * i3 + along * i3
+        for i in range(3):
+            u[a, i] += share * (F[b, i] * i1 + w[i] * i3 + x[i] * size)
+            g[a, i, i] += share * size
+            for k in range(3):
+                slope = 3.0 * v[k] * i5 - 15.0 * q * x[k] * i5 * i2 + 3.0 * trace * x[k] * i5
+                slope += F[b, k] * i3 - 3.0 * along * x[k] * i5
+                turning = (D[b, i, k] - D[b, k, i]) * i3 - 3.0 * w[i] * x[k] * i5
+                g[a, i, k] += share * (turning + x[i] * slope - F[b, i] * x[k] * i3)
 
 
 @njit(cache=True, fastmath=True)
-def near_quadrupoles(X, Q, pairs, u, g):
-    """Add 8 pi mu times the flow of quadrupoles Q (n, 3, 3, 3) between pairs (m, 2), both ways.
+def near_quadrupoles(X, Q, pairs, weight, u, g):
+    """Add 8 pi mu times the flow of quadrupoles between pairs (m, 2), both ways.
 
     u_i = Q_ikl phi_kl/2 - Q_jil phi_jl - x_i Q_jkl phi_jkl/2
     """
     x, two, three = np.empty(3), np.empty((3, 3)), np.empty((3, 3, 3))
     for m in range(2 * len(pairs)):
-        a, b = pairs[m // 2, m % 2], pairs[m // 2, 1 - m % 2]
+        a, b, share = pairs[m // 2, m % 2], pairs[m // 2, 1 - m % 2], weight[m // 2]
         for i in range(3):
             x[i] = X[a, i] - X[b, i]
         i2 = 1.0 / (x[0] * x[0] + x[1] * x[1] + x[2] * x[2])
@@ -155,15 +168,15 @@ def near_quadrupoles(X, Q, pairs, u, g):
         for j in range(3):
             for k in range(3):
                 for l in range(3):
-                    whole += 0.5 * Q[b, j, k, l] * three[j, k, l]
+                    whole += 0.5 * share * Q[b, j, k, l] * three[j, k, l]
         for i in range(3):
             u[a, i] -= x[i] * whole
             g[a, i, i] -= whole
             for k in range(3):
                 for l in range(3):
-                    u[a, i] += 0.5 * Q[b, i, k, l] * two[k, l] - Q[b, k, i, l] * two[k, l]
+                    own = share * (0.5 * Q[b, i, k, l] - Q[b, k, i, l])
+                    u[a, i] += own * two[k, l]
                     for p in range(3):
-                        own = 0.5 * Q[b, i, k, l] - Q[b, k, i, l]
                         g[a, i, p] += own * three[k, l, p]
         for p in range(3):
             slope = 0.0  # Q_jkl phi_jklp / 2
@@ -186,6 +199,6 @@ def near_quadrupoles(X, Q, pairs, u, g):
                             fourth -= 15.0 * x[j] * x[l] * i7
                         if l == p:
                             fourth -= 15.0 * x[j] * x[k] * i7
-                        slope += 0.5 * Q[b, j, k, l] * fourth
+                        slope += 0.5 * share * Q[b, j, k, l] * fourth
             for i in range(3):
                 g[a, i, p] -= x[i] * slope

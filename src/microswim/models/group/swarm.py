@@ -4,7 +4,9 @@
 
 What each is alone comes from `from_afar`; the flow that comes back is left out, and what is told of
 a near neighbour ends with its quadrupole. Motors are out of step: each swimmer meets the others'
-averages over their periods.
+averages over their periods. Where a neighbour's centre is nearer than the swimmer is long the terms
+say nothing; their share falls with the fifth power of the distance, so that none grows without
+bound, and the swimmer counts as one that is not known.
 """
 
 from __future__ import annotations
@@ -19,7 +21,7 @@ from scipy.spatial import KDTree
 
 from microswim.errors import SpecError
 from microswim.models.group.from_afar import FromAfar, from_afar
-from microswim.models.group.singularities import flow, near_quadrupoles
+from microswim.models.group.singularities import flow, flow_of_pairs, flow_of_quadrupoles
 from microswim.numerics.array import Array
 from microswim.swimmer.group import Group
 from microswim.swimmer.member import about_s, towards
@@ -74,8 +76,10 @@ class Swarm:
         """Size of the largest swimmer."""
         return max(k.size for k in self.kinds)
 
-    def velocity(self, X: Array, Q: Array) -> tuple[Array, float, float]:
-        """Return velocities (n, 6) in the swimmers' axes, their error, the smallest distance.
+    def velocity(self, X: Array, Q: Array) -> tuple[Array, Array, float]:
+        """Return velocities (n, 6) in the swimmers' axes, errors (n,), the smallest distance.
+
+        An error is a share of the swimmer's speed: of what the last term kept gives.
 
         Parameters
         ----------
@@ -83,25 +87,25 @@ class Swarm:
             Bodies' centres (n, 3) and rotations (n, 3, 3) to the scene's axes.
         """
         V, F, D, quadrupoles = self._alone(Q)
-        u, g = flow(X, F, D, self.viscosity)
         pairs = KDTree(X).query_pairs(NEAR * self.size, output_type="ndarray")
-        last, slope = np.zeros_like(u), np.zeros_like(g)
-        near_quadrupoles(np.ascontiguousarray(X), quadrupoles, pairs, last, slope)
-        last, slope = (x / (8.0 * np.pi * self.viscosity) for x in (last, slope))
-        ends = self._answer(Q, last, slope)
-        V_all = V + self._answer(Q, u, g) + ends
         apart = np.linalg.norm(X[pairs[:, 0]] - X[pairs[:, 1]], axis=1)
+        close, weight = apart < self.size, np.minimum(apart / self.size, 1.0) ** 5
+        u, g = flow(X, F, D, self.viscosity)
+        over = flow_of_pairs(X, F, D, pairs[close], weight[close] - 1.0, self.viscosity)
+        ends = self._answer(Q, *flow_of_quadrupoles(X, quadrupoles, pairs, weight, self.viscosity))
+        error = self._errors(V, ends)
+        error[pairs[close]] = 1.0
         nearest = float(apart.min()) if len(apart) else float("inf")
-        return V_all, self._error(V, ends), nearest
+        return V + self._answer(Q, u + over[0], g + over[1]) + ends, error, nearest
 
-    def _error(self, V: Array, ends: Array) -> float:
-        """Return the largest share of a velocity that the last term kept is of."""
+    def _errors(self, V: Array, ends: Array) -> Array:
+        """Return of which share of each velocity the last term kept is (n,)."""
         own = np.linalg.norm(V[:, :3], axis=1)
         speed = np.where(own > 0.0, own, own.max())
         moved = np.linalg.norm(ends[:, :3], axis=1)
         turned = self.size * np.linalg.norm(ends[:, 3:], axis=1)
         off = np.maximum(moved, turned)
-        return float(np.max(np.divide(off, speed, out=np.zeros_like(off), where=speed > 0.0)))
+        return np.divide(off, speed, out=np.zeros_like(off), where=speed > 0.0)
 
     def _alone(self, Q: Array) -> tuple[Array, ...]:
         """Return velocities in the swimmers' axes, forces, dipoles and quadrupoles in the scene's,

@@ -45,7 +45,7 @@ def flow(X: Array, F: Array, D: Array, viscosity: float) -> tuple[Array, Array]:
 
 
 def flow_of_pairs(
-    X: Array, F: Array, D: Array, pairs: Array, weight: Array, viscosity: float
+    X: Array, F: Array, D: Array, pairs: np.ndarray, weight: Array, viscosity: float
 ) -> tuple[Array, Array]:
     """Return the same by some pairs (m, 2) alone, both ways, each times its weight (m,)."""
     u, g = np.zeros((len(X), 3)), np.zeros((len(X), 3, 3))
@@ -54,7 +54,7 @@ def flow_of_pairs(
 
 
 def flow_of_quadrupoles(
-    X: Array, Q: Array, pairs: Array, weight: Array, viscosity: float
+    X: Array, Q: Array, pairs: np.ndarray, weight: Array, viscosity: float
 ) -> tuple[Array, Array]:
     """Return the same of quadrupoles (n, 3, 3, 3), ``Q[j, k, l] = f_j x_k x_l``."""
     u, g = np.zeros((len(X), 3)), np.zeros((len(X), 3, 3))

@@ -9,6 +9,7 @@ import numpy as np
 
 from microswim.models.elastic.beat import Beat, drive
 from microswim.models.elastic.growth import NEUTRAL, growth
+from microswim.models.elastic.stroke import Stroke
 from microswim.models.elastic.whirl import Whirl
 from microswim.numerics.series.fourier import evaluate, series_of
 
@@ -32,6 +33,26 @@ def of_beat(beat: Beat) -> dict[str, Any]:
     }
 
 
+def of_stroke(beat: Stroke) -> dict[str, Any]:
+    """Return the same of a beat in space."""
+    shape, rod = np.real(beat.shape), beat.of.rod
+    tips, bends = [], []
+    for time, q in zip(beat.times, shape):
+        now = beat.at(time, q)
+        tips.append(now.at.place[-1] + now.moved.place)
+        bends.append(np.hypot(*(rod.curvatures @ q.reshape(3, -1).T).T[:2]).max())
+    often = np.linspace(0.0, 2.0 * np.pi, OFTEN)
+    tip = evaluate(series_of(np.array(tips)), often)[:, 1:]
+    return {
+        "sperm_number": float(np.real(beat.of.drag.normal) ** 0.25),
+        "unknowns": int(shape.size + np.size(beat.velocity)),
+        "newton_steps": beat.steps,
+        **_settling(beat.growth),
+        "tip_amplitude": float(np.linalg.norm(np.ptp(tip, axis=0))) / 2.0,
+        "largest_curvature": float(max(bends)),
+    }
+
+
 def of_whirl(found: Whirl) -> dict[str, Any]:
     """Return the same of a shape that turns as a whole."""
     place, strain = np.real(found.pose.place), np.real(found.shape) @ found.rod.curvatures.T
@@ -45,7 +66,8 @@ def of_whirl(found: Whirl) -> dict[str, Any]:
     }
 
 
-def _settling(factor: float) -> dict[str, Any]:
+def _settling(multiplier: complex) -> dict[str, Any]:
+    factor = abs(multiplier)
     periods = None  # until a disturbance is a millionth of itself; None if it never is
     if factor < 1.0 - NEUTRAL:
         periods = math.log(1e-6) / math.log(factor) if factor > 0.0 else 0.0

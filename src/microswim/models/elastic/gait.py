@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import replace
 from typing import Any
 
@@ -14,6 +15,8 @@ from microswim.models.elastic import findings
 from microswim.models.elastic.beat import Beat, settled
 from microswim.models.elastic.problem import elastic_tail, problem
 from microswim.models.elastic.settled_tail import centreline, settled_tail
+from microswim.models.elastic.stroke import stroke
+from microswim.models.elastic.stroke_tail import samples_of, stroke_tail
 from microswim.models.elastic.whirl import whirl
 from microswim.models.elastic.whirled_tail import whirled_centreline, whirled_tail
 from microswim.models.rft.gait import (
@@ -24,6 +27,7 @@ from microswim.models.rft.gait import (
 )
 from microswim.numerics.series.fourier import add, rotate
 from microswim.swimmer import physical_sense
+from microswim.swimmer.geometry.tails.elastic.elastic_tail import SIZE
 from microswim.swimmer.swimmer import SURROUNDINGS, Swimmer
 
 
@@ -41,6 +45,8 @@ def settled_swimmer(swimmer: Swimmer) -> Swimmer:
     tail = elastic_tail(swimmer)
     if tail.turns:
         return replace(swimmer, tail=whirled_tail(tail, whirl(swimmer)), hook=None)
+    if in_space(swimmer):
+        return replace(swimmer, tail=stroke_tail(tail, stroke(swimmer)), hook=None)
     return replace(swimmer, tail=settled_tail(tail, settled(problem(swimmer))), hook=None)
 
 
@@ -72,8 +78,7 @@ def gait(swimmer: Swimmer, *, phases: int | None = None) -> Gait:
     """
     checks.count("phases", phases)
     physical_sense.require_drag(swimmer)
-    sums = _turning if elastic_tail(swimmer).turns else _beating
-    series, about = sums(swimmer, phases)
+    series, about = _sums(swimmer)(swimmer, phases)
     body = body_resistance(swimmer)[None]
     made = Gait(
         add(series[0], body),
@@ -87,6 +92,34 @@ def gait(swimmer: Swimmer, *, phases: int | None = None) -> Gait:
     )
     physical_sense.require_dissipation(swimmer, made)
     return made
+
+
+def in_space(swimmer: Swimmer) -> bool:
+    """Return whether the tail beats in space: bent out of its plane at rest, or under loads."""
+    tail = elastic_tail(swimmer)
+    if tail.turns or not (tail.drive in SIZE and tail.rate):
+        return False
+    rest = tail.rest_shape
+    return bool(loads_on(swimmer)) or not (rest is None or rest.is_planar)
+
+
+def loads_on(swimmer: Swimmer) -> list[str]:
+    """Return what pulls at the tail of a swimmer that is held in one place."""
+    if any(swimmer.motion.mask):
+        return []
+    return [name for name in ("gravity", "flow", "wall") if getattr(swimmer, name) is not None]
+
+
+def _sums(swimmer: Swimmer) -> Callable[[Swimmer, int | None], tuple[tuple[np.ndarray, ...], dict]]:
+    if elastic_tail(swimmer).turns:
+        return _turning
+    return _in_space if in_space(swimmer) else _beating
+
+
+def _in_space(swimmer: Swimmer, phases: int | None) -> tuple[tuple[np.ndarray, ...], dict]:
+    beat = stroke(swimmer)
+    series = series_over_period(samples_of(elastic_tail(swimmer), beat), phases)
+    return series, findings.of_stroke(beat)
 
 
 def _beating(swimmer: Swimmer, phases: int | None) -> tuple[tuple[np.ndarray, ...], dict]:
@@ -124,7 +157,17 @@ def _summed(
 def _remarks(swimmer: Swimmer, about: dict[str, Any]) -> list[str]:
     around = [name for name in swimmer.parts if name in SURROUNDINGS]
     found = list(swimmer.remarks_on_drag)
-    found += [f"the elastic tail knows no {name}; it settles as in free space" for name in around]
+    held = loads_on(swimmer) if in_space(swimmer) else []
+    found += [
+        f"the elastic tail knows no {name}; it settles as in free space"
+        for name in around
+        if name not in held
+    ]
+    if held:
+        found.append(
+            f"the tail settles under its {' and '.join(held)}; the wrench is of the drag of its own "
+            "motion, as in still fluid"
+        )
     if elastic_tail(swimmer).drive == "none":
         acting = [name for name in ("field", "gravity", "flow") if getattr(swimmer, name)]
         turned = getattr(swimmer.field, "kind", "") == "rotating"

@@ -25,14 +25,23 @@ STAGES = np.array([
 NEUTRAL = 1e-6
 
 
-def growth(beat: Beat) -> float:
-    """Return the factor by which the slowest disturbance changes in a period."""
+def growth(beat: Beat) -> complex:
+    """Return the factor by which the slowest disturbance changes in a period.
+
+    Below zero it changes its side each time, and is complex where it comes back after others.
+    """
     if not np.real(beat.problem.drag.normal) > 0.0:
         return 0.0
-    carried, times = np.eye(beat.rod.count), 2 if beat.problem.mirrors else 1
-    for step in _steps(_rates(beat), times):
+    return slowest(_rates(beat), 2 if beat.problem.mirrors else 1)
+
+
+def slowest(A: np.ndarray, times: int) -> complex:
+    """Return the same by the rates A at equal phases, (T, n, n), which repeat so often a period."""
+    carried = np.eye(A.shape[-1])
+    for step in _steps(A, times):
         carried = step @ carried
-    return float(np.abs(np.linalg.eigvals(carried)).max() ** times)
+    factors = np.linalg.eigvals(carried)
+    return complex(factors[np.abs(factors).argmax()] ** times)
 
 
 def _rates(beat: Beat) -> np.ndarray:

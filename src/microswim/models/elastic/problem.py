@@ -95,15 +95,11 @@ def problem(swimmer: Swimmer) -> Problem:
     Raises
     ------
     SpecError
-        If its tail is not elastic, is bent out of the plane in which it beats, or would leave it.
+        If its tail is not elastic, or it would leave the plane in which it beats.
     """
     tail = elastic_tail(swimmer)
     check_options(swimmer)
     rest = tail.rest_shape
-    if rest is not None and not rest.is_planar:
-        raise SpecError("tail.rest", "out of the plane s-q",
-                        f'straight or in the plane s-q for the drive "{tail.drive}"',
-                        'give points with r = 0, no rest_pitch, or the drive "rotate"')  # fmt: skip
     if np.any(body_resistance(swimmer)[np.ix_(PLANE, ACROSS)]):
         raise SpecError("interaction.coupling", swimmer.interaction.coupling,
                         "one that keeps the swimmer in the plane s-q, in which its tail beats",

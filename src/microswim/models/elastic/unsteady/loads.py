@@ -11,7 +11,7 @@ Lengths are in L, forces in ``B / L^2``, time over the unit of rate; the field k
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
@@ -61,6 +61,8 @@ class Loads:
         Half the curl of the flow, lab frame, (3,).
     wall
         Beside the swimmer, or None.
+    slope
+        Gradient of the flow, ``du_i/dx_j``, lab frame, (3, 3); None: no flow.
     """
 
     weight: np.ndarray
@@ -75,6 +77,22 @@ class Loads:
     flow: Callable[[np.ndarray], np.ndarray] | None
     spin: np.ndarray
     wall: Wall | None
+    slope: np.ndarray | None = None
+
+    def still(self, held: bool) -> Loads:
+        """Return what acts on a swimmer in one place: no field, and nothing on one that is free."""
+        none, same = np.zeros(3), replace(self, field=None)
+        if held:
+            return same
+        return replace(same, weight=none, body_weight=none, flow=None, spin=none, wall=None, slope=None)
+
+    def share(self, part: float) -> Loads:
+        """Return a part of weight and flow."""
+        flow = self.flow
+        less = None if flow is None else (lambda x: part * flow(x))
+        slope = None if self.slope is None else part * self.slope
+        weight = {"weight": part * self.weight, "body_weight": part * self.body_weight}
+        return replace(self, flow=less, slope=slope, spin=part * self.spin, **weight)
 
 
 @dataclass(frozen=True, eq=False)

@@ -107,6 +107,7 @@ def _loads(swimmer: Swimmer, rod: Any, units: Units, force: Any = (0, 0, 0),
         flow=_flow(swimmer, units),
         spin=np.zeros(3) if flow is None else half_curl(flow) * units.time,
         wall=_wall(swimmer, units),
+        slope=None if flow is None else flow.gradient * units.time,
     )
 
 

@@ -1,0 +1,229 @@
+"""The beat in space that an elastic tail settles to: bent out of its plane at rest, or under loads.
+
+As in `beat`, Newton's method on equal phases of a whole period at once, an odd number of them, with
+two curvatures and the twist as coordinates. A body that is held has its weight, a stream and a wall
+about it, which pull at the filament; one that is free swims in still fluid.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from microswim.errors import MicroswimError
+from microswim.gait import doors
+from microswim.models.elastic.beat import periodic_derivative
+from microswim.models.elastic.growth import slowest
+from microswim.models.elastic.problem import elastic_tail
+from microswim.models.elastic.space import cross_columns, flat
+from microswim.models.elastic.unsteady.numbers import in_time
+from microswim.models.elastic.unsteady.swimmer_in_time import POSE, InTime, Moment
+from microswim.numerics.series.fourier import evaluate, series_of
+from microswim.swimmer.swimmer import Swimmer
+
+FIRST, MOST = (17, 8), 1300  #: phases and polynomials a strain; their product, at most
+TOLERANCE = 1e-5  #: largest share that the last harmonics and strains may have
+
+
+@dataclass(frozen=True, eq=False)
+class Stroke:
+    """A periodic motion of an elastic tail with its body, in space.
+
+    Parameters
+    ----------
+    of
+        What was solved, with which strains; its time is in units of the drive's rate.
+    pose
+        Place and quaternion of the body, (7,).
+    shape
+        Strains (T, 3 n) at T equal times of a period.
+    velocity
+        Free velocities of the body at these times, (T, f).
+    steps
+        Steps of Newton's method.
+    """
+
+    of: InTime
+    pose: np.ndarray
+    shape: np.ndarray
+    velocity: np.ndarray
+    steps: int
+
+    @property
+    def times(self) -> np.ndarray:
+        """Its times, (T,)."""
+        return 2.0 * np.pi * np.arange(len(self.shape)) / len(self.shape)
+
+    @property
+    def rest(self) -> np.ndarray:
+        """Strains at rest, (3 n,)."""
+        return self.of.rod.rest.ravel()
+
+    def at(self, time: float, q: np.ndarray) -> Moment:
+        """Return the balance of work at a time with these strains."""
+        return self.of.moment(time, np.concatenate([self.pose, q]))
+
+    @property
+    def growth(self) -> complex:
+        """Factor by which the slowest disturbance changes in a period; below zero: it alternates."""
+        f = self.velocity.shape[1]
+        _, M, G = self.balances()
+        return slowest(-np.linalg.solve(np.real(M), np.real(G))[:, f:], 1)
+
+    def balances(self) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+        """Return the work left over (T, N), and its derivatives by velocities and strains."""
+        rates = periodic_derivative(len(self.shape)) @ self.shape
+        rows = []
+        for time, q, V, dq in zip(self.times, self.shape, self.velocity, rates):
+            y, w = np.concatenate([self.pose, q]), np.concatenate([V, dq])
+            now = self.of.moment(time, y)
+            M, work = now.balance(time, y)
+            rows.append((work + M @ w, M, by_strains(now, w)))
+        residual, M, G = zip(*rows)
+        return np.array(residual), np.array(M), np.array(G)
+
+    @property
+    def is_resolved(self) -> tuple[bool, bool]:
+        """Whether harmonics and strains have decayed."""
+        size = np.abs(self.shape).max(initial=0.0)
+        if size == 0.0:
+            return True, True
+        harmonics = np.abs(np.fft.fft(self.shape, axis=0))
+        half = len(harmonics) // 2
+        least = max(TOLERANCE * harmonics[1:].max(), 1e-12 * harmonics.max())
+        own = (self.shape - self.rest).reshape(len(self.shape), 3, -1)[..., -2:]
+        return bool(harmonics[half - 1 : half + 2].max() <= least), bool(
+            np.abs(own).max() <= TOLERANCE * size
+        )
+
+
+def by_strains(now: Moment, w: np.ndarray) -> np.ndarray:
+    """Return the derivative of the work by the strains at fixed velocities, (f + 3 n, 3 n)."""
+    rod, c, f = now.of.rod, now.of.drag, len(now.of.drag.free)
+    m, n = rod.curvatures.shape
+    phi, moved, t = now.turn[..., f:], now.shift[..., f:], now.tangent
+    ahead = np.einsum("mi,mij->mj", rod.heading, now.at.directors)
+    speed = np.einsum("mi,mij->mj", rod.curvatures @ w[f:].reshape(3, n).T, now.at.directors)
+    spun = rod.turns @ speed  # of each section against the base
+    d_spun = _summed(rod.turns, cross_columns(phi, speed[..., None]))
+    d_ahead = cross_columns(phi, ahead[..., None])
+    d_speed = cross_columns(d_spun, ahead[..., None]) + _crossed(spun, d_ahead)
+    V = np.zeros(6, dtype=w.dtype)
+    V[list(c.free)] = w[:f]
+    turning = np.broadcast_to(now.moved.turning + V[3:], (m, 3))
+    dv = _summed(rod.along, d_speed) + _crossed(turning, moved)
+    if now.of.loads.slope is not None:
+        dv = dv - np.einsum("ij,mjk->mik", now.Q.T @ now.of.loads.slope @ now.Q, moved)
+    W_t, W_n, W_r = c.along(rod)
+    along, twist = (t[..., None] * dv).sum(axis=1), (t[..., None] * d_spun).sum(axis=1)
+    df = W_n[:, None, None] * dv + ((W_t - W_n)[:, None] * along)[:, None] * t[..., None]
+    dm = (W_r[:, None] * twist)[:, None] * t[..., None]
+    G = now.stiffness(w)[:, f:]
+    return G + flat(now.shift).T @ flat(df) + flat(now.turn).T @ flat(dm)
+
+
+def _crossed(a: np.ndarray, b: np.ndarray) -> np.ndarray:
+    """Vectors (m, 3) times columns (m, 3, k)."""
+    return -cross_columns(b, a[..., None])
+
+
+def _summed(along: np.ndarray, x: np.ndarray) -> np.ndarray:
+    return (along @ x.reshape(len(x), -1)).reshape(x.shape)
+
+
+def stroke(swimmer: Swimmer) -> Stroke:
+    """Return the beat, with as many phases and strains as it takes.
+
+    Raises
+    ------
+    SpecError
+        As `in_time`.
+    MicroswimError
+        If none is found, or it takes too many.
+    """
+    rest = elastic_tail(swimmer).rest_shape
+    T, n = FIRST
+    number = np.real(in_time(swimmer, 4).drag.normal) ** 0.25
+    n = max(n, int(6 + number), 0 if rest is None else rest.modes() + 2)
+    beat: Stroke | None = None
+    while T * n <= MOST:
+        start = _at_rest(swimmer, T, n)
+        beat = (beat and newton(_finer(beat, start))) or _found(start)
+        in_phase, along = beat.is_resolved
+        if in_phase and along:
+            return beat
+        T, n = (T if in_phase else 2 * T - 1), (n if along else n + max(4, n // 3))
+    raise MicroswimError(
+        f"the elastic tail bends too sharply to be resolved (sperm number "
+        f"{number:.3g}): stiffen it, drive it less, or slower"
+    )
+
+
+def _at_rest(swimmer: Swimmer, T: int, n: int) -> Stroke:
+    of = in_time(swimmer, n)
+    held, pose = not of.drag.free, np.append(np.zeros(3), [1.0, 0.0, 0.0, 0.0])
+    if held and swimmer.wall is not None:
+        place, turned = doors.go(doors.START_BESIDE_WALL, swimmer.wall)
+        pose = np.append(place / np.real(swimmer.tail.length), turned)
+    of = replace(of, loads=of.loads.still(held))
+    return Stroke(of, pose, np.tile(of.rod.rest.ravel(), (T, 1)), np.zeros((T, len(of.drag.free))), 0)
+
+
+def _finer(beat: Stroke, start: Stroke) -> Stroke:
+    """The same beat at the phases and with the strains of another."""
+    old, n = beat.of.rod.count, start.of.rod.count
+    bends, V = (evaluate(series_of(x), start.times) for x in (beat.shape - beat.rest, beat.velocity))
+    more = np.pad(bends.reshape(-1, 3, old), ((0, 0), (0, 0), (0, n - old)))
+    return replace(start, shape=start.rest + more.reshape(len(V), -1), velocity=V)
+
+
+def _found(start: Stroke) -> Stroke:
+    """Newton's method, at a smaller drive and load first where the whole is too far from rest."""
+    beat, done, step = start, 0.0, 1.0
+    while done < 1.0:
+        share = min(1.0, done + step)
+        of = replace(start.of, size=share * start.of.size, loads=start.of.loads.share(share))
+        grown = share / done if done else 0.0
+        near = start.rest + grown * (beat.shape - start.rest)
+        found = newton(replace(beat, of=of, shape=near))
+        if found is not None:
+            done, beat = share, replace(found, steps=found.steps + beat.steps)
+            continue
+        step /= 2.0
+        if step < 0.02:
+            raise MicroswimError(
+                f"no periodic beat of the elastic tail was found beyond {done:.0%} of its drive "
+                "and loads: drive it less or stiffen it"
+            )
+    return beat
+
+
+def newton(beat: Stroke) -> Stroke | None:
+    """Return the beat with no work left over, or None where Newton's method does not get there."""
+    last = np.inf
+    for step in range(1, 16):
+        dz = _correction(beat)
+        size, f = np.abs(dz).max(), beat.velocity.shape[1]
+        shape, velocity = beat.shape + dz[:, f:], beat.velocity + dz[:, :f]
+        beat = replace(beat, shape=shape, velocity=velocity, steps=step)
+        if size <= 1e-9 * max(1.0, np.abs(shape).max()):
+            if last <= 1e-9 or not np.iscomplexobj(dz):
+                return beat
+            size = 0.0  # an imaginary part lags behind by a step
+        if not size < 4.0 * max(last, 1e-9):
+            return None
+        last = size
+    return None
+
+
+def _correction(beat: Stroke) -> np.ndarray:
+    """Newton's step of all phases at once, (T, f + 3 n)."""
+    residual, M, G = beat.balances()
+    T, N = residual.shape
+    f, i = beat.velocity.shape[1], np.arange(T)
+    A = np.zeros((T, N, T, N), dtype=residual.dtype)
+    A[i, :, i, :f] = M[:, :, :f]
+    A[:, :, :, f:] = M[:, :, None, f:] * periodic_derivative(T)[:, None, :, None]
+    A[i, :, i, f:] += G
+    return np.linalg.solve(A.reshape(T * N, T * N), -residual.ravel()).reshape(T, N)

@@ -117,7 +117,10 @@ def _show(numbers: dict[str, Any], table: Table, as_json: bool) -> None:
 
 def _point_to_paths(swimmer: Swimmer) -> None:
     """Say which tables of the spec act along a path alone."""
-    there = [name for name in ("gravity", "flow", "noise") if name in swimmer.parts]
+    tail: Any = swimmer.tail
+    felt = tail.settles and tail.drive != "none" and not any(swimmer.motion.mask)
+    acting = ("noise",) if felt else ("gravity", "flow", "noise")
+    there = [name for name in acting if name in swimmer.parts]
     if there:
         tables = ", ".join(f"[{name}]" for name in there)
         click.echo(f"  note: without {tables}, which act along a path: microswim path follows it")

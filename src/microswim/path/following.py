@@ -131,9 +131,10 @@ def path(
         swimmer by less than 0.1 rad and the field by less than 0.4.
     memory
         Whether an elastic tail is followed from its shape at rest, every piece of it under the
-        loads; otherwise the swimmer has the beat that its tail settles to. By default where no
-        drive makes it beat: ``drive = "none"``, or a magnetic filament. Of a wall such a tail
-        knows a short-range repulsion alone; there is no noise.
+        loads; otherwise the swimmer has the beat that its tail settles to in still fluid. By
+        default where its drive alone does not make its beat: ``drive = "none"``, a magnetic
+        filament, gravity, a wall, a flow that is not uniform, or a flow past one that is held. Of a
+        wall such a tail knows a short-range repulsion alone; there is no noise.
     keep
         File in which the path is kept while it grows; a call that finds it there goes on.
     progress
@@ -197,7 +198,7 @@ def path(
         raise SpecError("paths", paths, "1 without [noise]", "all paths would be the same")
     if paths > MOST_PATHS:
         raise SpecError("paths", paths, f"at most {MOST_PATHS}")
-    loads = loads_of(swimmer, made, three("force", force), three("torque", torque), contact)
+    loads = loads_of(swimmer.settled, made, three("force", force), three("torque", torque), contact)
     start = pose_at_start(swimmer, poses.start, position, quaternion, tilt)
     check_clear(poses, *start, phase)
     times = _times(float(made.period), time, samples)

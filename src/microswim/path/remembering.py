@@ -39,9 +39,19 @@ class Remembered:
 
 
 def remembers(swimmer: Swimmer) -> bool:
-    """Return whether a swimmer has an elastic tail that no drive brings to a beat of its own."""
+    """Return whether a swimmer has an elastic tail whose beat is not that of its drive alone.
+
+    Nothing may drive it, or a field, weight, a wall or a flow that is not the same everywhere pull
+    at it; of a swimmer that is held somewhere also one that is.
+    """
     tail: Any = swimmer.tail
-    return bool(tail.settles) and (tail.drive == "none" or tail.is_magnetic)
+    if not tail.settles or swimmer.noise is not None:
+        return bool(tail.settles) and (tail.drive == "none" or tail.is_magnetic)
+    flow = swimmer.flow
+    sheared = flow is not None and (flow.bends or bool(np.any(flow.gradient)))
+    dragged = flow is not None and not all(swimmer.motion.mask[:3])
+    loaded = swimmer.gravity is not None or swimmer.wall is not None or sheared or dragged
+    return tail.drive == "none" or tail.is_magnetic or loaded
 
 
 def period_of(swimmer: Swimmer) -> float:

@@ -43,10 +43,10 @@ def settled_swimmer(swimmer: Swimmer) -> Swimmer:
         If it settles to nothing periodic.
     """
     tail = elastic_tail(swimmer)
-    if tail.turns:
-        return replace(swimmer, tail=whirled_tail(tail, whirl(swimmer)), hook=None)
     if in_space(swimmer):
         return replace(swimmer, tail=stroke_tail(tail, stroke(swimmer)), hook=None)
+    if tail.turns:
+        return replace(swimmer, tail=whirled_tail(tail, whirl(swimmer)), hook=None)
     return replace(swimmer, tail=settled_tail(tail, settled(problem(swimmer))), hook=None)
 
 
@@ -97,9 +97,9 @@ def gait(swimmer: Swimmer, *, phases: int | None = None) -> Gait:
 def in_space(swimmer: Swimmer) -> bool:
     """Return whether the tail beats in space: bent out of its plane at rest, or under loads."""
     tail = elastic_tail(swimmer)
-    if tail.turns or not (tail.drive in SIZE and tail.rate):
+    if not (tail.drive in SIZE and tail.rate):
         return False
-    rest = tail.rest_shape
+    rest = None if tail.turns else tail.rest_shape
     return bool(loads_on(swimmer)) or not (rest is None or rest.is_planar)
 
 
@@ -111,9 +111,9 @@ def loads_on(swimmer: Swimmer) -> list[str]:
 
 
 def _sums(swimmer: Swimmer) -> Callable[[Swimmer, int | None], tuple[tuple[np.ndarray, ...], dict]]:
-    if elastic_tail(swimmer).turns:
-        return _turning
-    return _in_space if in_space(swimmer) else _beating
+    if in_space(swimmer):
+        return _in_space
+    return _turning if elastic_tail(swimmer).turns else _beating
 
 
 def _in_space(swimmer: Swimmer, phases: int | None) -> tuple[tuple[np.ndarray, ...], dict]:
@@ -165,8 +165,8 @@ def _remarks(swimmer: Swimmer, about: dict[str, Any]) -> list[str]:
     ]
     if held:
         found.append(
-            f"the tail settles under its {' and '.join(held)}; the wrench is of the drag of its own "
-            "motion, as in still fluid"
+            f"the tail settles under its {' and '.join(held)}; wrench and power are of the drag of "
+            "its own motion, as in still fluid"
         )
     if elastic_tail(swimmer).drive == "none":
         acting = [name for name in ("field", "gravity", "flow") if getattr(swimmer, name)]

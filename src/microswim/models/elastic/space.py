@@ -207,5 +207,5 @@ def _dot(a: np.ndarray, b: np.ndarray) -> np.ndarray:
 
 def cross_columns(a: np.ndarray, b: np.ndarray) -> np.ndarray:
     """Return the vector product over the axis of components, the second."""
-    (x, y, z), (u, v, w) = np.moveaxis(a, 1, 0), np.moveaxis(b, 1, 0)
+    x, y, z, u, v, w = a[:, 0], a[:, 1], a[:, 2], b[:, 0], b[:, 1], b[:, 2]
     return np.stack([y * w - z * v, z * u - x * w, x * v - y * u], axis=1)

@@ -18,12 +18,13 @@ from microswim.models.elastic.growth import slowest
 from microswim.models.elastic.problem import elastic_tail
 from microswim.models.elastic.space import cross_columns, flat
 from microswim.models.elastic.unsteady.numbers import in_time
-from microswim.models.elastic.unsteady.swimmer_in_time import POSE, InTime, Moment
+from microswim.models.elastic.unsteady.swimmer_in_time import InTime, Moment
 from microswim.numerics.series.fourier import evaluate, series_of
 from microswim.swimmer.swimmer import Swimmer
 
 FIRST, MOST = (17, 8), 1300  #: phases and polynomials a strain; their product, at most
-TOLERANCE = 1e-5  #: largest share that the last harmonics and strains may have
+TOLERANCE = 1e-4  #: largest share that the last harmonics and strains may have
+CLOSE = 1e-6  #: last step of Newton's method, whose square is left over
 
 
 @dataclass(frozen=True, eq=False)
@@ -66,7 +67,7 @@ class Stroke:
 
     @property
     def growth(self) -> complex:
-        """Factor by which the slowest disturbance changes in a period; below zero: it alternates."""
+        """Factor by which the slowest disturbance changes in a period."""
         f = self.velocity.shape[1]
         _, M, G = self.balances()
         return slowest(-np.linalg.solve(np.real(M), np.real(G))[:, f:], 1)
@@ -167,13 +168,15 @@ def _at_rest(swimmer: Swimmer, T: int, n: int) -> Stroke:
         place, turned = doors.go(doors.START_BESIDE_WALL, swimmer.wall)
         pose = np.append(place / np.real(swimmer.tail.length), turned)
     of = replace(of, loads=of.loads.still(held))
-    return Stroke(of, pose, np.tile(of.rod.rest.ravel(), (T, 1)), np.zeros((T, len(of.drag.free))), 0)
+    shape, velocity = np.tile(of.rod.rest.ravel(), (T, 1)), np.zeros((T, len(of.drag.free)))
+    return Stroke(of, pose, shape, velocity, 0)
 
 
 def _finer(beat: Stroke, start: Stroke) -> Stroke:
     """The same beat at the phases and with the strains of another."""
     old, n = beat.of.rod.count, start.of.rod.count
-    bends, V = (evaluate(series_of(x), start.times) for x in (beat.shape - beat.rest, beat.velocity))
+    both = (beat.shape - beat.rest, beat.velocity)
+    bends, V = (evaluate(series_of(x), start.times) for x in both)
     more = np.pad(bends.reshape(-1, 3, old), ((0, 0), (0, 0), (0, n - old)))
     return replace(start, shape=start.rest + more.reshape(len(V), -1), velocity=V)
 
@@ -207,11 +210,11 @@ def newton(beat: Stroke) -> Stroke | None:
         size, f = np.abs(dz).max(), beat.velocity.shape[1]
         shape, velocity = beat.shape + dz[:, f:], beat.velocity + dz[:, :f]
         beat = replace(beat, shape=shape, velocity=velocity, steps=step)
-        if size <= 1e-9 * max(1.0, np.abs(shape).max()):
-            if last <= 1e-9 or not np.iscomplexobj(dz):
+        if size <= CLOSE * max(1.0, np.abs(shape).max()):
+            if last <= CLOSE or not np.iscomplexobj(dz):
                 return beat
             size = 0.0  # an imaginary part lags behind by a step
-        if not size < 4.0 * max(last, 1e-9):
+        if not size < 4.0 * max(last, CLOSE):
             return None
         last = size
     return None

@@ -82,7 +82,7 @@ class UniformFlow(Flow):
 
     def at(self, places: Any) -> np.ndarray:
         """Return the velocity (..., 3) at places (..., 3), the same everywhere."""
-        return self.speed * unit(self.direction) + 0.0 * np.asarray(places, float)
+        return self.speed * unit(self.direction) + 0.0 * np.asarray(places)
 
 
 class LinearFlow(Flow):
@@ -90,7 +90,7 @@ class LinearFlow(Flow):
 
     def at(self, places: Any) -> np.ndarray:
         """Return the velocity (..., 3) at places (..., 3)."""
-        return np.asarray(places, float) @ self.gradient.T
+        return np.asarray(places) @ self.gradient.T
 
 
 @checks.by_name
@@ -275,7 +275,7 @@ class PoiseuilleFlow(Flow):
 
     def at(self, places: Any) -> np.ndarray:
         """Return the velocity (..., 3) at places (..., 3), as if the tube had no wall."""
-        e, away = unit(self.axis), np.asarray(places, float) - self.centre
+        e, away = unit(self.axis), np.asarray(places) - self.centre
         across = away - (away @ e)[..., None] * e
         share = np.sum(across**2, axis=-1) * (2.0 / self.diameter) ** 2
         return self.speed * (1.0 - share)[..., None] * e

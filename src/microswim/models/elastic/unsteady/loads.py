@@ -79,12 +79,19 @@ class Loads:
     wall: Wall | None
     slope: np.ndarray | None = None
 
+    @property
+    def push(self) -> float:
+        """Push of the wall per length; 0 without one."""
+        return 0.0 if self.wall is None else self.wall.push + 0.0 * self.wall.radius
+
     def still(self, held: bool) -> Loads:
         """Return what acts on a swimmer in one place: no field, and nothing on one that is free."""
-        none, same = np.zeros(3), replace(self, field=None)
         if held:
-            return same
-        return replace(same, weight=none, body_weight=none, flow=None, spin=none, wall=None, slope=None)
+            return replace(self, field=None)
+        none = dict.fromkeys(("field", "flow", "slope", "wall"))
+        return replace(
+            self, **none, **dict.fromkeys(("weight", "body_weight", "spin"), np.zeros(3))
+        )
 
     def share(self, part: float) -> Loads:
         """Return a part of weight and flow."""
@@ -128,8 +135,11 @@ def pull(
     """
     m = len(rod.s)
     force = rod.weight[:, None] * (loads.weight @ Q)
-    torque, wrench = np.zeros((m, 3)), np.zeros(6)
-    shifting, turning, body = np.zeros((m, 3, 3)), np.zeros((m, 3, 3)), np.zeros((6, 6))
+    given = (loads.body_weight, loads.arm, loads.force, loads.torque, loads.push)
+    kind = np.result_type(X, x, Q, force, *given)
+    force, torque, wrench = force.astype(kind), np.zeros((m, 3), kind), np.zeros(6, kind)
+    shifting, turning = np.zeros((2, m, 3, 3), kind)
+    body = np.zeros((6, 6), kind)
     heavy = loads.body_weight @ Q
     wrench[:3] = (loads.force @ Q) + heavy
     wrench[3:] = (loads.torque @ Q) + np.cross(loads.arm, heavy)

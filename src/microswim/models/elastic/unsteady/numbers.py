@@ -8,6 +8,7 @@ from typing import Any
 import numpy as np
 
 from microswim.errors import SpecError
+from microswim.gait.quantities import magnitude
 from microswim.models.elastic.problem import elastic_tail
 from microswim.models.elastic.unsteady.loads import Loads, Wall, half_curl
 from microswim.models.elastic.unsteady.swimmer_in_time import InTime
@@ -37,11 +38,11 @@ class Units:
 def units_of(swimmer: Swimmer) -> Units:
     """Return the units of an elastic swimmer: L, time of drive or field, and ``B / L^2``."""
     tail, field = elastic_tail(swimmer), swimmer.field
-    rates = [abs(float(tail.rate)) if tail.drive != "none" else 0.0]
+    rates = [magnitude(tail.rate) if tail.drive != "none" else 0.0]
     rates.append(0.0 if field is None else abs(field.rate))
-    slack = float(swimmer.coefficients.local(tail, swimmer.fluid.viscosity)[1])
-    rate = max(rates) or float(tail.bending) / (slack * float(tail.length) ** 4)
-    return Units(float(tail.length), 1.0 / rate, float(tail.bending) / float(tail.length) ** 2)
+    slack = swimmer.coefficients.local(tail, swimmer.fluid.viscosity)[1]
+    rate = max(rates, key=np.real) or tail.bending / (slack * tail.length**4)
+    return Units(tail.length, 1.0 / rate, tail.bending / tail.length**2)
 
 
 def in_time(swimmer: Swimmer, modes: int, phase: float = 0.0, **more: Any) -> InTime:
@@ -72,19 +73,19 @@ def in_time(swimmer: Swimmer, modes: int, phase: float = 0.0, **more: Any) -> In
         raise SpecError("tail.base", "hinged", '"clamped" where there is no body',
                         "a hinge to nothing has no angle; or hold the rotations")  # fmt: skip
     rod = filament_of(swimmer, modes)
-    size = float(getattr(tail, SIZE.get(tail.drive, ""), None) or 0.0)
+    size = getattr(tail, SIZE.get(tail.drive, ""), None) or 0.0
     if tail.drive == "heave":
         size /= units.length
     if tail.drive == "moment":
-        size *= units.length / float(tail.bending)
+        size *= units.length / tail.bending
     return InTime(
         rod=rod,
         drag=resistances(swimmer, 1.0 / units.time),
         loads=_loads(swimmer, rod, units, **more),
         drive=tail.drive,
         size=size,
-        waves=float(tail.number_of_waves),
-        rate=float(tail.rate) * units.time if tail.drive != "none" else 0.0,
+        waves=tail.number_of_waves,
+        rate=tail.rate * units.time if tail.drive != "none" else 0.0,
         phase=phase,
     )
 
@@ -135,7 +136,7 @@ def _weights(swimmer: Swimmer, units: Units) -> tuple[np.ndarray, np.ndarray, np
         return np.zeros(3), np.zeros(3), np.zeros(3)
     tail, rho, g = elastic_tail(swimmer), swimmer.fluid.density, swimmer.gravity.vector
     body_density, tail_density = swimmer.gravity.densities
-    area = np.pi * float(tail.radius) ** 2
+    area = np.pi * tail.radius**2
     volume, middle = volume_and_middle(swimmer.body)
     mass = (body_density - rho) * volume
     first = mass * (middle - swimmer.body.centre) if volume else np.zeros(3)
@@ -171,6 +172,6 @@ def _magnets(swimmer: Swimmer, rod: Any, units: Units) -> tuple[Any, Any, Any]:
 def _wall(swimmer: Swimmer, units: Units) -> Wall | None:
     if swimmer.wall is None:
         return None
-    girth = np.array(swimmer.body.semi_axes3, float) / units.length
+    girth = np.array(swimmer.body.semi_axes3) / units.length
     push = PUSH + resistances(swimmer, 1.0 / units.time).normal
-    return Wall(float(np.real(push)), REACH, float(swimmer.tail.radius) / units.length, girth)  # type: ignore[arg-type]
+    return Wall(push, REACH, swimmer.tail.radius / units.length, girth)

@@ -77,7 +77,7 @@ class InTime:
         c, s = np.cos(angle), np.sin(angle)
         D = self.rod.base
         if self.drive == "heave":
-            across = np.array([0.0, self.size, 0.0])
+            across = self.size * np.array([0.0, 1.0, 0.0])
             return Moved(c * across, D, -self.rate * s * across, rest)
         if self.drive == "pivot":
             a = self.size * c
@@ -90,7 +90,7 @@ class InTime:
 
     def active(self, time: float) -> np.ndarray:
         """Return the bends (3, n) that inner moments would make of a straight filament."""
-        bends = np.zeros_like(self.rod.rest)
+        bends = np.zeros(self.rod.rest.shape, np.result_type(self.size, self.waves, self.rod.rest))
         if self.drive == "moment":
             angle = self.phase + self.rate * time
             wave = self.size * np.cos(angle - 2.0 * np.pi * self.waves * self.rod.s)
@@ -112,7 +112,7 @@ class InTime:
         phi, shifted = shapes_of(rod, at)
         rigid_phi, rigid_shift = rigid_motions(X, drag.free)
         turn, shift = np.concatenate([rigid_phi, phi], 2), np.concatenate([rigid_shift, shifted], 2)
-        spin, still = loads.spin @ Q, np.zeros(6)
+        spin, still = loads.spin @ Q, np.zeros(6, np.result_type(loads.spin, X))
         v = moved.velocity + np.cross(moved.turning, at.place)
         if loads.flow is not None:
             v = v - loads.flow(y[:3] + X @ Q.T) @ Q
@@ -197,7 +197,7 @@ class Moment:
         dm += (W_r * turning)[:, None, None] * dt
         df += acts.shifting @ shift[..., f:]
         dm += acts.turning @ turn[..., f:]
-        G = np.zeros((N, N))
+        G = np.zeros((N, N), np.result_type(df, dm, of.rod.stiffness))
         G[:, f:] = _flat(shift).T @ _flat(df) + _flat(turn).T @ _flat(dm)
         loads = on - acts.force, twist - acts.torque
         G[:, f:] += as_it_bends(of.rod, self.at, (turn[..., f:], shift[..., f:]), loads, c.free)
@@ -209,13 +209,13 @@ class Moment:
         """The same as the body moves along and turns about its axes, (f + 3 n, 6)."""
         acts, free = self.acts, list(self.of.drag.free)
         f, N = len(free), self.shift.shape[-1]
-        G = np.zeros((N, 6))
+        G = np.zeros((N, 6), acts.force.dtype)
         shift, turn = _flat(self.shift), _flat(self.turn)
         G[:, :3] = shift.T @ acts.shifting.reshape(-1, 3)
         force = np.cross(np.eye(3), acts.force[:, None]).swapaxes(1, 2)  # e x F, of the lab's loads
         G[:, 3:] = shift.T @ force.reshape(-1, 3)
         G[:, 3:] += turn.T @ acts.turning.swapaxes(1, 2).reshape(-1, 3)
-        own = np.zeros((6, 6))
+        own = np.zeros((6, 6), acts.force.dtype)
         own[:3, :3] = acts.body[:3, :3]
         own[:3, 3:] = np.cross(np.eye(3), acts.wrench[:3]).T
         own[3:, 3:] = acts.body[3:, 3:].T

@@ -288,9 +288,15 @@ def check_clear(body: Body, tail: Tail, joint: Joint, phase: float = 0.0) -> Non
     touching = body.level(tube_point(tail, s[:, None], turn, phase)).min(axis=1) < 0
     if touching.any():
         place = float(s[touching.argmax()])
+        amplitude = attachment.amplitude_of(tail)
+        if not amplitude:
+            raise SpecError(
+                f"tail: it pierces the body at s = {place:.3g}; bend it less there, or use a "
+                "smaller body"
+            )
         raise SpecError(
             "tail.amplitude",
-            getattr(tail, "amplitude", None),
+            amplitude,
             f"small enough for the tail to stay clear of the body at s = {place:.3g}",
             "the tail pierces the body: use a smaller amplitude, a longer ramp or a smaller body",
         )

@@ -231,6 +231,11 @@ def _of_shape(swimmer: Swimmer) -> list[str]:
             "a tail does not touch the body from where it stands: move tail.position towards the "
             "body; bem refuses it as it is"
         )
+    elif lost and not attachment.amplitude_of(lost[0]):
+        out.append(
+            "the tail begins beside the body and does not touch it: "
+            f"{attachment.BESIDE}; bem and fem refuse it as it is"
+        )
     elif lost:
         out.append(
             "the tail does not touch the body: its amplitude is beyond the body's half width; "

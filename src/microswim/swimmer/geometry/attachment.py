@@ -7,6 +7,8 @@ beyond the body's half width winds around it and never does.
 
 from __future__ import annotations
 
+from typing import Any
+
 import numpy as np
 
 from microswim.errors import SpecError
@@ -17,6 +19,10 @@ SAMPLES = 1001
 #: A tail that stands elsewhere than at the joint is continued by so many radii.
 RADII = 4.0
 MEND = "a ramp, such as tail.ramp = 0.1, leads it there; or use a smaller amplitude"
+#: The same of a tail that has no amplitude: its shape is given, or settles.
+BESIDE = (
+    "let its shape begin at the joint, or take a smaller radius at rest, less heave or a wider body"
+)
 
 
 def misses(body: Body, tail: Tail, phase: float = 0.0) -> bool:
@@ -51,9 +57,16 @@ def refusal(tail: Tail) -> SpecError:
             "a root from which the tail, continued backwards, meets the body",
             "move it towards the body, or turn tail.direction away from it",
         )
+    if not amplitude_of(tail):
+        return SpecError(f"tail: it begins beside the body and does not touch it; {BESIDE}")
     return SpecError(
         "tail.amplitude",
-        getattr(tail, "amplitude", None),
+        amplitude_of(tail),
         "less than the body's half width where no ramp leads the tail to the body",
         MEND,
     )
+
+
+def amplitude_of(tail: Tail) -> Any:
+    """Return the amplitude of a wave along the tail; None where the tail has none."""
+    return getattr(tail, "amplitude", None) if not tail.settles else None

@@ -93,6 +93,7 @@ def in_time(swimmer: Swimmer, modes: int, phase: float = 0.0, **more: Any) -> In
 def _loads(swimmer: Swimmer, rod: Any, units: Units, force: Any = (0, 0, 0),
            torque: Any = (0, 0, 0)) -> Loads:  # fmt: skip
     weight, body_weight, arm = _weights(swimmer, units)
+    pressing = weight, body_weight, np.asarray(force, float) / units.force
     magnetic, moments, soft = _magnets(swimmer, rod, units)
     flow = swimmer.flow
     return Loads(
@@ -107,7 +108,7 @@ def _loads(swimmer: Swimmer, rod: Any, units: Units, force: Any = (0, 0, 0),
         field=_field(swimmer, units),
         flow=_flow(swimmer, units),
         spin=np.zeros(3) if flow is None else half_curl(flow) * units.time,
-        wall=_wall(swimmer, units),
+        wall=_wall(swimmer, units, pressing),
         slope=None if flow is None else flow.gradient * units.time,
     )
 
@@ -169,9 +170,16 @@ def _magnets(swimmer: Swimmer, rod: Any, units: Units) -> tuple[Any, Any, Any]:
     return own, moments, np.outer(over.sum(axis=0), per_length) / units.torque
 
 
-def _wall(swimmer: Swimmer, units: Units) -> Wall | None:
+def _wall(swimmer: Swimmer, units: Units, pressing: tuple[np.ndarray, ...]) -> Wall | None:
+    """The wall, whose push outdoes drive, bending, weights and a stream towards it."""
     if swimmer.wall is None:
         return None
-    girth = np.array(swimmer.body.semi_axes3) / units.length
-    push = PUSH + resistances(swimmer, 1.0 / units.time).normal
+    girth, drag = (
+        np.array(swimmer.body.semi_axes3) / units.length,
+        resistances(swimmer, 1.0 / units.time),
+    )
+    stream = 0.0 if swimmer.flow is None else np.linalg.norm(swimmer.flow.at_origin)
+    carried = drag.normal * (1.0 + stream * units.time / units.length)
+    carried = carried + 2.0 * stream * units.time / units.length * np.abs(drag.body[:3, :3]).max()
+    push = PUSH + carried + 2.0 * sum(np.abs(load).sum() for load in pressing)
     return Wall(push, REACH, swimmer.tail.radius / units.length, girth)

@@ -46,6 +46,8 @@ def report(
         "gap_mean": about["gap_mean"],
         "drift": (ends.mean(axis=0) - (x[0, 0] if many else x[0])) / float(found.time[-1]),
     }
+    if "repeats_after" in about:
+        said["repeats_after"] = int(about["repeats_after"])
     if many:
         moved = ends - x[:, 0]
         said["paths"] = len(ends)
@@ -88,6 +90,7 @@ def table(who: str, report: dict[str, Any]) -> Table:
     from microswim.gait.readable import quantity, significant
     from microswim.gait.units import unit
     from microswim.output.report.html import Table
+    from microswim.path.repeating import words
 
     units = report["units"]
 
@@ -106,6 +109,8 @@ def table(who: str, report: dict[str, Any]) -> Table:
     if report["circle_sense"]:
         circle = f"{q(report['circle_radius'], 'length')}, {report['circle_sense']} from {seen}"
         rows.append(("radius of its circle", circle))
+    if "repeats_after" in report:
+        rows.append(("shape repeats after", words(report["repeats_after"])))
     if report["gap_mean"] == report["gap_mean"]:
         rows.append(("mean gap", q(report["gap_mean"], "length")))
     if "motor_work" in report:

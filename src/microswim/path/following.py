@@ -150,7 +150,9 @@ def path(
         filament in the lab; without noise ``motor_work`` and ``dissipated`` since the start;
         as attributes ``outcome``, ``circle_radius``, ``circle_sense`` (seen from above; in a tube
         about its axis, seen from +x),
-        ``gap_mean``, ``drift`` and ``position_error`` (of the last place, by the time steps alone).
+        ``gap_mean``, ``drift`` and ``position_error`` (of the last place, by the time steps alone);
+        with memory ``repeats_after``, the periods of the drive (of the field, where that is faster)
+        after which the shape comes back: 1, 2 (it period-doubles), up to 8; 0: it does not.
 
     Raises
     ------

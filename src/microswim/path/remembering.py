@@ -19,6 +19,7 @@ from microswim.models.elastic.unsteady.march import LOOSEST, Shape, at_rest, mar
 from microswim.models.elastic.unsteady.numbers import units_of
 from microswim.numerics.array import Array
 from microswim.path import keeping, outcome
+from microswim.path.repeating import repeats_after
 from microswim.path.trajectory import dataset
 from microswim.swimmer.swimmer import Swimmer
 
@@ -139,8 +140,19 @@ def _told(
         "position_error": off,
         "steps": times.size - 1,
         "contact": reach,
+        "repeats_after": repeats_after(times, _bends(shapes), period_of(swimmer)),
     }
     return outcome.with_numbers(data, told, numbers)
+
+
+def _bends(shapes: list[Shape]) -> Array:
+    """Strains and the hook's turn at each time, (n, d)."""
+    most = max(s.strains.shape[1] for s in shapes)
+    rows = [
+        np.append(np.pad(s.strains, ((0, 0), (0, most - s.strains.shape[1]))), s.hook)
+        for s in shapes
+    ]
+    return np.array(rows)
 
 
 def _gaps(swimmer: Swimmer, x: Array, q: Array, places: Array) -> Array:

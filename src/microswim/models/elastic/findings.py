@@ -13,6 +13,7 @@ from microswim.models.elastic.stroke import Stroke
 from microswim.models.elastic.whirl import Whirl
 from microswim.numerics.series.fourier import evaluate, series_of
 
+TURNED = 1e-6  #: of a turn, from which on a disturbance comes back to its side later
 OFTEN = 65  #: phases at which the tip is looked for where it is farthest out
 
 
@@ -72,4 +73,15 @@ def _settling(multiplier: complex) -> dict[str, Any]:
     if factor < 1.0 - NEUTRAL:
         periods = math.log(1e-6) / math.log(factor) if factor > 0.0 else 0.0
     settles = bool(factor <= 1.0 + NEUTRAL)
-    return {"growth": factor, "settles": settles, "settling_periods": periods}
+    told = {"growth": factor, "settles": settles, "settling_periods": periods}
+    return told | ({} if settles else {"leaves": leaving(multiplier)})
+
+
+def leaving(multiplier: complex) -> str:
+    """Return how a motion is left whose slowest disturbance changes by this factor in a period."""
+    turn = abs(math.atan2(multiplier.imag, multiplier.real)) / (2.0 * math.pi)
+    if turn < TURNED:
+        return "to one side"
+    if turn > 0.5 - TURNED:
+        return "period-doubles"
+    return f"turns once in {1.0 / turn:.3g} periods"

@@ -30,6 +30,12 @@ from microswim.swimmer import physical_sense
 from microswim.swimmer.geometry.tails.elastic.elastic_tail import SIZE
 from microswim.swimmer.swimmer import SURROUNDINGS, Swimmer
 
+#: What is said of how a motion is left; else how often the disturbance turns.
+LEFT = {
+    "to one side": "",
+    "period-doubles": " and changes its side in each: it period-doubles",
+}
+
 
 @threadpool_limits.wrap(limits=1)  # small matrices
 def settled_swimmer(swimmer: Swimmer) -> Swimmer:
@@ -66,7 +72,8 @@ def gait(swimmer: Swimmer, *, phases: int | None = None) -> Gait:
     Gait
         With ``model = "elastic"``; its power is what the fluid dissipates, whose mean over a
         period is the drive's. ``info``: ``sperm_number``, ``unknowns``, ``growth`` (of the slowest
-        disturbance in a period), ``settles``, ``settling_periods`` (to a millionth),
+        disturbance in a period), ``settles`` (and, if not, ``leaves``: to one side, period-doubles,
+        or turns once in so many periods), ``settling_periods`` (to a millionth),
         ``tip_amplitude`` and ``largest_curvature`` (times L).
 
     Raises
@@ -180,6 +187,7 @@ def _remarks(swimmer: Swimmer, about: dict[str, Any]) -> list[str]:
         found.append(
             "the tail does not settle to this motion: a small disturbance grows "
             f"{about['growth']:.3g} times in a period"
+            + LEFT.get(about["leaves"], f" and {about['leaves']}")
         )
     if about["largest_curvature"] * np.real(swimmer.tail.radius / swimmer.tail.length) > 0.5:
         found.append("the filament is bent to a radius below two of its own")

@@ -17,13 +17,15 @@ from microswim.models.elastic.beat import periodic_derivative
 from microswim.models.elastic.growth import slowest
 from microswim.models.elastic.problem import elastic_tail
 from microswim.models.elastic.space import cross_columns, flat
-from microswim.models.elastic.unsteady.numbers import in_time
+from microswim.models.elastic.unsteady.march import LOOSEST, at_rest, marched
+from microswim.models.elastic.unsteady.numbers import in_time, units_of
 from microswim.models.elastic.unsteady.swimmer_in_time import InTime, Moment
 from microswim.numerics.series.fourier import evaluate, series_of
 from microswim.swimmer.swimmer import Swimmer
 
 FIRST, MOST = (17, 8), 1300  #: phases and polynomials a strain; their product, at most
 TOLERANCE = 1e-4  #: largest share that the last harmonics and strains may have
+SETTLING = 4  #: periods from rest on before a beat is sought in time
 CLOSE = 1e-6  #: last step of Newton's method, whose square is left over
 
 
@@ -150,7 +152,8 @@ def stroke(swimmer: Swimmer) -> Stroke:
     beat: Stroke | None = None
     while T * n <= MOST:
         start = _at_rest(swimmer, T, n)
-        beat = (beat and newton(_finer(beat, start))) or _found(start)
+        near = beat and newton(_finer(beat, start))
+        beat = near or _found(start) or _found_in_time(swimmer, start)
         in_phase, along = beat.is_resolved
         if in_phase and along:
             return beat
@@ -181,7 +184,7 @@ def _finer(beat: Stroke, start: Stroke) -> Stroke:
     return replace(start, shape=start.rest + more.reshape(len(V), -1), velocity=V)
 
 
-def _found(start: Stroke) -> Stroke:
+def _found(start: Stroke) -> Stroke | None:
     """Newton's method, at a smaller drive and load first where the whole is too far from rest."""
     beat, done, step = start, 0.0, 1.0
     while done < 1.0:
@@ -194,12 +197,30 @@ def _found(start: Stroke) -> Stroke:
             done, beat = share, replace(found, steps=found.steps + beat.steps)
             continue
         step /= 2.0
-        if step < 0.02:
-            raise MicroswimError(
-                f"no periodic beat of the elastic tail was found beyond {done:.0%} of its drive "
-                "and loads: drive it less or stiffen it"
-            )
+        if step < (0.02 if start.of.loads.wall is None else 0.2):
+            return None
     return beat
+
+
+def _found_in_time(swimmer: Swimmer, start: Stroke) -> Stroke:
+    """Newton's method from the fifth period after rest."""
+    units, T = units_of(swimmer), len(start.shape)
+    if np.iscomplexobj(start.balances()[0]):
+        raise MicroswimError("of such a beat no derivatives are known: step finitely")
+    begun = at_rest(swimmer, start.pose[:3] * units.length, start.pose[3:], 0.0)
+    times = 2.0 * np.pi * units.time * np.append(0.0, SETTLING + np.arange(T) / T)
+    shapes = marched(swimmer, begun, times, LOOSEST).shapes[1:]
+    near = np.zeros((T, 3, start.of.rod.count))
+    first, n = start.of.rod.hooks, min(shapes[0].strains.shape[1], near.shape[2])
+    near[..., :first] = np.array([x.hook[:, None] for x in shapes])[..., :first]
+    near[..., first : first + n] = np.array([x.strains[:, :n] for x in shapes])
+    found = newton(replace(start, shape=near.reshape(T, -1)))
+    if found is None:
+        raise MicroswimError(
+            "no periodic beat of the elastic tail was found: drive it less, stiffen it, or follow "
+            "it in time, microswim path with --from-rest"
+        )
+    return found
 
 
 def newton(beat: Stroke) -> Stroke | None:

@@ -209,3 +209,16 @@ def test_a_path_from_rest(spec, tmp_path):
     assert turned["quaternion"][3] > 0.0
     wrong = run("path", "--preset", "tabak/helix", "--time", "1", "--from-rest")
     assert "for a tail of kind elastic" in wrong.output
+
+
+def test_a_tail_that_misses_its_body_is_refused_without_an_amplitude(tmp_path):
+    spec = tmp_path / "bent.toml"
+    spec.write_text(
+        '[body]\nshape = "sphere"\nradius = 0.2\n[tail]\nkind = "elastic"\nlength = 1.0\n'
+        'radius = 0.02\nbending = 1.0\ndrive = "pivot"\nangle = 0.3\nrest_radius = 0.25\n'
+        "rest_pitch = 1.0\n[fluid]\nviscosity = 1.0\n"
+    )
+    found = run("run", spec, "--model", "bem", "--level", "coarse")
+    assert found.exit_code == 2
+    assert "begins beside the body" in found.output
+    assert "None" not in found.output

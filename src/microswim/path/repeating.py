@@ -8,14 +8,15 @@ import numpy as np
 
 from microswim.numerics.array import Array
 
-MOST, ONCE_MORE = 8, 3  #: periods that are told; how often a shape must have come back
+MOST, ONCE_MORE = 8, 2  #: periods that are told; how often a shape must have come back
+PHASES = 16  #: of each period that are compared
 CLOSE = 1e-3  #: to this share of its largest change
 
 
 def repeats_after(times: Array, states: Array, period: float) -> int:
     """Return after how many periods the states (n, d) at the times come back; 0: after none.
 
-    They must have come back at three times in a row; of up to eight periods the fewest. A path
+    They must have come back over two periods in a row; of up to eight periods the fewest. A path
     that is too short to tell has 0 as well.
     """
     from scipy.interpolate import CubicSpline
@@ -25,12 +26,13 @@ def repeats_after(times: Array, states: Array, period: float) -> int:
     known = int((times[-1] - times[0]) / period * (1.0 + 1e-12))
     if known < ONCE_MORE + 1:
         return 0
-    along = CubicSpline(times, states)
-    strobes = along(times[-1] - period * np.arange(known + 1))
+    back = np.minimum(period * np.arange(known * PHASES + 1) / PHASES, times[-1] - times[0])
+    seen = CubicSpline(times, states)(times[-1] - back)
     last = states[times >= times[-1] - (MOST if known > MOST else known) * period]
     size = float(np.ptp(last, axis=0).max())
     for n in range(1, min(MOST, known - ONCE_MORE + 1) + 1):
-        off = np.abs(strobes[:-n] - strobes[n:])[: ONCE_MORE + n - 1]
+        lag = n * PHASES
+        off = np.abs(seen[:-lag] - seen[lag:])[: (ONCE_MORE + n - 1) * PHASES]
         if off.max() <= CLOSE * size or size == 0.0:
             return n
     return 0

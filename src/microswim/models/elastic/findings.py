@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 
 from microswim.models.elastic.beat import Beat, drive
-from microswim.models.elastic.growth import NEUTRAL, growth
+from microswim.models.elastic.growth import NEUTRAL, multiplier
 from microswim.models.elastic.stroke import Stroke
 from microswim.models.elastic.whirl import Whirl
 from microswim.numerics.series.fourier import evaluate, series_of
@@ -28,7 +28,7 @@ def of_beat(beat: Beat) -> dict[str, Any]:
         "sperm_number": beat.problem.sperm_number,
         "unknowns": int(np.size(q) + np.size(beat.velocity)),
         "newton_steps": beat.steps,
-        **_settling(growth(beat)),
+        **_settling(multiplier(beat)),
         "tip_amplitude": float(np.ptp(evaluate(series_of(tip), often))) / 2.0,
         "largest_curvature": float(np.abs(q @ rod.curvatures.T).max()),
     }
@@ -48,7 +48,7 @@ def of_stroke(beat: Stroke) -> dict[str, Any]:
         "sperm_number": float(np.real(beat.of.drag.normal) ** 0.25),
         "unknowns": int(shape.size + np.size(beat.velocity)),
         "newton_steps": beat.steps,
-        **_settling(beat.growth),
+        **_settling(beat.multiplier),
         "tip_amplitude": float(np.linalg.norm(np.ptp(tip, axis=0))) / 2.0,
         "largest_curvature": float(max(bends)),
     }
@@ -67,19 +67,19 @@ def of_whirl(found: Whirl) -> dict[str, Any]:
     }
 
 
-def _settling(multiplier: complex) -> dict[str, Any]:
-    factor = abs(multiplier)
+def _settling(factor: complex) -> dict[str, Any]:
+    size = abs(factor)
     periods = None  # until a disturbance is a millionth of itself; None if it never is
-    if factor < 1.0 - NEUTRAL:
-        periods = math.log(1e-6) / math.log(factor) if factor > 0.0 else 0.0
-    settles = bool(factor <= 1.0 + NEUTRAL)
-    told = {"growth": factor, "settles": settles, "settling_periods": periods}
-    return told | ({} if settles else {"leaves": leaving(multiplier)})
+    if size < 1.0 - NEUTRAL:
+        periods = math.log(1e-6) / math.log(size) if size > 0.0 else 0.0
+    settles = bool(size <= 1.0 + NEUTRAL)
+    told = {"growth": size, "settles": settles, "settling_periods": periods}
+    return told | ({} if settles else {"leaves": leaving(factor)})
 
 
-def leaving(multiplier: complex) -> str:
+def leaving(factor: complex) -> str:
     """Return how a motion is left whose slowest disturbance changes by this factor in a period."""
-    turn = abs(math.atan2(multiplier.imag, multiplier.real)) / (2.0 * math.pi)
+    turn = abs(math.atan2(factor.imag, factor.real)) / (2.0 * math.pi)
     if turn < TURNED:
         return "to one side"
     if turn > 0.5 - TURNED:

@@ -25,10 +25,14 @@ STAGES = np.array([
 NEUTRAL = 1e-6
 
 
-def growth(beat: Beat) -> complex:
-    """Return the factor by which the slowest disturbance changes in a period.
+def growth(beat: Beat) -> float:
+    """Return the factor by which the slowest disturbance grows in a period."""
+    return abs(multiplier(beat))
 
-    Below zero it changes its side each time, and is complex where it comes back after others.
+
+def multiplier(beat: Beat) -> complex:
+    """Return the same with its sense: below zero it changes its side in each period, complex it
+    turns.
     """
     if not np.real(beat.problem.drag.normal) > 0.0:
         return 0.0

@@ -68,7 +68,7 @@ class Stroke:
         return self.of.moment(time, np.concatenate([self.pose, q]))
 
     @property
-    def growth(self) -> complex:
+    def multiplier(self) -> complex:
         """Factor by which the slowest disturbance changes in a period."""
         f = self.velocity.shape[1]
         _, M, G = self.balances()

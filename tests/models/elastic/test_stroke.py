@@ -1,6 +1,7 @@
 """Beats in space: tails bent out of their plane at rest, and held ones under loads."""
 
 from dataclasses import replace
+from typing import Any
 
 import numpy as np
 import pytest
@@ -20,12 +21,12 @@ from microswim.swimmer.fields import lifted
 
 LAW = ms.Constant(normal=2.0, tangential=1.2, spin=True)
 RADIUS, PITCH = 0.1, 0.5
-HELIX = {"rest_radius": RADIUS, "rest_pitch": PITCH}
+HELIX: dict[str, Any] = {"rest_radius": RADIUS, "rest_pitch": PITCH}
 
 
 def swimmer(held=False, **tail):
     """A sphere with a filament of length 1, free or held."""
-    own = {"length": 1.0, "radius": 0.02, "bending": 0.2} | tail
+    own: Any = {"length": 1.0, "radius": 0.02, "bending": 0.2} | tail
     return ms.Swimmer(
         body=ms.Sphere(radius=0.2), tail=ms.ElasticTail(**own), coefficients=LAW,
         fluid=ms.Fluid(viscosity=1.0, density=1.0),
@@ -54,7 +55,8 @@ def shaken_helix(drive, size):
 ])  # fmt: skip
 def test_a_stiff_helix_is_shaken_as_a_rigid_one(drive, name, size):
     law = ms.Constant(normal=2.0, tangential=1.2, spin=False)
-    stiff = swimmer(bending=1e5, drive=drive, **{name: size}, **HELIX)
+    given: Any = {name: size, **HELIX}
+    stiff = swimmer(bending=1e5, drive=drive, **given)
     stiff = replace(stiff, coefficients=law)
     rigid = ms.CustomTail(shape=shaken_helix(drive, size), length=1.0, radius=0.02)
     ours, other = stiff.gait(), replace(stiff, tail=rigid).gait()
@@ -157,13 +159,14 @@ def test_a_held_tail_beats_beside_its_wall_and_not_through_it():
     pytest.param("wall", "tail.bending", marks=pytest.mark.slow),
 ])  # fmt: skip
 def test_complex_numbers_give_derivatives(load, name):
-    given = {
+    given: dict[str, Any] = {
         "gravity": ms.Gravity(body_density=1.0, tail_density=200.0, acceleration=10.0),
         "flow": ms.UniformFlow(speed=0.5, direction=(0.0, 1.0, 0.0)),
         "wall": ms.Wall(distance=0.25),
     }
-    one = swimmer(held=load is not None, drive="pivot", angle=0.3, **({} if load else HELIX))
-    one = replace(one, **({load: given[load]} if load else {}))
+    bent: dict[str, Any] = {} if load else HELIX
+    one = swimmer(held=load is not None, drive="pivot", angle=0.3, **bent)
+    one = replace(one, **({} if load is None else {load: given[load]}))
     x = one.numbers[name]
 
     def power(value):

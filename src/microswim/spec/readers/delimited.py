@@ -1,8 +1,8 @@
 """Tables from other programs: the one reader of designs, series, tables, tracks and beats.
 
-Comma, semicolon or tab between the cells, quoted or not; a decimal point or a decimal comma; UTF-8
-with or without its mark, UTF-16, or the Windows code page 1252. Lines that begin with ``#`` and
-empty lines are left out.
+Comma, semicolon, tab or spaces between the cells, quoted or not; a decimal point or a decimal
+comma; UTF-8 with or without its mark, UTF-16, or the Windows code page 1252. Lines that begin with
+``#`` and empty lines are left out.
 """
 
 from __future__ import annotations
@@ -21,6 +21,7 @@ from microswim.errors import SpecError
 from microswim.spec.readers.text import LARGEST_TABLE, read_text
 
 BLOCK = 65536  #: rows converted at a time, so that a million of them need not stand as text
+SEEN = 16  #: lines that tell what stands between the cells
 MISSING = {"", "nan", "na", "n/a", "none", "null", "-"}
 _UNSURE = re.compile(r"[+-]?[1-9]\d{0,2},\d{3}")  # 1,234: a decimal comma or a thousand
 
@@ -39,7 +40,7 @@ def cells(path: str | PathLike[str]) -> Iterator[list[str]]:
     if said:
         text = text.partition(first)[2]
         first = first.strip().strip('"')
-    mark = said[1] if said else _between(next(_content(text), ""))
+    mark = said[1] if said else _between(list(islice(_content(text), SEEN)))
     try:
         for row in csv.reader(_content(text), delimiter=mark, skipinitialspace=mark != "\t"):
             if any(row) and (len(row) > 1 or not row[0].isspace()):
@@ -55,10 +56,18 @@ def _content(text: str) -> Iterator[str]:
     return (line for line in lines if not line.startswith("#"))
 
 
-def _between(header: str) -> str:
-    """What stands between the cells of a header."""
-    bare = re.sub(r'"[^"]*"', "", header)
-    return next((mark for mark in "\t;" if mark in bare), ",")
+def _between(lines: list[str]) -> str:
+    """What stands between the cells: as in the first line that has a mark, or spaces where none has
+    and the lines below the header are numbers.
+    """
+    bare = [re.sub(r'"[^"]*"', "", line) for line in lines]
+    marks = [next((mark for mark in "\t;," if mark in line), "") for line in bare]
+    found = next(filter(None, marks), "")
+    if found or len(lines) < 3:
+        return found or ","
+    header, *below = ([*line.split()] for line in bare[:3])
+    even = len(header) > 1 and all(len(row) == len(header) for row in below)
+    return " " if even and all(map(is_number, below[1])) else ","
 
 
 def rows(path: str | PathLike[str]) -> list[dict[str, str]]:

@@ -15,15 +15,21 @@ from microswim.spec.units import DIMENSIONS, to_si
 #: What columns may be called, in lower case; in the languages that their programs speak.
 TIME = ("time", "t", "position_t", "timestamp", "zeit", "temps", "tiempo", "tempo", "tijd", "tid",
         "czas", "čas", "время", "时间", "時間")  # fmt: skip
-FRAMES = ("frame", "frames", "frame number", "frame_number", "slice", "frameid", "bild",
+FRAMES = ("frame", "frames", "frame number", "frame_number", "slice", "slice n°", "frameid",
+          "imagenumber", "bild",
           "bildnummer", "image", "imagen", "fotograma", "cuadro", "fotogramma",
           "quadro")  # fmt: skip
-TRACKS = ("track_id", "track id", "track", "particle", "trajectory", "cell", "cell_id",
+TRACKS = ("track_id", "track id", "trackid", "track", "track n°", "tid", "particle",
+          "trackobjects_label",  "trajectory", "cell", "cell_id",
           "track_number", "spur", "piste", "traza", "traccia", "teilchen", "partikel", "zelle",
           "trajectoire", "particule", "cellule", "trayectoria", "partícula", "célula",
-          "traiettoria", "particella", "cellula")  # fmt: skip
-_PLACES = ("position", "pos", "coordinate", "coord", "centroid", "center", "centre", "koordinate",
-           "posición", "coordenada", "coordonnée", "posizione", "coordinata")  # fmt: skip
+          "traiettoria", "particella", "cellula", "id")  # fmt: skip
+#: Columns by number, as ilastik and scikit-image have them: which is which.
+_NUMBERED = {"x": ("object_center_0", "center_of_the_object_0", "centroid-1"),
+             "y": ("object_center_1", "center_of_the_object_1", "centroid-0"), "z": ()}  # fmt: skip
+_PLACES = ("position", "location_center", "pos", "coordinate", "coord", "centroid", "center",
+           "centre", "koordinate", "posición", "coordenada", "coordonnée", "posizione",
+           "coordinata")  # fmt: skip
 NO_LENGTH = "give --pixel, such as --pixel 0.11um, or a unit in the header, {title} (um)"
 NO_TIME = "give a unit in the header, {title} (s), or --fps if it counts frames"
 
@@ -31,7 +37,7 @@ NO_TIME = "give a unit in the header, {title} (s), or --fps if it counts frames"
 def axis(name: str) -> tuple[str, ...]:
     """Return what the column of a coordinate may be called: ``x``, ``x_position``, ``pos x``."""
     both = [(f"{word}{by}{name}", f"{name}{by}{word}") for word in _PLACES for by in "_ -"]
-    return (name, *(title for pair in both for title in pair))
+    return (name, *(title for pair in both for title in pair), *_NUMBERED[name])
 
 
 def given(option: str, value: Any, dimension: str, units: str) -> float | None:

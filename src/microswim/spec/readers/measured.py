@@ -8,9 +8,9 @@ and how fast they are.
 from __future__ import annotations
 
 import re
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
-from itertools import chain
+from itertools import chain, islice
 from os import PathLike
 
 import numpy as np
@@ -20,6 +20,7 @@ from microswim.spec.readers.delimited import cells, check_header, columns, is_nu
 from microswim.spec.units import DIMENSIONS, to_si
 
 PIXEL, FRAME = "px", "frame"
+BEFORE = 12  #: rows among which the header is looked for
 _PIXELS = {"px", "pixel", "pixels", "pix"}
 _FRAMES = {"frame", "frames"}
 #: Units as programs of other languages write them out.
@@ -93,9 +94,7 @@ def read(
         One sentence: no table, no such column, a column twice, a cell that is no number.
     """
     table = cells(path)
-    titles = [title.strip().strip("\ufeff") for title in next(table, [])]
-    if not titles:
-        raise SpecError(f"{path}: no rows; the file is empty")
+    titles = _header(path, table, known, needed)
     check_header(path, titles, unnamed=True)
     places, units = _known(path, titles, known)
     missing = [name for name in needed if name not in places]
@@ -110,6 +109,7 @@ def read(
         units |= {n: u for n, u in _row_of_units(path, row, places, needed).items() if u}
     if not first:
         raise SpecError(f"{path}: no rows below its header")
+    units = _own_column(titles, first, needed) | {n: u for n, u in units.items() if u}
     wanted = [name for name in places if name != label]
     numbers, labels = columns(
         path, chain([first], table), [places[n] for n in wanted], places.get(label)
@@ -122,6 +122,35 @@ def read(
         labels=labels,
         left_out=tuple(t for i, t in enumerate(titles) if t and i not in places.values()),
     )
+
+
+def _header(
+    path: str | PathLike[str],
+    table: Iterator[list[str]],
+    known: Mapping[str, tuple[str, ...]],
+    needed: tuple[str, ...],
+) -> list[str]:
+    """Titles: the first of a few rows that has the columns, some programs say words before; the
+    first row where none has them.
+    """
+    begun: list[list[str]] = []
+    for row in islice(table, BEFORE):
+        titles = [title.strip().strip("\ufeff") for title in row]
+        begun.append(titles)
+        if set(needed) <= {name_of(title, known) for title in titles}:
+            return titles
+    if not begun:
+        raise SpecError(f"{path}: no rows; the file is empty")
+    return begun[0]
+
+
+def _own_column(
+    titles: list[str], first: list[str], needed: tuple[str, ...]
+) -> dict[str, str | None]:
+    """Unit of the columns that are needed where a column of its own says it, as Imaris does."""
+    places = [i for i, title in enumerate(titles) if title.lower() in ("unit", "units")]
+    said = first[places[0]].strip() if len(places) == 1 and places[0] < len(first) else ""
+    return dict.fromkeys((*needed, "z"), said) if _is_unit(said) else {}
 
 
 def _of(places: dict[str, int], names: tuple[str, ...]) -> list[int]:
@@ -166,7 +195,7 @@ def _parts(title: str, known: Mapping[str, tuple[str, ...]]) -> tuple[str, str |
         return match["name"].strip().lower(), unit.strip() or None
     name, _, unit = title.rpartition("_")
     if title.lower() not in words and name.lower() in words:
-        return name.lower(), unit
+        return name.lower(), None if unit.isdigit() else unit
     return title.lower(), None
 
 

@@ -1,4 +1,4 @@
-"""TrackMate's XML: its whole model (spots and the edges between them), or the tracks alone."""
+"""XML of TrackMate, its whole model (spots and the edges between them) or the tracks; of Icy."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ COLUMNS = ("time", "frame", "x", "y", "z")
 
 
 def table_of_xml(path: str, text: str) -> Table:
-    """Return the positions of a TrackMate XML as a table.
+    """Return the positions of an XML of TrackMate or Icy as a table.
 
     Parameters
     ----------
@@ -36,13 +36,17 @@ def table_of_xml(path: str, text: str) -> Table:
     try:
         if root.tag == "Tracks":
             return _of_tracks(path, root)
+        if root.find("trackgroup") is not None:
+            return _of_groups(path, root)
         model = root if root.tag == "Model" else root.find("Model")
         if model is not None:
             return _of_model(path, model)
     except (TypeError, ValueError, KeyError) as error:
         why = " ".join(str(error).split())
         raise SpecError(f"{path}: a spot without its numbers ({why})") from None
-    raise SpecError(f"{path}: no XML of TrackMate; it has neither <Model> nor <Tracks>")
+    raise SpecError(
+        f"{path}: no XML of TrackMate or Icy; it has no <Model>, <Tracks> or <trackgroup>"
+    )
 
 
 def _of_tracks(path: str, root: ElementTree.Element) -> Table:
@@ -58,6 +62,17 @@ def _of_tracks(path: str, root: ElementTree.Element) -> Table:
             )
             labels.append(str(number))
     return _table(path, rows, labels, root.get("spaceUnits"), root.get("timeUnits"))
+
+
+def _of_groups(path: str, root: ElementTree.Element) -> Table:
+    """``<trackgroup><track><detection t= x= y= z=>`` of Icy: frames and pixels."""
+    rows, labels = [], []
+    for number, track in enumerate(root.iter("track")):
+        for spot in track.iter("detection"):
+            x, y, z = (float(spot.get(axis, "0" if axis == "z" else "")) for axis in "xyz")
+            rows.append((np.nan, float(spot.attrib["t"]), x, y, z))
+            labels.append(str(number))
+    return _table(path, rows, labels, "px", None)
 
 
 def _of_model(path: str, model: ElementTree.Element) -> Table:
@@ -81,7 +96,7 @@ _ENDS = ("SOURCE", "TARGET")
 
 def _table(path: str, rows: list, labels: list[str], length: str | None, time: str | None) -> Table:
     if not rows:
-        raise SpecError(f"{path}: holds no tracks; let TrackMate link its spots first")
+        raise SpecError(f"{path}: holds no tracks; let the spots be linked first")
     numbers: dict[str, np.ndarray] = dict(zip(COLUMNS, np.array(rows, dtype=float).T))
     units = dict.fromkeys("xyz", length) | {"time": time, "frame": None}
     if not np.isfinite(numbers["time"]).all():

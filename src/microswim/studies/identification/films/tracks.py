@@ -7,7 +7,7 @@ in its header) or the user (`pixel`, `fps`); what neither says is asked for.
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from os import PathLike
 from pathlib import Path
 from typing import Any
@@ -20,6 +20,7 @@ from microswim.spec.readers import film, measured
 from microswim.spec.readers.measured import Table
 from microswim.spec.readers.text import LARGEST_TABLE, read_text
 from microswim.studies.identification.films.track import FEWEST, Track
+from microswim.studies.identification.films.track_mdf import table_of_mdf
 from microswim.studies.identification.films.track_xml import table_of_xml
 
 #: What a column may be called, in lower case.
@@ -93,7 +94,8 @@ def read_tracks(
     path
         A table with the columns x, y and, if known, z, of positions; time or frame; the track's
         name if there are several (CSV of TrackMate or trackpy, or any of that kind; comma,
-        semicolon or tab, decimal comma); or TrackMate's XML. Units in the header, ``x (um)``.
+        semicolon, tab or spaces, decimal comma); the XML of TrackMate or Icy, the MDF of MTrackJ.
+        Units in the header, ``x (um)``.
     units
         ``"SI"``, or ``"dimensionless"`` for bare numbers in the units of a swimmer without.
     pixel
@@ -141,11 +143,16 @@ def read_tracks(
 
 
 def _table(path: str | PathLike[str]) -> Table:
-    if str(path).lower().endswith(".xml"):
-        return table_of_xml(str(path), read_text(path, LARGEST_TABLE))
+    for end, reader in ((".xml", table_of_xml), (".mdf", table_of_mdf)):
+        if str(path).lower().endswith(end):
+            return reader(str(path), read_text(path, LARGEST_TABLE))
     if not Path(path).is_file():
         read_text(path, LARGEST_TABLE)  # says what it is
-    return measured.read(path, KNOWN, ("x", "y"), "track")
+    table = measured.read(path, KNOWN, ("x", "y"), "track")
+    each = table.titles.get("track", "").lower() == "id" and len(set(table.labels)) > 1
+    if each and len(set(table.labels)) == len(table.labels):  # names its points, no tracks
+        return replace(table, labels=[], left_out=(*table.left_out, table.titles["track"]))
+    return table
 
 
 def _positions(table: Table, units: str, pixel: float | None) -> tuple[np.ndarray, tuple[str, ...]]:

@@ -13,7 +13,8 @@ made by boundary elements, the model's own stated error in the intervals: ``wave
 surrogate that is calibrated at one design.
 
 Where several designs are listed the one that a value is asked of is chosen by the *other* values:
-that whose other values lie nearest to the truth. Choosing by the value itself would be kind.
+that whose other values lie nearest to the truth. Choosing by the value itself would be kind. Column
+``inside`` is whether one listed design holds *all* values, which needs no choice.
 """
 
 from __future__ import annotations
@@ -48,6 +49,7 @@ COLUMNS: tuple[str, ...] = (
     "listed",
     "why",
     "seconds",
+    "inside",
 )
 
 
@@ -162,6 +164,7 @@ def tried(kind: str, seed: int) -> list[dict[str, Any]]:
     wanted = np.array(list(truth.values()))
     if not found.branches:
         return [line | {"name": name, "truth": value} for name, value in truth.items()]
+    line["inside"] = int(any(holds(b.interval(), wanted) for b in found.branches))
     lines = []
     for i, name in enumerate(truth):
         one = min(found.branches, key=lambda b, i=i: elsewhere(b.values, wanted, i))
@@ -171,6 +174,16 @@ def tried(kind: str, seed: int) -> list[dict[str, Any]]:
             line | {"name": name, "truth": wanted[i], "value": value, "low": low, "high": high}
         )
     return lines
+
+
+def holds(ends: np.ndarray, wanted: np.ndarray) -> bool:
+    """Return whether intervals of all values, 95 % each, hold the truth, or come near to it.
+
+    Three intervals of 95 % hold all at once less often; so each end is asked at 98.3 %.
+    """
+    low, high = np.asarray(ends).T
+    middle, wide = (low + high) / 2.0, norm.ppf(1 - 0.05 / 6) / norm.ppf(0.975)
+    return bool((abs(wanted - middle) <= wide * (high - low) / 2.0).all())
 
 
 def elsewhere(values: np.ndarray, wanted: np.ndarray, i: int) -> float:
@@ -201,6 +214,9 @@ def told(path: Path) -> None:
         count = len({row["seed"] for row in given})
         several = len({row["seed"] for row in given if int(row["listed"]) > 1})
         print(f"{kind}: {tracks} tracks, {count} with intervals, {several} of them a list")
+        if given and given[0].get("inside"):
+            whole = {row["seed"]: int(row["inside"]) for row in given}
+            print(f"  one design holds all values   {sum(whole.values())}/{len(whole)}")
         for name, only in ((n, o) for n in dict.fromkeys(r["name"] for r in given) for o in (0, 1)):
             some = [row for row in given if row["name"] == name]
             some = [row for row in some if not only or int(row["listed"]) == 1]

@@ -86,13 +86,26 @@ def changed(swimmer: Any, changes: Mapping[str, Mapping[str, Any]]) -> Any:
     tails = list(swimmer.tail.each)
     for part, new in changes.items():
         one = ONE_OF_SEVERAL.match(part)
-        made = numbered(part, replace, part_of(swimmer, part), **new)
+        owner = part_of(swimmer, part)
+        made = numbered(part, replace, owner, **_chosen_anew(owner, new))
         if one is None:
             parts[part] = made
         else:
             tails[int(one[2])] = made
             parts[one[1]] = tails
     return replace(swimmer, **parts)
+
+
+def _chosen_anew(owner: Any, new: Mapping[str, Any]) -> dict[str, Any]:
+    """Changes, with what is chosen anew where another field comes or goes: sections of a bent
+    tail.
+    """
+    chosen = {
+        other: None
+        for name, other in getattr(owner, "chosen_by", {}).items()
+        if name in new and (new[name] is None) != (getattr(owner, name) is None)
+    }
+    return chosen | dict(new)
 
 
 def numbered(part: str, make: Any, *args: Any, **fields: Any) -> Any:

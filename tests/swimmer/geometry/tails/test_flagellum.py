@@ -105,3 +105,16 @@ def test_the_judge_wants_perpendicular_sections():
         swimmer(bent(sections="sheared")).gait("bem", level="coarse")
     assert bent().sections == "perpendicular"
     assert ms.PlaneWaveTail(**WAVE).sections == "sheared"
+
+
+def test_sections_follow_a_curvature_that_comes_and_goes():
+    """What is not said is chosen anew; what is said stays."""
+    straight = ms.Swimmer.preset("tabak/plane_wave")
+    bent = straight.with_({"tail.mean_curvature": 0.3})
+    assert (straight.tail.sections, bent.tail.sections) == ("sheared", "perpendicular")
+    assert bent.with_({"tail.mean_curvature": 0.4}).tail.sections == "perpendicular"
+    assert bent.with_({"tail.mean_curvature": None}).tail.sections == "sheared"
+    said = straight.with_({"tail.sections": "perpendicular", "tail.mean_curvature": 0.3})
+    assert said.tail.sections == "perpendicular"
+    turn = bent.gait("bem", level="coarse").mean_velocity[5]
+    assert turn * bent.gait("rft").mean_velocity[5] > 0

@@ -67,7 +67,7 @@ def reach(
     here = [float(done.x[problem.names.index(name)]) for name in (AMPLITUDE, WAVES)]
     b, n, velocities, off = finely(grid)
     seen, precision = _seen(problem, done, spread)
-    own = shown(problem.swimmer, {AMPLITUDE: np.array(here[:1]), WAVES: np.array(here[1:])})
+    own = shown(grid.swimmer, {AMPLITUDE: np.array(here[:1]), WAVES: np.array(here[1:])})
     wanted = np.log(np.abs([own[4][0], own[1][0], own[2][0]])) + seen
     miss = velocities - wanted[:, None, None]
     behind = _behind(miss, _deviations(miss, off), precision)

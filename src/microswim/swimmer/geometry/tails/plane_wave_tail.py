@@ -45,6 +45,8 @@ class PlaneWaveTail(WaveTail):
     surface_motion: SurfaceMotion = "translating"
     kind: ClassVar[str] = "plane_wave"
     rft_loop: ClassVar[str] = "plane_wave"
+    #: The field that is chosen anew where another comes or goes.
+    chosen_by: ClassVar[dict[str, str]] = {"mean_curvature": "sections"}
     beats_in_plane: ClassVar[bool] = True
 
     def __post_init__(self) -> None:

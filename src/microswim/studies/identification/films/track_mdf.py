@@ -43,7 +43,7 @@ def table_of_mdf(path: str, text: str) -> Table:
         labels = [label.partition(".")[2] for label in labels]
     names = ("x", "y", "z", "frame")
     units = dict.fromkeys("xyz", "px") | {"frame": None}
-    numbers = dict(zip(names, np.array(rows).T))
+    numbers: dict[str, np.ndarray] = dict(zip(names, np.array(rows).T))
     return Table(path, {name: name for name in names}, units, numbers, labels, ())
 
 

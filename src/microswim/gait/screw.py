@@ -99,22 +99,23 @@ def _side_by_side(gait: Gait, steps: int) -> tuple[np.ndarray, np.ndarray]:
     return x.T, q.T
 
 
-def leading_end(gait: Gait) -> str:
+def leading_end(gait: Gait, front: str = "body") -> str:
     """Return which end goes first over a period, ``"body"`` or ``"tail"``; empty if neither does.
 
     The mean of u_s does not tell: it is taken in axes that sway, and a swimmer that is thrown to
-    and fro across its axis as it yaws may go the other way.
+    and fro across its axis as it yaws may go the other way. `front` is the other end's name where
+    there is no body.
     """
     way = np.real(screw(gait).displacement)
     size = float(np.sqrt(np.sum(way**2)))
     if not np.isfinite(size) or abs(way[0]) <= ASIDE * size:
         return ""
-    return "body" if way[0] < 0.0 else "tail"
+    return front if way[0] < 0.0 else "tail"
 
 
 def is_misled(u_s: float, leads: str) -> bool:
     """Return whether the sign of a mean u_s says another end than that which leads."""
-    return leads != "" and (u_s < 0.0) != (leads == "body")
+    return leads != "" and (u_s < 0.0) == (leads == "tail")
 
 
 def way_of(numbers: dict[str, Any]) -> str:
@@ -122,7 +123,9 @@ def way_of(numbers: dict[str, Any]) -> str:
     leads = numbers.get("leading_end", "")
     if is_misled(numbers["mean_velocity"][0], leads):
         return f"in the swaying frame of the body; it goes {leads} first"
-    return "negative: the body leads"
+    return (
+        "positive: the tail leads" if leads == "tail" else f"negative: the {leads or 'body'} leads"
+    )
 
 
 def _of_one_phase(gait: Gait, forward: float) -> tuple[np.ndarray, np.ndarray]:

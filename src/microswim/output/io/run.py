@@ -70,7 +70,7 @@ def numbers(swimmer: Swimmer, gait: Gait) -> dict[str, Any]:
         "units": gait.units,
         "degrees_of_freedom": list(DEGREES_OF_FREEDOM),
         **found,
-        "leading_end": leading_end(gait),
+        "leading_end": leading_end(gait, "joint" if swimmer.body.is_absent else "body"),
         "body_rotation_frequency": found["mean_velocity"][3]
         / (2.0 * np.pi),  # its old name, signed
     }

@@ -239,3 +239,43 @@ def test_a_path_that_was_killed_goes_on_to_the_same_numbers(tmp_path):
     np.testing.assert_array_equal(again.motor_work, once.motor_work)
     with pytest.raises(ms.SpecError, match="another path"):
         ms.path(one, 5.0, memory=True, samples=17, keep=keep)
+
+
+def test_a_heavy_push_does_not_press_a_tail_into_a_wall():
+    """A force of a hundred times what drag and bending make of it."""
+    one = replace(swimmer(0.1, drive="pivot", angle=0.4), wall=ms.Wall(distance=0.3))
+    found = ms.path(one, 0.3, samples=7, force=(0.0, 0.0, -300.0))
+    assert 0.0 < found.gap[-1] < 0.02
+
+
+def test_a_filament_that_is_heavy_all_along_sinks_straight_whatever_its_stiffness():
+    """Weight and local drag are both even along it, so nothing bends it: across it falls at
+    ``w / c_n``, and tilted it glides.
+    """
+    tail = ms.ElasticTail(length=1.0, radius=0.02, bending=1e-3, drive="none")
+    gravity = ms.Gravity(density=2.0, acceleration=100.0, direction=(0.0, -1.0, 0.0))
+    one = ms.Swimmer(
+        body=ms.NoBody(), tail=tail, fluid=ms.Fluid(viscosity=1.0, density=1.0), coefficients=LAW,
+        gravity=gravity,
+    )  # fmt: skip
+    weight, angle = np.pi * 0.02**2 * 100.0, 0.6
+    start = [np.cos(angle / 2.0), 0.0, 0.0, np.sin(angle / 2.0)]
+    found = ms.path(one, 2.0, samples=3, quaternion=start)
+    t, n = np.array([np.cos(angle), np.sin(angle)]), np.array([-np.sin(angle), np.cos(angle)])
+    falls = -weight * (t * t[1] / 1.2 + n * n[1] / 2.0)
+    np.testing.assert_allclose(found.attrs["drift"][:2], falls, rtol=1e-5)
+    ends = found.filament.values[-1, -1] - found.filament.values[-1, 0]
+    np.testing.assert_allclose(np.linalg.norm(ends), 1.0, atol=1e-8)
+
+
+def test_a_heavy_head_draws_its_tail_down_behind_it():
+    """Begun near upright it ends upright: all weight over all drag, the filament straight."""
+    gravity = ms.Gravity(body_density=3.0, tail_density=2.0, acceleration=50.0,
+                         direction=(-1.0, 0.0, 0.0))  # fmt: skip
+    one = swimmer(0.15, drive="none", bending=0.02)
+    one = replace(one, fluid=ms.Fluid(viscosity=1.0, density=1.0), gravity=gravity)
+    found = ms.path(one, 12.0, samples=25, quaternion=[np.cos(0.1), 0.0, 0.0, np.sin(0.1)])
+    body, tail = 4.0 / 3.0 * np.pi * 0.15**3 * 2.0 * 50.0, np.pi * 0.02**2 * 50.0
+    drag = 6.0 * np.pi * 0.15 + 1.2
+    speed = (found.position.values[-1] - found.position.values[-2]) / 0.5
+    np.testing.assert_allclose(speed, [-(body + tail) / drag, 0.0, 0.0], rtol=1e-3, atol=2e-3)

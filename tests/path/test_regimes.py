@@ -66,6 +66,17 @@ def test_regimes_follow_one_another():
     assert told.velocity_error[lost].max() < 0.02 * np.abs(told.velocity).max()  # slow to settle
 
 
+def test_what_the_field_never_holds_has_not_stepped_out():
+    """Magnetised along its axis in a field with a cone it has no torque about itself."""
+    field = ms.RotatingField(strength=10.0, frequency=0.1, cone=0.7)
+    body = ms.Spheroid(semi_axes=(0.8, 0.3))
+    one = ms.Swimmer(
+        body=body, tail=ms.NoTail(), fluid=ms.Fluid(viscosity=1.0), field=field,
+        magnet=ms.Magnet(moment=(1.0, 0.0, 0.0)),
+    )  # fmt: skip
+    assert ms.regimes(one, [0.05, 2.0]).regime == ("not held", "not held")
+
+
 def test_the_velocity_is_zero_where_it_changes_sign():
     told = ms.regimes(robot(), np.linspace(0.0005, 0.01, 9), model="rft")
     (reversal,) = told.reversals

@@ -239,6 +239,8 @@ def _note(one: Regimes) -> str:
 
     off, speed = one.expected_error, unit(one.units, "speed")
     said = [f"step-out {with_error(one.step_out, off['step_out'], unit(one.units, 'frequency'))}"]
+    if not one.step_out:
+        return f"no step-out: the field never holds it (errors: {off['how']})"
     said[0] += f", there {with_error(one.velocity_at_step_out, off['velocity'], speed)}"
     said[0] += f" (errors: {off['how']})"
     if not np.isnan(one.wobbling_onset):

@@ -31,7 +31,7 @@ from microswim.swimmer.swimmer import Swimmer
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
-NAMES = ("tumbling", "wobbling", "synchronous", "stepped out")
+NAMES = ("tumbling", "wobbling", "synchronous", "stepped out", "not held")
 SPINS = (
     "its moment does not turn it about its own axis, so it goes round with a field that leans, and "
     "spins at a rate of its own; microswim path follows it"
@@ -51,7 +51,8 @@ class Regimes:
     frequency
         Turns of the field per time, (n,).
     regime
-        ``"tumbling"``, ``"wobbling"``, ``"synchronous"`` or ``"stepped out"``, for each.
+        ``"tumbling"``, ``"wobbling"``, ``"synchronous"``, ``"stepped out"`` or, of a robot that the
+        field holds at no frequency, ``"not held"``, for each.
     precession_angle
         Angle (rad) between the robot's long axis and the field's; NaN without a steady state.
     velocity
@@ -286,6 +287,7 @@ def _one(
     """Regime, precession angle, velocity along the axis and its error, at one rate."""
     if not states:
         name = "stepped out" if rate > steady.step_out else "wobbling"
+        name = name if steady.step_out else "not held"
         return (name, float("nan"), *drift(steady, rate))
     state = states[0]
     angle, velocity = float(state.precession_angle), float(state.velocity)

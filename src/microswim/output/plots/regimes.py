@@ -37,6 +37,7 @@ SHADES = {
     "wobbling": PALE_BLUE,
     "synchronous": PALE_GREEN,
     "stepped out": PALE_ORANGE,
+    "not held": "white",
 }
 
 

@@ -2,11 +2,8 @@
 
 import numpy as np
 import pytest
-from hypothesis import HealthCheck, given, settings
-from hypothesis import strategies as st
 
 import microswim as ms
-from microswim.errors import MicroswimError
 from microswim.swimmer.geometry.solids.coarsening import coarsened
 from microswim.swimmer.geometry.solids.crossing import winding
 from microswim.swimmer.geometry.solids.paired import facets_of
@@ -90,27 +87,6 @@ def test_an_edge_of_four_triangles_is_refused():
     other = points + [1.0, 1.0, 0.0]  # two cubes that share an edge
     with pytest.raises(ms.SpecError, match="more than two triangles"):
         checked(np.concatenate([points, other]), np.concatenate([faces, faces + len(points)]))
-
-
-@settings(
-    max_examples=60, deadline=None, suppress_health_check=[HealthCheck.function_scoped_fixture]
-)
-@given(data=st.data())
-def test_a_broken_file_is_refused_in_a_sentence(tmp_path, data):
-    ending = data.draw(st.sampled_from(["stl", "ply", "obj"]))
-    whole = bytearray(BOX.export(file_type=ending) if ending != "obj" else
-                      BOX.export(file_type="obj").encode())  # fmt: skip
-    cut = data.draw(st.integers(0, len(whole)))
-    whole = whole[:cut] + data.draw(st.binary(max_size=40)) + whole[cut + 3 :]
-    file = tmp_path / f"broken.{ending}"
-    file.write_bytes(bytes(whole))
-    said, volume = "", 1.0
-    try:
-        volume = read(file).surface.volume
-    except MicroswimError as error:
-        said = str(error)
-    assert "\n" not in said
-    assert np.isfinite(volume)
 
 
 def test_the_winding_number_counts_in_and_out():

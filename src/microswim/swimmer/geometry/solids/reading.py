@@ -5,6 +5,10 @@ STL, PLY and OBJ, binary or text, through trimesh (extra ``mesh``); the topology
 
 from __future__ import annotations
 
+import logging
+import warnings
+from collections.abc import Iterator
+from contextlib import contextmanager
 from dataclasses import dataclass
 from functools import lru_cache
 from pathlib import Path
@@ -19,6 +23,8 @@ from microswim.swimmer.geometry.solids.triangles import Indices, Triangles
 
 FORMATS = (".stl", ".ply", ".obj")
 MOST_BYTES, MOST_FACES = 1 << 28, 400_000
+#: Coordinates from which on products of three have no room.
+LARGEST = 1e90
 
 
 @dataclass(frozen=True, eq=False)
@@ -63,8 +69,9 @@ def read(path: str | Path) -> Reading:
 @lru_cache(maxsize=8)
 def _read(path: str, changed: int, size: int) -> Reading:
     mesh = _loaded(path)
-    points = np.asarray(getattr(mesh, "vertices", np.empty((0, 3))), float)
-    faces = np.asarray(getattr(mesh, "faces", np.empty((0, 3))), np.int64)
+    with _silent():
+        points = np.asarray(getattr(mesh, "vertices", np.empty((0, 3))), float)
+        faces = np.asarray(getattr(mesh, "faces", np.empty((0, 3))), np.int64)
     return checked(points, faces, path)
 
 
@@ -76,10 +83,26 @@ def _loaded(path: str) -> Any:
             'surface files need trimesh; install it with pip install "microswim[mesh]"'
         ) from None
     try:
-        return trimesh.load_mesh(path, process=False)
-    except Exception as error:  # whatever the readers of broken files raise
-        why = " ".join(str(error).split())[:80]
-        raise _refused(path, f"cannot be read as a surface ({why}); export it anew") from None
+        with _silent():
+            return trimesh.load_mesh(path, process=False)
+    except Exception:  # whatever the readers of broken files raise
+        what = Path(path).suffix[1:].upper()
+        raise _refused(path, f"cannot be read as {what}: it ends early, or its header or its text "
+                       "is damaged; export it anew") from None  # fmt: skip
+
+
+@contextmanager
+def _silent() -> Iterator[None]:
+    """Keep what the reader says of broken numbers to itself: they are looked at here."""
+    log = logging.getLogger("trimesh")
+    level = log.level
+    log.setLevel(logging.CRITICAL + 1)
+    try:
+        with warnings.catch_warnings(), np.errstate(all="ignore"):
+            warnings.simplefilter("ignore")
+            yield
+    finally:
+        log.setLevel(level)
 
 
 def _refused(path: str, why: str) -> SpecError:
@@ -95,13 +118,15 @@ def checked(points: Array, faces: Indices, path: str = "surface") -> Reading:
         If they do not.
     """
     if points.ndim != 2 or points.shape[1:] != (3,) or faces.ndim != 2 or len(faces) < 4:
-        raise _refused(path, "holds no surface of triangles; export the body as triangles")
+        raise _refused(
+            path, "holds no surface of triangles, or is cut off; export the body as triangles"
+        )
     if faces.min() < 0 or faces.max() >= len(points):
         raise _refused(path, "names points that it does not hold; export it anew")
     if len(faces) > MOST_FACES:
         raise _refused(path, f"has {len(faces):,} triangles, {MOST_FACES:,} at most can be taken; "
                        "export it coarser")  # fmt: skip
-    if not np.isfinite(points[faces]).all():
+    if not (np.abs(points[faces]) < LARGEST).all():
         raise _refused(path, "holds coordinates that are no numbers; export it anew")
     remarks: list[str] = []
     points, faces = _merged(points, faces, remarks)

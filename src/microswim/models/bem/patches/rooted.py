@@ -8,7 +8,7 @@ there to the sides of the hole; both are lifted onto the surface of the file.
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import cast
 
 import numpy as np
@@ -17,7 +17,7 @@ from scipy.spatial.distance import pdist
 
 from microswim.errors import SpecError
 from microswim.models.bem.patches.surface import grid_boxes, sample_adapted, sampled
-from microswim.models.bem.patches.triangles import for_a_tail
+from microswim.models.bem.patches.triangles import Thinned, for_a_tail
 from microswim.models.joint import Joint
 from microswim.numerics.array import Array
 from microswim.swimmer.geometry.solids.paired import facets_of, graded_cuts
@@ -77,20 +77,21 @@ def shell(surface: Triangles, joints: list[Joint], level: str, rings: Rings) -> 
     SpecError
         If a root has no room.
     """
-    triangles, size, layers = for_a_tail(surface, level)
+    thin = for_a_tail(surface, level)
     if len(joints) > 1:
         roots = np.array([_chart(joint).surface_point(joint.pole) for joint in joints])
-        triangles = split(triangles, roots, APART * float(pdist(roots).min()))
-    holes = [_hole(triangles, joint, n) for n, joint in enumerate(joints)]
+        near = split(thin.triangles, roots, APART * float(pdist(roots).min()))
+        thin = replace(thin, triangles=near)
+    holes = [_hole(thin.triangles, joint, n) for n, joint in enumerate(joints)]
     out = np.sum([hole.faces for hole in holes], axis=0)
     if (out > 1).any():
         raise SpecError("tail.position: two roots are so close on the surface from the file that "
                         "their joints have no room; move them apart")  # fmt: skip
     parts = []
     for joint, hole in zip(joints, holes):
-        parts += _about(joint, hole, rings, size, layers)
-    rest = facets_of(triangles, size, layers, out == 0)
-    return np.concatenate([*parts, sampled(rest)] if rest else parts)
+        parts += _about(joint, hole, rings, thin)
+    rest = facets_of(thin.triangles, thin.size, thin.layers, out == 0)
+    return np.concatenate([*parts, thin.onto(sampled(rest))] if rest else parts)
 
 
 def _chart(joint: Joint) -> RootedSurface:
@@ -166,15 +167,15 @@ def _along(sides: Array, t: Array) -> Array:
     return shape @ sides
 
 
-def _about(joint: Joint, hole: Hole, rings: Rings, size: float, layers: int) -> list[Array]:
+def _about(joint: Joint, hole: Hole, rings: Rings, thin: Thinned) -> list[Array]:
     """Patches between the joint and the sides of its hole."""
     chart = _chart(joint)
     sides = chart.sheet.laid(hole.sides)[..., 1:] - chart.at
     nearest = np.linalg.norm(_along(sides, np.linspace(0, 1, 9)), axis=-1).min()
     circle = float(max(CIRCLE * nearest, ROUND * _reach(joint).max()))
     parts = _to_circle(joint, circle, rings)
-    for side, own, sharp in zip(hole.sides, sides, hole.sharp):
-        parts.append(_to_side(chart, circle, side, own, bool(sharp), size, layers))
+    for side, sharp in zip(hole.sides, hole.sharp):
+        parts.append(_to_side(chart, circle, side, bool(sharp), thin))
     return parts
 
 
@@ -193,22 +194,23 @@ def _to_circle(joint: Joint, circle: float, rings: Rings) -> list[Array]:
     return parts
 
 
-def _to_side(
-    chart: RootedSurface, circle: float, side: Array, own: Array, sharp: bool, size: float,
-    layers: int,
-) -> Array:  # fmt: skip
-    """Patches between the circle and one side of the hole, ends and middle (3, 3) and (3, 2)."""
+def _to_side(chart: RootedSurface, circle: float, side: Array, sharp: bool, thin: Thinned) -> Array:
+    """Patches between the circle and one side of the hole, ends and middle (3, 3)."""
+
+    def end_at(along: Array) -> tuple[Array, Array]:
+        X = thin.onto(_along(side[None], along.ravel())[0]).reshape(*along.shape, 3)
+        return X, chart.sheet.laid(X)[..., 1:] - chart.at
 
     def place(t: Array, along: Array) -> Array:
-        end, X = (_along(x[None], along.ravel())[0] for x in (own, side))
-        end, X = end.reshape(*along.shape, 2), X.reshape(*along.shape, 3)
+        X, end = end_at(along)
         start = circle * end / np.linalg.norm(end, axis=-1, keepdims=True)
         t = t[..., None]
         there = chart.sheet.lifted(chart.at + (1 - t) * start + t * end)
         return there + t * (X - chart.sheet.lifted(chart.at + end))
 
+    own = end_at(np.array([0.0, 0.5, 1.0]))[1]
     long = float(np.linalg.norm(own[2] - own[0]))
     far = float(np.linalg.norm(own, axis=-1).mean()) - circle
-    outward = 0.5 * (1.0 + graded_cuts(far, size, layers, False, sharp))
-    across = np.linspace(0.0, 1.0, max(1, round(long / size)) + 1)
+    outward = 0.5 * (1.0 + graded_cuts(far, thin.size, thin.layers, False, sharp))
+    across = np.linspace(0.0, 1.0, max(1, round(long / thin.size)) + 1)
     return sample_adapted(place, grid_boxes(outward, across))

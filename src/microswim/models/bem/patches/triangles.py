@@ -6,7 +6,8 @@ them; large ones cut, towards sharp edges thrice as finely at each step.
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from collections.abc import Callable
+from dataclasses import dataclass, replace
 from functools import lru_cache
 
 import numpy as np
@@ -14,9 +15,12 @@ import numpy as np
 from microswim.errors import SpecError
 from microswim.models.bem.patches.surface import Surface, sampled, still
 from microswim.models.bem.system import Quadrature
+from microswim.numerics.array import Array
 from microswim.swimmer.geometry.solids.coarsening import coarsened
 from microswim.swimmer.geometry.solids.facets import Facet
+from microswim.swimmer.geometry.solids.nearest import Nearest
 from microswim.swimmer.geometry.solids.paired import facets_of
+from microswim.swimmer.geometry.solids.remeshing import remeshed
 from microswim.swimmer.geometry.solids.triangles import Triangles
 
 RULE = Quadrature(points=4, near=2.0, far=6.0)
@@ -38,41 +42,77 @@ LEVELS = {
 }
 
 
-#: The same of a body with tails, whose order is the tails': patches in all, and most of them; share
-#: of the volume from which on triangles are too few for the shape, however many patches there are.
-TOO_FEW = 0.006
+#: The same of a body with tails, whose order is the tails': most patches, those of an even shape.
 WITH_TAIL = {
-    "coarse": Fineness(100, 40, 1),
-    "standard": Fineness(150, 50, 2),
-    "fine": Fineness(350, 150, 3),
+    "coarse": Fineness(100, 50, 1),
+    "standard": Fineness(150, 100, 2),
+    "fine": Fineness(350, 200, 3),
 }
+#: How far a file's corners may lie from fewer triangles, in lengths of a side, and by what share
+#: these may miss the volume; what sides are shortened by for it, and tries.
+AWAY, MISSED, SHORTER, TRIES = 0.06, 0.02, 0.8, 8
+#: Size of a patch in lengths of a side.
+PATCH = 1.3
+
+
+@dataclass(frozen=True, eq=False)
+class Thinned:
+    """Triangles of a body that a tail grows out of, near its surface.
+
+    Parameters
+    ----------
+    triangles
+        Few, of about one length where the file's are too many.
+    size, layers
+        How `facets_of` cuts them.
+    onto
+        Moves points of their patches onto the surface.
+    """
+
+    triangles: Triangles
+    size: float
+    layers: int
+    onto: Callable[[Array], Array]
+
+    @property
+    def count(self) -> int:
+        """Number of patches."""
+        return _count(facets_of(self.triangles, self.size, self.layers))
 
 
 @lru_cache(maxsize=16)
-def for_a_tail(triangles: Triangles, level: str) -> tuple[Triangles, float, int]:
-    """Return the triangles of a body that a tail grows out of, and how `facets_of` cuts them."""
-    wanted, whole = WITH_TAIL[level], triangles.curved_volume
-    size = 1.5 * float(np.sqrt(triangles.area / wanted.patches))
-    for _ in range(4):
-        count = _count(facets_of(triangles, size, wanted.layers))
-        if count <= wanted.unknowns:
-            break
-        most = int(0.8 * len(triangles.faces) * wanted.unknowns / count)
-        fewer = _keeping(triangles, most, whole)
-        if fewer is triangles:
-            break
-        triangles = fewer
-    return triangles, size, wanted.layers
+def for_a_tail(triangles: Triangles, level: str) -> Thinned:
+    """Return the triangles of a body that a tail grows out of: the file's, or as few as are near
+    its surface everywhere.
+    """
+    wanted = WITH_TAIL[level]
+    length = float(np.sqrt(triangles.area / (wanted.patches * np.sqrt(0.75))))
+    whole = Thinned(triangles, PATCH * length, wanted.layers, np.asarray)
+    count = whole.count
+    for _ in range(TRIES if count > wanted.unknowns else 0):
+        made = remeshed(triangles, length)
+        if made is not None and _near(made, triangles, length):
+            few = replace(whole, triangles=made, onto=Nearest(triangles))
+            return few if few.count < count else whole
+        length *= SHORTER
+    return whole
 
 
-def _keeping(triangles: Triangles, most: int, volume: float) -> Triangles:
-    """Return at most so many triangles, or as many more as it takes to keep a volume."""
-    while most < len(triangles.faces):
-        made = coarsened(triangles, most)
-        if made is not triangles and abs(made.curved_volume / volume - 1.0) <= TOO_FEW:
-            return made
-        most = int(1.4 * most) + 1
-    return triangles
+def _near(fewer: Triangles, triangles: Triangles, length: float) -> bool:
+    """Whether fewer triangles with sides of a length are near a surface everywhere."""
+    if abs(fewer.curved_volume / triangles.curved_volume - 1.0) > MISSED:
+        return False
+    away = Nearest(fewer)(triangles.points) - triangles.points
+    near = float(np.linalg.norm(away, axis=1).max()) <= AWAY * length
+    sharp, whole = (float(_curved_lengths(t)[t.is_sharp].sum()) for t in (fewer, triangles))
+    return near and abs(sharp - whole) <= SHARP_KEPT * whole
+
+
+def _curved_lengths(triangles: Triangles) -> Array:
+    """Length of each curved side, from its chord and the two halves of it."""
+    a, b = (triangles.points[triangles.edges[0][:, k]] for k in (0, 1))
+    half = sum(np.linalg.norm(triangles.middles - end, axis=1) for end in (a, b))
+    return (4.0 * half - np.linalg.norm(b - a, axis=1)) / 3.0
 
 
 def surface_of(triangles: Triangles, level: str = "standard") -> tuple[Surface, Triangles]:

@@ -38,7 +38,7 @@ def _by_quadrics(surface: Triangles, most: int) -> Triangles | None:
         np.asarray(surface.points, float), np.asarray(surface.faces, np.int32),
         target_count=most, agg=5.0,
     )  # fmt: skip
-    return _of_corners(surface, np.asarray(points, float), np.asarray(faces, np.int64))
+    return of_corners(surface, np.asarray(points, float), np.asarray(faces, np.int64))
 
 
 def _onto_corners(surface: Triangles, most: int) -> Triangles | None:
@@ -60,10 +60,10 @@ def _onto_corners(surface: Triangles, most: int) -> Triangles | None:
         return None
     mesh = best.to_mesh()
     at = np.asarray(mesh.vert_properties[:, :3], float) * size + middle
-    return _of_corners(surface, at, np.asarray(mesh.tri_verts, np.int64))
+    return of_corners(surface, at, np.asarray(mesh.tri_verts, np.int64))
 
 
-def _of_corners(surface: Triangles, points: Array, faces: Indices) -> Triangles | None:
+def of_corners(surface: Triangles, points: Array, faces: Indices) -> Triangles | None:
     """Return the triangles with their corners moved to the nearest ones of a finer surface."""
     from scipy.spatial import KDTree
 

@@ -1,4 +1,6 @@
-"""Flat triangles cut in two, so that a surface of few of them has some about each of many roots."""
+"""Triangles cut: flat ones, so that a surface of few of them has some about each of many roots,
+and long ones of curved parts, so that fewer have corners to choose from.
+"""
 
 from __future__ import annotations
 
@@ -11,6 +13,44 @@ from microswim.swimmer.geometry.solids.triangles import Indices, Triangles
 MOST = 400
 #: Distance of a side's middle from its chord, in lengths, up to which the side is straight.
 STRAIGHT = 1e-4
+#: Rounds in which every long side is halved.
+HALVINGS = 8
+
+
+def shortened(surface: Triangles, longest: float) -> Triangles:
+    """Return the surface with no side longer than a length where it is curved.
+
+    New corners are the middles of curved sides.
+    """
+    for _ in range(HALVINGS):
+        edges, _, of_face = surface.edges
+        ends = surface.points[edges]
+        long = np.linalg.norm(ends[:, 1] - ends[:, 0], axis=1) > longest
+        long &= surface.is_bent[surface.edges[1]].any(axis=1)
+        if not long.any():
+            break
+        number = np.full(len(edges), -1)
+        number[long] = len(surface.points) + np.arange(int(long.sum()))
+        parts = [_halved(f, new) for f, new in zip(surface.faces, number[of_face])]
+        points = np.vstack([surface.points, surface.middles[long]])
+        surface = Triangles(points, np.concatenate(parts).astype(np.int64))
+    return surface
+
+
+def _halved(face: Indices, new: Indices) -> Indices:
+    """Triangles of one with new points on its sides ab, bc, ca, -1 for none."""
+    count = int((new >= 0).sum())
+    if count == 0:
+        return face[None]
+    if count == 3:
+        (a, b, c), (p, q, r) = face, new
+        return np.array([[a, p, r], [p, b, q], [r, q, c], [p, q, r]])
+    # the side before the one whose follower is whole, or the only one halved, comes first
+    turn = int(np.argmax(new >= 0)) if count == 1 else (int(np.argmax(new < 0)) + 1) % 3
+    (a, b, c), (p, q, _) = np.roll(face, -turn), np.roll(new, -turn)
+    if count == 1:
+        return np.array([[a, p, c], [p, b, c]])
+    return np.array([[a, p, q], [p, b, q], [a, q, c]])
 
 
 def split(surface: Triangles, at: Array, reach: float) -> Triangles:

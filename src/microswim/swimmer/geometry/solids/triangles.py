@@ -106,6 +106,12 @@ class Triangles:
         return bool((self._turn > FLAT)[~self.is_sharp].any())
 
     @cached_property
+    def is_bent(self) -> NDArray[np.bool_]:
+        """Which faces meet some neighbour smoothly at an angle, (m,)."""
+        bent: NDArray[np.bool_] = (self._turn > FLAT) & ~self.is_sharp
+        return np.asarray(bent[self.edges[2]].any(axis=1))
+
+    @cached_property
     def _turn(self) -> Array:
         """Sine of the angle between the faces beside each edge, (e,)."""
         one, other = _unit(self.area_vectors)[self.edges[1]].transpose(1, 0, 2)
@@ -211,18 +217,30 @@ class Triangles:
 
     def _along_sharp(self, sharp: Indices, at: Indices, d: Array) -> Array:
         """The chord of sharp edges turned into the tangent of their polygon at a point."""
-        edges = self.edges[0][sharp]
+        tangent, regular = (values[at] for values in self._lines)
+        along = np.einsum("ij,ij->i", d, tangent)[:, None] * tangent
+        return np.where(regular[:, None], along, d)
+
+    @cached_property
+    def _lines(self) -> tuple[Array, NDArray[np.bool_]]:
+        """Tangent of the sharp edges at each point (n, 3), and whether two go on in it (n,)."""
+        edges = self.edges[0][self.is_sharp]
         count = np.bincount(edges.ravel(), minlength=len(self.points))
         sums = np.zeros((len(self.points), 3, 3))
-        unit = _unit(d)
+        unit = _unit(self.points[edges[:, 1]] - self.points[edges[:, 0]])
         for end in (0, 1):
             np.add.at(sums, edges[:, end], unit[:, :, None] * unit[:, None, :])
-        value, vector = np.linalg.eigh(sums[at])
-        tangent = vector[:, :, 2]
-        along = np.einsum("ij,ij->i", d, tangent)[:, None] * tangent
+        value, vector = np.linalg.eigh(sums)
         turn = np.sqrt(np.maximum(value[:, 1], 0.0))  # sqrt(2) sin of half the turn
-        regular = (count[at] == 2) & (turn < np.sqrt(2.0) * np.sin(0.5 * CORNER))
-        return np.where(regular[:, None], along, d)
+        regular = (count == 2) & (turn < np.sqrt(2.0) * np.sin(0.5 * CORNER))
+        return vector[:, :, 2], regular
+
+    @cached_property
+    def kinds(self) -> Indices:
+        """Of each point: 0 in a smooth part, 1 along a sharp edge, 2 where those meet or turn."""
+        on_sharp = np.zeros(len(self.points), bool)
+        on_sharp[self.edges[0][self.is_sharp]] = True
+        return np.where(on_sharp, np.where(self._lines[1], 1, 2), 0)
 
     @cached_property
     def is_closed(self) -> bool:

@@ -197,6 +197,23 @@ def test_patches_follow_the_gap_wherever_the_wall_is(gap, normal):
     assert np.abs(R - R.T).max() < 1e-3 * np.abs(R).max()
 
 
+@pytest.mark.parametrize("normal", [(0.0, 1.0, 0.0), (-0.2, 0.1, 0.7)])
+def test_a_sphere_a_fiftieth_of_its_radius_from_a_wall_slides_and_rolls_by_lubrication(normal):
+    """Goldman, Cox & Brenner (1967): ``8/15 ln(1/d) + 0.9588`` and ``2/5 ln(1/d) + 0.3709``, gap d,
+    with the terms in ``d ln(1/d)`` of Kim & Karrila (1991, sec. 7.3); what is left is of order d.
+    """
+    gap, n = 0.02, np.array(normal) / np.linalg.norm(normal)
+    along = np.cross(n, [1.0, 0.0, 0.0])
+    along /= np.linalg.norm(along)
+    plane, rule = np.concatenate([-(1 + gap) * n, n]), bem.get_level("standard").rule
+    R = bem.resistance(bem.ellipsoid((1.0, 1.0, 1.0), 1, 3), 1.0, rule=rule, wall=plane)
+    log = np.log(1.0 / gap)
+    slide = 8 / 15 * log + 0.9588 + 64 / 375 * gap * log
+    roll = 2 / 5 * log + 0.3709 + 66 / 125 * gap * log
+    assert along @ R[:3, :3] @ along / (6 * np.pi) == pytest.approx(slide, rel=5e-3)
+    assert along @ R[3:, 3:] @ along / (8 * np.pi) == pytest.approx(roll, rel=1e-2)
+
+
 def test_halves_of_a_patch_are_the_same_surface():
     sphere = bem.ellipsoid((1.0, 0.7, 0.5), 1, 3)
     finer = refined(sphere, over(np.array([-1.02, 0, 0, 1.0, 0, 0])))

@@ -13,6 +13,7 @@ from microswim.models.elastic.growth import growth
 from microswim.models.elastic.plane import Loads, balance
 from microswim.models.elastic.problem import problem
 from microswim.numerics.series.fourier import MIRROR_Q
+from oracles.chain_of_links import way_in_a_period
 from oracles.elastic_filament import chain_thrust, moment_thrust, thrust
 
 RATE = 2.0 * np.pi
@@ -364,3 +365,25 @@ def test_derivatives_are_exact(name):
     value, h = one.numbers[name], 1e-4
     ends = [one.with_({name: value * (1.0 + d)}).gait().mean_power for d in (-h, h)]
     assert slope == pytest.approx((ends[1] - ends[0]) / (2.0 * h * value), rel=1e-5)
+
+
+@pytest.mark.parametrize(("sperm_number", "drive", "name", "size"), [
+    (3.0, "heave", "amplitude", 0.2),
+    pytest.param(2.0, "pivot", "angle", 0.6, marks=pytest.mark.slow),
+])  # fmt: skip
+def test_a_free_swimmer_comes_as_far_as_a_chain_of_links(sperm_number, drive, name, size):
+    """At large amplitude; links of half the length are four times as near."""
+    bending, size_of = 2.0 * RATE / sperm_number**4, {name: size}
+    tail: Any = {"length": 1.0, "radius": 0.02, "bending": bending, "drive": drive, **size_of}
+    one = ms.Swimmer(
+        body=ms.Sphere(radius=0.2), tail=ms.ElasticTail(**tail), fluid=ms.Fluid(viscosity=1.0),
+        coefficients=ms.Constant(normal=2.0, tangential=1.2, spin=False),
+    )  # fmt: skip
+    x = ms.trajectory(one.gait(), [0.0, 1.0]).position.values
+    coarse, fine = (
+        way_in_a_period(n, drive=drive, size=size, bending=bending, normal=2.0, tangential=1.2,
+                        radius=0.2, periods=6)
+        for n in (12, 24)
+    )  # fmt: skip
+    way = float(np.linalg.norm(x[1] - x[0]))
+    assert way == pytest.approx(fine + (fine - coarse) / 3.0, rel=2e-4)

@@ -9,8 +9,10 @@ import pytest
 from click.testing import CliRunner
 
 import microswim as ms
+from microswim.calibration.unknowns import resolve
 from microswim.cli import main
-from microswim.studies.identification.fitting.problem import quick_gait
+from microswim.studies.identification.fitting.first_guesses import seen_in
+from microswim.studies.identification.fitting.problem import PathProblem, quick_gait
 from microswim.studies.identification.paths import path_of
 
 TRUE = {
@@ -98,6 +100,19 @@ def test_a_planted_curvature_is_found():
     assert found.uncertainty[3] < 0.02
     low, high = found.interval().T  # four deviations wide, or wider where the misfit is no parabola
     assert np.all(high - low > 3.5 * found.uncertainty)
+
+
+def test_what_a_circling_track_shows_guides_the_first_guesses():
+    """Frequency, speed along the circle and wobble of a planted circle in closed form."""
+    swimmer = ms.Swimmer.preset("tabak/plane_wave").with_({"tail.mean_curvature": 0.1})
+    t = np.arange(400) / 25.0
+    z = 5.0 * np.exp(1j * (0.9 * t)) * (1.0 + 0.02 * np.sin(2 * np.pi * 1.3 * t))
+    track = ms.Track(time=t, position=np.stack([z.real, z.imag], -1))
+    problem = PathProblem(swimmer, track, resolve(swimmer, tuple(TRUE)), 0.02, None)
+    frequency, speed, wobble = seen_in(problem)
+    assert abs(abs(frequency - 1.3) - 0.9 / (2 * np.pi)) < 0.01  # a line that turning splits
+    assert speed == pytest.approx(4.5, rel=0.01)
+    assert wobble == pytest.approx(0.1, rel=0.5)
 
 
 @pytest.mark.slow

@@ -224,7 +224,8 @@ def seen_in(problem: PathProblem) -> tuple[float, float, float]:
         frequency, wobble, _ = track.wobble()
         return frequency, track.speed, wobble
     path = average_path(track.time, track.position, 1.0 / seen.frequency)
-    off = path.seen_from(track.time, track.position, path.heading)
+    inner = (track.time >= path.time[0]) & (track.time <= path.time[-1])
+    off = path.seen_from(track.time[inner], track.position[inner], path.heading)
     wobble = float(np.sqrt(max(2.0 * np.mean(np.sum(off**2, axis=1)) - 4.0 * seen.noise**2, 0.0)))
     return seen.frequency, path.speed().value, max(wobble, seen.amplitude)
 

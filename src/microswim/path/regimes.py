@@ -31,7 +31,6 @@ from microswim.swimmer.swimmer import Swimmer
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
-NAMES = ("tumbling", "wobbling", "synchronous", "stepped out", "not held")
 SPINS = (
     "its moment does not turn it about its own axis, so it goes round with a field that leans, and "
     "spins at a rate of its own; microswim path follows it"
@@ -51,8 +50,8 @@ class Regimes:
     frequency
         Turns of the field per time, (n,).
     regime
-        ``"tumbling"``, ``"wobbling"``, ``"synchronous"``, ``"stepped out"`` or, of a robot that the
-        field holds at no frequency, ``"not held"``, for each.
+        For each ``"tumbling"``, ``"wobbling"``, ``"synchronous"``, ``"stepped out"`` or, held
+        at no frequency, ``"not held"``.
     precession_angle
         Angle (rad) between the robot's long axis and the field's; NaN without a steady state.
     velocity
@@ -286,8 +285,8 @@ def _one(
 ) -> tuple[str, float, float, float]:
     """Regime, precession angle, velocity along the axis and its error, at one rate."""
     if not states:
-        name = "stepped out" if rate > steady.step_out else "wobbling"
-        name = name if steady.step_out else "not held"
+        lost = "stepped out" if steady.step_out else "not held"
+        name = lost if rate > steady.step_out else "wobbling"
         return (name, float("nan"), *drift(steady, rate))
     state = states[0]
     angle, velocity = float(state.precession_angle), float(state.velocity)
@@ -337,9 +336,8 @@ def _reynolds(swimmer: Swimmer, rates: Array, angle: Array) -> Array:
 def _remarks(gait: Gait, steady: SteadyTurning, frequencies: Array, reynolds: Array) -> Any:
     yield from gait.info.get("remarks", ())
     if not steady.step_out:
-        yield "the field never holds the robot: " + (
-            SPINS if steady.cone else "its moment does not turn it"
-        )
+        why = SPINS if steady.cone else "its moment does not turn it"
+        yield f"the field never holds the robot: {why}"
     yield from _of_inertia(frequencies, reynolds)
 
 

@@ -247,6 +247,15 @@ function frame(now: boolean): void {
   stage.look(centre, now);
 }
 
+/** The first frame: it waits for the graphics, which compile meanwhile. */
+function appear(): void {
+  stage.renderer.compile(stage.scene, stage.camera);
+  stage.render();
+  performance.mark("drawn");
+  last = performance.now();
+  requestAnimationFrame(tick);
+}
+
 let last = performance.now();
 let frames = 0;
 function tick(now: number): void {
@@ -338,8 +347,9 @@ async function begin(): Promise<void> {
   for (const input of document.querySelectorAll<HTMLInputElement>(".panel.left :is(input, select, button)")) {
     if (store.snapshot) input.disabled = true;
   }
-  requestAnimationFrame(tick);
   document.body.dataset.ready = "yes";
+  performance.mark("ready");
+  requestAnimationFrame(() => setTimeout(appear)); // the numbers are painted first
   if (!store.snapshot) void warming();
 }
 

@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import asyncio
 import contextlib
+import hashlib
 import json
 import logging
 import threading
@@ -41,6 +42,7 @@ from microswim.studio.words import words
 from microswim.swimmer.geometry.solids import reading
 
 SLOWEST_BODY = 30.0  #: seconds until it is here
+UNSEEN = 3.0  #: seconds that a page has to open before the kernels are compiled
 KINDS = {"html": "text/html", "js": "text/javascript", "css": "text/css", "txt": "text/plain"}
 SAFE = {
     "content-security-policy": "default-src 'self'; style-src 'self' 'unsafe-inline'; "
@@ -49,6 +51,10 @@ SAFE = {
     "referrer-policy": "no-referrer",
     "cache-control": "no-cache",
 }
+#: What the page asks as soon as its script runs; the browser asks while it reads that.
+SOON = ", ".join(
+    f"</api/{name}>; rel=preload; as=fetch; crossorigin=anonymous" for name in ("start", "presets")
+)
 #: What numbers at the edge of the floating point make of a formula.
 BEYOND = (OverflowError, FloatingPointError, MemoryError, np.linalg.LinAlgError)
 log = logging.getLogger("microswim.studio")
@@ -73,31 +79,35 @@ def create_app(
     """
     judge = Judge()
     state = {"warm": not warm, "doing": "compiling the kernels"}
+    seen = threading.Event()
     first = answers.solve(start, name)
 
     @contextlib.asynccontextmanager
     async def lifespan(app: Starlette) -> AsyncIterator[None]:
         if warm:
-            threading.Thread(
-                target=_warm, args=(first["tables"], state, judge), daemon=True
-            ).start()
+            work = partial(_warm, first["tables"], state, judge, seen)
+            threading.Thread(target=work, daemon=True).start()
         yield
         judge.close()
 
     async def index(request: Request) -> Response:
-        return file("index.html")
+        return file("index.html", request, {"link": SOON})
 
     async def static(request: Request) -> Response:
-        return file(request.path_params["name"])
+        return file(request.path_params["name"], request)
 
     def beginning(_: Any) -> Any:
         return {"name": name, "answer": first, "words": words()}
+
+    def status(_: Any) -> Any:
+        seen.set()
+        return dict(state)
 
     routes = [
         Route("/", index),
         Route("/static/{name}", static),
         Route("/api/start", get(beginning)),
-        Route("/api/status", get(lambda _: dict(state))),
+        Route("/api/status", get(status)),
         Route("/api/presets", get(_presets)),
         Route("/api/files/{name}", get(_example)),
         Route("/api/spec", post(_spec, as_text=True), methods=["POST"]),
@@ -118,13 +128,17 @@ def create_app(
     return Starlette(routes=routes, middleware=[trusted], lifespan=lifespan)
 
 
-def file(name: str) -> Response:
-    """Return one of the built files; no other file can be reached."""
+def file(name: str, request: Request, more: dict[str, str] | None = None) -> Response:
+    """Return one of the built files, or that the browser has it; no other file can be reached."""
     known = {"index.html", "studio.js", "studio.css", "licences.txt"}
     if name not in known:
         return JSONResponse({"error": f"there is no {name!r} here"}, 404)
-    kind = KINDS[name.rpartition(".")[2]]
-    return Response(page.text(name), media_type=f"{kind}; charset=utf-8", headers=SAFE)
+    kind, text = KINDS[name.rpartition(".")[2]], page.text(name)
+    tag = f'"{hashlib.sha256(text.encode()).hexdigest()[:32]}"'
+    headers = {**SAFE, **(more or {}), "etag": tag}
+    if request.headers.get("if-none-match") == tag:
+        return Response(status_code=304, headers=headers)
+    return Response(text, media_type=f"{kind}; charset=utf-8", headers=headers)
 
 
 def get(answer: Callable[[Request], Any]) -> Callable[[Request], Any]:
@@ -278,8 +292,14 @@ def _cancel(judge: Judge, request: Request) -> Any:
     return _job(judge, request)
 
 
-def _warm(start: dict[str, Any], state: dict[str, Any], judge: Judge) -> None:
-    """Run everything once, so that the first slider is as quick as the hundredth."""
+def _warm(
+    start: dict[str, Any], state: dict[str, Any], judge: Judge, seen: threading.Event
+) -> None:
+    """Run everything once, so that the first slider is as quick as the hundredth.
+
+    A page that opens comes first: the browser and this work want the same processors.
+    """
+    seen.wait(UNSEEN)
     begun = time.perf_counter()
     try:
         warm_up()

@@ -6,7 +6,7 @@ import { LineGeometry } from "three/examples/jsm/lines/LineGeometry.js";
 import { LineMaterial } from "three/examples/jsm/lines/LineMaterial.js";
 import { bodyWrench, load, momentIn, rotate, start, stay, step, twist, type Drive, type Pose } from "../state/motion";
 import { Bounds } from "./bounds";
-import { Hull } from "./hull";
+import { Hull, plain } from "./hull";
 import { TailMesh } from "./tube";
 import type { Replay } from "../state/replay";
 import type { Answer, Circle, Rows } from "../state/types";
@@ -60,7 +60,7 @@ export class Actor {
 
   constructor(private scene: THREE.Object3D, public look: Look) {
     this.hull = new Hull(look.body);
-    this.skin = new THREE.MeshStandardMaterial({ color: look.tail, roughness: 0.34 });
+    this.skin = new THREE.MeshStandardMaterial({ map: plain(), color: look.tail, roughness: 0.34 });
     this.colour = new THREE.Color(look.path);
     const drawn = { linewidth: 2, transparent: true, depthWrite: false, toneMapped: false };
     this.path = new Line2(new LineGeometry(), new LineMaterial({ ...drawn, vertexColors: true }));

@@ -35,6 +35,13 @@ export class Hull {
   }
 }
 
+/** A texture that changes nothing: with one, tails and bodies share a program on the graphics, which takes long to compile. */
+export function plain(): THREE.Texture {
+  const white = new THREE.DataTexture(new Uint8Array([255, 255, 255, 255]), 1, 1);
+  white.needsUpdate = true;
+  return white;
+}
+
 function ball(): THREE.BufferGeometry {
   return new THREE.SphereGeometry(1, 64, 48).rotateZ(Math.PI / 2);
 }

@@ -21,6 +21,26 @@ def test_a_few_lines_that_fit_a_screen(preset):
         assert thing._repr_html_().startswith("<table>")
 
 
+def test_what_is_found_is_a_few_lines_too():
+    helix, robot = ms.Swimmer.preset("tabak/helix"), ms.Swimmer.preset("shapes/magnet")
+    found = [
+        ms.regimes(robot, [2.0, 300.0], model="rft"),
+        ms.mobility(ms.Sphere(radius=1.0), level="coarse"),
+        ms.calibrate(helix, {"swimming_speed": 0.03}, ["tail.t"]),
+        ms.calibrate_region(helix, {"tail.amplitude": (0.08, 0.12)}, "rft", solves=8, workers=0),
+        ms.design(helix, {"tail.waves": (2, 3)}, maximize="swimming_speed", samples=64),
+    ]
+    for thing in found:
+        text = repr(thing)
+        assert text == str(thing)
+        assert 4 <= len(text.splitlines()) <= 8
+        assert max(map(len, text.splitlines())) <= 110
+        assert "array" not in text
+        assert thing._repr_html_().startswith("<table>")
+    assert "182.9 Hz ± 6.0 %" in repr(found[0])
+    assert "1 wobbling" in repr(found[0]) or "wobbling at 1" in repr(found[0])
+
+
 def test_units_carry_prefixes_and_a_dimensionless_swimmer_has_none():
     cell = str(ms.Swimmer.preset("goto/C").gait())
     assert "10.21 µm/s" in cell

@@ -6,12 +6,13 @@ from dataclasses import dataclass
 from typing import Any
 
 from microswim import checks
+from microswim.gait.portrait import Printed, Rows
 from microswim.swimmer.swimmer import Swimmer
 
 
 @checks.by_name
-@dataclass(frozen=True, kw_only=True, eq=False)
-class Calibration:
+@dataclass(frozen=True, kw_only=True, eq=False, repr=False)
+class Calibration(Printed):
     """Outcome of a calibration, at one design (`calibrate`) or over many (`calibrate_region`).
 
     Parameters
@@ -32,6 +33,13 @@ class Calibration:
 
     swimmer: Swimmer
     warnings: tuple[str, ...] = ()
+
+    def _portrait(self) -> tuple[str, Rows]:
+        odd = [("odd", sentence) for sentence in self.warnings]
+        return "Calibration", [*self._found(), *odd, ("swimmer", "has it; to_toml() writes it")]
+
+    def _found(self) -> Rows:
+        return []
 
     def as_dict(self) -> dict[str, Any]:
         """Return what there is to print or to store as JSON."""

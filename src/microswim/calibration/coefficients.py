@@ -14,11 +14,13 @@ from microswim import checks
 from microswim.calibration.calibration import Calibration
 from microswim.calibration.identifiability import Direction
 from microswim.calibration.observations import ASSUMED, Observation
+from microswim.gait.portrait import Rows
+from microswim.gait.readable import significant
 from microswim.numerics.array import kept, read_only
 
 
 @checks.by_name
-@dataclass(frozen=True, kw_only=True, eq=False)
+@dataclass(frozen=True, kw_only=True, eq=False, repr=False)
 @read_only
 class CoefficientCalibration(Calibration):
     """Outcome of a calibration at one design, or at several that share their coefficients.
@@ -53,6 +55,14 @@ class CoefficientCalibration(Calibration):
     predicted: np.ndarray
     directions: tuple[Direction, ...]
     method: str = "least squares"
+
+    def _found(self) -> Rows:
+        fitted = zip(self.names, self.values, self.uncertainty)
+        known = [
+            (n, f"{significant(v)} ± {significant(u, 2)}" if np.isfinite(u) else significant(v))
+            for n, v, u in fitted
+        ]
+        return [("by", f"{self.method}, {self.predicted.size} numbers"), *known]
 
     @property
     def coefficients(self) -> dict[str, float]:

@@ -104,11 +104,15 @@ def _margins(report: dict[str, Any], said: Said) -> list[str]:
 
 
 def _notes(report: dict[str, Any], said: Said, objective: str) -> list[str]:
+    from microswim.gait.readable import EXPLAINED
+
     lines = []
     if report["inside_calibrated_neighbourhood"] is None:
         error = report["expected_error"]
         off = "not known" if error is None else f"± {100.0 * error:.2g} %"
-        lines.append(f"model {report['model']}, error of u_s {off}: {report['remarks'][0]}")
+        lines.append(
+            f"model {report['model']}, error of u_s {off}: {report['remarks'][0]}; {EXPLAINED}"
+        )
         lines += report["remarks"][1:]
     elif report["inside_calibrated_neighbourhood"]:
         lines.append(

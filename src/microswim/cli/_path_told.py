@@ -87,7 +87,7 @@ def _boundary(swimmer: Any) -> str | None:
 
 def table(who: str, report: dict[str, Any]) -> Table:
     """Return the same as a table."""
-    from microswim.gait.readable import quantity, significant
+    from microswim.gait.readable import EXPLAINED, quantity, significant
     from microswim.gait.units import unit
     from microswim.output.report.html import Table
     from microswim.path.repeating import words
@@ -117,7 +117,11 @@ def table(who: str, report: dict[str, Any]) -> Table:
         rows.append(("work of the motor", q(report["motor_work"], "work")))
     off = report["expected_error"]
     error, of_speed = off["position"], off["velocity"]["us"]
-    model = f"u_s of model {report['model']} within {100 * of_speed:.2g} %" if of_speed else ""
+    model = (
+        f"u_s of model {report['model']} within {100 * of_speed:.2g} %, {EXPLAINED}"
+        if of_speed
+        else ""
+    )
     if "motor_frequency" in report:
         model = f"how wrong the model may be is {BY_TORQUE}"
         turns = [q(f, "frequency") for f in report["motor_frequency"]]

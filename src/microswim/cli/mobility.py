@@ -100,6 +100,8 @@ def _value(name: str, text: str | None, units: str, said: str) -> Any:
 
 
 def _print(found: Mobility, name: str) -> None:
+    from microswim.gait.readable import EXPLAINED
+
     si = found.units == "SI"
     unit = {"length": " m", "viscosity": " Pa s"} if si else {"length": "", "viscosity": ""}
     click.echo(f"{name}, rigid, in a fluid of viscosity {found.viscosity:.4g}{unit['viscosity']}")
@@ -114,7 +116,7 @@ def _print(found: Mobility, name: str) -> None:
     click.echo(f"  surface {found.surface_area:.6g}{unit['length']}{power[0] if si else ''}, "
                f"volume {found.volume:.6g}{unit['length']}{power[1] if si else ''}")  # fmt: skip
     click.echo(f"  expected error {100 * found.expected_error:.2g} % of sqrt(R_ii R_jj): "
-               f"{found.how}")  # fmt: skip
+               f"{found.how}; {EXPLAINED}")  # fmt: skip
     for remark in found.remarks:
         click.echo(f"  note: {remark}")
     click.echo(f"  {found.unknowns:,} unknowns, solved in {found.seconds:.3g} s")

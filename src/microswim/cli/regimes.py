@@ -231,7 +231,7 @@ def _shown(value: Any, measured_in: str) -> str:
 def _note(one: Regimes) -> str:
     import numpy as np
 
-    from microswim.gait.readable import quantity, with_error
+    from microswim.gait.readable import EXPLAINED, quantity, with_error
     from microswim.gait.units import unit
 
     def f(value: float) -> str:
@@ -242,7 +242,7 @@ def _note(one: Regimes) -> str:
     if not one.step_out:
         return f"no step-out: the field never holds it (errors: {off['how']})"
     said[0] += f", there {with_error(one.velocity_at_step_out, off['velocity'], speed)}"
-    said[0] += f" (errors: {off['how']})"
+    said[0] += f" (errors: {off['how']}; {EXPLAINED})"
     if not np.isnan(one.wobbling_onset):
         said.append(f"wobbling from {f(one.wobbling_onset)}")
     if one.reversals:

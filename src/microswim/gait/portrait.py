@@ -39,6 +39,20 @@ def as_html(title: str, rows: Rows) -> str:
     return f"<table><caption>{escape(title)}</caption>{''.join(cells)}</table>"
 
 
+class Printed:
+    """What prints as a title and about five lines, in a notebook as a table: see `_portrait`."""
+
+    def _portrait(self) -> tuple[str, Rows]:
+        raise NotImplementedError
+
+    def __repr__(self) -> str:
+        """Return a title and about five lines with units."""
+        return as_text(*self._portrait())
+
+    def _repr_html_(self) -> str:
+        return as_html(*self._portrait())
+
+
 def of_gait(gait: Any) -> tuple[str, Rows]:
     """Return title and rows of a gait: what moves, how fast, at what cost."""
     free = "all velocities free" if all(gait.free) else f"{sum(gait.free)} of 6 velocities free"

@@ -10,6 +10,9 @@ from microswim.gait.units import is_dimensionless
 if TYPE_CHECKING:
     from microswim.gait.gait import Gait
 
+#: Where the documentation says how an error is known, as it stands beside errors.
+EXPLAINED = "what ± means: docs/errors.md"
+
 #: Units in which people of the field read a quantity, from large to small.
 _READ_IN = {
     "m": {"m": 1.0, "mm": 1e-3, "µm": 1e-6, "nm": 1e-9},

@@ -8,13 +8,15 @@ from typing import TYPE_CHECKING, Any
 from microswim import checks
 from microswim.calibration.calibration import Calibration
 from microswim.errors import renamed
+from microswim.gait.portrait import Rows
+from microswim.gait.readable import significant
 
 if TYPE_CHECKING:
     from microswim.calibration.region.correction import Correction
 
 
 @checks.by_name
-@dataclass(frozen=True, kw_only=True, eq=False)
+@dataclass(frozen=True, kw_only=True, eq=False, repr=False)
 class RegionCalibration(Calibration):
     """Outcome of a calibration over a region of designs.
 
@@ -34,6 +36,15 @@ class RegionCalibration(Calibration):
     >>> fit.reference, fit.solves, fit.swimmer.gait().info["outside"]
     ('rft', 8, [])
     """
+
+    def _found(self) -> Rows:
+        low, high = self.region.low, self.region.high
+        inside = [(n, f"{significant(low[n])} to {significant(high[n])}") for n in low]
+        left_out = [
+            (n, f"off by {100 * e['median']:.2g} % median, {100 * e['worst']:.2g} % worst")
+            for n, e in self.errors.items()
+        ]
+        return [("by", f"{self.solves} solves of {self.reference}"), *inside, *left_out]
 
     @property
     def region(self) -> Correction:

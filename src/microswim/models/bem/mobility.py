@@ -20,6 +20,8 @@ import numpy as np
 from microswim import checks
 from microswim.errors import SpecError
 from microswim.gait import doors
+from microswim.gait.portrait import Printed, Rows
+from microswim.gait.readable import significant
 from microswim.models.bem.levels import coarser as level_below
 from microswim.models.bem.levels import get_level
 from microswim.models.bem.output import write_mesh
@@ -44,8 +46,8 @@ FROM_LEVELS = "the difference from the next coarser level"
 Other = tuple[Surface, Quadrature, float]
 
 
-@dataclass(frozen=True, eq=False, kw_only=True)
-class Mobility:
+@dataclass(frozen=True, eq=False, kw_only=True, repr=False)
+class Mobility(Printed):
     """Resistance and mobility of a rigid body.
 
     Parameters
@@ -88,6 +90,16 @@ class Mobility:
     seconds: float
     remarks: tuple[str, ...] = ()
     how: str = FROM_LEVELS
+
+    def _portrait(self) -> tuple[str, Rows]:
+        drag, turning = np.diag(self.resistance)[:3], np.diag(self.resistance)[3:]
+        return f"Mobility, {self.units}, boundary elements at {self.level}", [
+            ("drag", ", ".join(map(significant, drag)) + " along its axes (diagonal of R)"),
+            ("turning", ", ".join(map(significant, turning)) + " about them"),
+            ("chirality", f"{self.chirality:.3f}"),
+            ("error", f"{100 * self.expected_error:.2g} % of sqrt(R_ii R_jj), by {self.how}"),
+            ("more", "resistance and mobility are the matrices, surface what was solved on"),
+        ]
 
     @property
     def mobility(self) -> Array:

@@ -17,7 +17,7 @@ from typing import TYPE_CHECKING, Any
 from microswim import checks
 from microswim.gait.gait import DEGREES_OF_FREEDOM
 from microswim.gait.quantities import QUANTITIES
-from microswim.gait.readable import quantity, significant, with_error
+from microswim.gait.readable import EXPLAINED, quantity, significant, with_error
 from microswim.gait.screw import way_of
 from microswim.gait.turning.driven import DRIVEN
 from microswim.gait.units import unit
@@ -127,8 +127,12 @@ def numbers_table(numbers: dict[str, Any], name: str) -> Table:
     if off:
         rows.append(("expected error of u_s", percent(off["us"]), str(off["how"])))
     what = "SI units" if si else "in the units of the spec"
+    explained = f"; {EXPLAINED}" if off else ""
     return Table(
-        f"{name}, model {numbers['model']}", ("", "value", ""), rows, f"{what}; body frame"
+        f"{name}, model {numbers['model']}",
+        ("", "value", ""),
+        rows,
+        f"{what}; body frame{explained}",
     )
 
 

@@ -21,7 +21,9 @@ from microswim.calibration.atlas.everywhere import Everywhere
 from microswim.calibration.atlas.expected import expected_error
 from microswim.errors import MicroswimError, SpecError
 from microswim.gait.gait import Gait
+from microswim.gait.portrait import Printed, Rows
 from microswim.gait.quantities import OLD, Named
+from microswim.gait.readable import significant
 from microswim.numerics.array import read_only
 from microswim.numerics.plain import plain
 from microswim.spec.describe import describe
@@ -40,9 +42,9 @@ FEASIBLE = 1e-7  # relative margin that counts as holding
 
 
 @checks.by_name
-@dataclass(frozen=True, kw_only=True, eq=False)
+@dataclass(frozen=True, kw_only=True, eq=False, repr=False)
 @read_only
-class Optimum:
+class Optimum(Printed):
     """The best design and what to know about it.
 
     Parameters
@@ -101,6 +103,19 @@ class Optimum:
     history: tuple[dict[str, Any], ...] = ()
     model: str = "rft"
     remarks: tuple[str, ...] = ()
+
+    def _portrait(self) -> tuple[str, Rows]:
+        off = "not known" if self.expected_error is None else f"{100 * self.expected_error:.2g} %"
+        found = [
+            (n, significant(v) if isinstance(v, float) else str(v)) for n, v in self.values.items()
+        ]
+        most = "largest" if self.sense > 0 else "least"
+        return f"Optimum by {self.model}, {self.swimmer.units}", [
+            *found,
+            (f"{most} {self.objective}", significant(self.value)),
+            ("error", f"{off}, of u_s"),
+            ("more", "swimmer is the design, as_dict() has every number"),
+        ]
 
     def as_dict(self) -> dict[str, Any]:
         """Return everything as plain numbers and words."""

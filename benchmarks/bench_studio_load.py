@@ -2,11 +2,11 @@
 
     python benchmarks/bench_studio_load.py
 
-The first loads in a browser that was just started, with a server just started (cold) or warm, and
-loads again in the same browser, all from the loopback. "numbers": the panels stand with the design's
-numbers; "picture": the swimmer is drawn. What must hold: numbers within a second, cold too. Bytes
-and requests do not depend on what else the machine does; processor seconds of the page's process
-hardly; the other numbers do, so the load is printed with them.
+Loads in a browser and a server that were just started (cold), in a browser alone just started, and
+again in the same browser, all from the loopback. "numbers": the panels stand with the numbers of
+the design; "picture": the swimmer is drawn. What must hold: numbers within a second, cold too.
+Bytes and requests do not depend on what else the machine does, processor seconds of the page's
+process hardly; the others do, so the load is printed with them.
 """
 
 from __future__ import annotations
@@ -24,7 +24,7 @@ sys.path.insert(0, str(Path(__file__).parents[1] / "tests" / "studio"))
 from chromium import CHROMIUM, FLAGS, PATIENCE
 
 SERVE = "from microswim.cli import main; main(['studio', '--no-browser', '--port', '0'])"
-MARKS = """() => [...performance.getEntriesByType("resource"), ...performance.getEntriesByType("navigation")]
+MARKS = """() => ["resource", "navigation"].flatMap((kind) => performance.getEntriesByType(kind))
   .reduce((sum, e) => [sum[0] + 1, sum[1] + e.transferSize], [0, 0])
   .concat(["ready", "drawn"].map((name) => performance.getEntriesByName(name)[0].startTime))"""
 

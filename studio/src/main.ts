@@ -56,6 +56,8 @@ function replayed(made: PathAnswer | null): void {
     following(made ? false : before.follow);
   }
   replay = made && new Replay(made);
+  answers.follow(made);
+  sheets.tell();
   actors.forEach((actor, i) => actor.go(made && made.swimmers[i]));
   if (!made) return cast(true);
   stopFlow();

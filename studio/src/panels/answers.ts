@@ -3,15 +3,24 @@
 import { digits, el, reading } from "../state/dom";
 import { called } from "../state/words";
 import type { Design, Store } from "../state/store";
-import type { Answer } from "../state/types";
+import type { Answer, PathAnswer } from "../state/types";
 
 const LISTED = ["swimming_speed", "forward_velocity", "path_speed", "body_rate_hz", "lateral_amplitude", "path_radius", "efficiency", "mean_torque", "mean_power"];
 
 export class Answers {
   readonly node = el("section", { class: "answers" });
 
+  /** the path on show, where it was solved along its way: what answered it leads here */
+  private went: PathAnswer | null = null;
+
   constructor(private store: Store) {
     for (const event of ["answer", "designs", "structure"] as const) store.on(event, () => this.show());
+  }
+
+  /** A path that is on show; null: its own gait again. */
+  follow(made: PathAnswer | null): void {
+    this.went = made && this.store.designs.length === 1 && this.store.design.answer.around ? made : null;
+    this.show();
   }
 
   show(): void {
@@ -22,6 +31,7 @@ export class Answers {
       ...this.store.designs.flatMap((d, i) => [
         this.trust(d, i === this.store.active ? "trust" : undefined, many ? `${"AB"[i]}: ` : ""), ...this.missed(d, many ? `${"AB"[i]}: ` : ""),
       ]),
+      ...(this.went ? [this.line(this.answered(this.store.design), "gait-trust", "Its gait, below. ")] : []),
       this.remarks(),
       el("dl", { class: many ? "list two" : "list" }, ...this.listed(many).flatMap((n) => this.row(n))),
     );
@@ -29,12 +39,22 @@ export class Answers {
 
   /** What stands in the list: all of two designs, of one what does not stand above it. */
   private listed(many: boolean): string[] {
-    if (many) return [LISTED[0], "body_lengths_per_time", ...LISTED.slice(1)];
+    if (many || this.went) return [LISTED[0], "body_lengths_per_time", ...LISTED.slice(1)];
     const first = leading(this.store.shown(this.store.design));
     return LISTED.filter((n) => n !== first);
   }
 
+  /** Speed along the path on show, as a number and its unit. */
+  private speed(made: PathAnswer): string[] {
+    return reading("path_speed", made.numbers.speed as number, this.store.design.answer.dimensional);
+  }
+
   private hero(): HTMLElement {
+    if (this.went) {
+      const [n, unit] = this.speed(this.went);
+      return el("div", { class: "hero", id: "went-speed", title: "Of the path on show, by the poses solved along it" },
+        el("div", { class: "caption" }, "Speed along its path"), el("div", { class: "figure" }, el("span", {}, n), el("small", {}, unit)));
+    }
     const answer = this.store.shown(this.store.design);
     const r = answer.readings;
     const first = leading(answer);
@@ -93,7 +113,7 @@ export class Answers {
   /** Speed and trust in a line, for a screen that has no room for more. */
   glance(): HTMLElement[] {
     const { store } = this;
-    const speeds = store.designs.map((d) => {
+    const speeds = this.went ? [el("b", {}, this.speed(this.went).join(" "))] : store.designs.map((d) => {
       const answer = store.shown(d);
       const first = leading(answer);
       const [n, unit] = reading(first, answer.readings[first], answer.dimensional);
@@ -104,7 +124,10 @@ export class Answers {
 
   /** Which model answered a design, how far off it is and whether it is asked where it holds, in colour. */
   trust(design: Design, id?: string, before = ""): HTMLElement {
-    const { grade, text, title } = this.trusted(design);
+    return this.line(this.trusted(design), id, before);
+  }
+
+  private line({ grade, text, title }: Trust, id?: string, before = ""): HTMLElement {
     return el("div", { class: `trust ${grade}`, id, title }, el("i"), before + text);
   }
 
@@ -121,6 +144,7 @@ export class Answers {
 
   /** A design in two lines: how fast by what, by its motor or as a field drives it, and how sure that is. */
   told(design: Design, driven: string | null = null): { text: string; trust: string } {
+    if (this.went) return { text: `${design.name}: speed along its path ${this.speed(this.went).join(" ")}`, trust: this.trusted(design).text };
     if (driven) return { text: `${design.name}: ${driven}`, trust: this.trusted(design).text };
     const answer = this.store.shown(design);
     const first = leading(answer);
@@ -128,7 +152,17 @@ export class Answers {
     return { text: `${design.name}: ${called(first).label.toLowerCase()} ${value}`, trust: this.trusted(design).text };
   }
 
-  private trusted(design: Design): { grade: Grade; text: string; title?: string } {
+  private trusted(design: Design): Trust {
+    if (!this.went) return this.answered(design);
+    const off = Math.max(...Object.values(this.went.expected_error));
+    return {
+      grade: off < 0.05 ? "good" : off < 0.2 ? "fair" : "poor", text: `Boundary elements at poses${off > 0 ? `: ± ${digits(100 * off, 2)} % between` : ""}`,
+      title: "Of velocities in free fluid; 95 % of poses that were left out lie within.",
+    };
+  }
+
+  /** The same of its gait, by what answers here without a path. */
+  private answered(design: Design): Trust {
     const { store } = this;
     if (store.model === "bem") {
       const method = store.methodOf(design);
@@ -158,6 +192,12 @@ export class Answers {
 }
 
 type Grade = "good" | "fair" | "poor" | "open";
+
+interface Trust {
+  grade: Grade;
+  text: string;
+  title?: string;
+}
 
 /** The speed that says most: along the axis of its path; on a circle, where that is zero, along the path itself; beside
  * a wall, where no path is followed, that at the start. */

@@ -192,3 +192,19 @@ def test_calibrate_writes_it(tmp_path, monkeypatch):
     assert (made["reference"], made["level"]) == ("bem", "coarse")
     assert made["design"]["body.radius"] == 0.5
     assert set(made["matched"]) >= {"mean.us", "mobility.us.us", "mobility.uq.uq"}
+
+
+def test_outside_a_region_no_error_is_stated():
+    low, high = 0.08, 0.12
+    fit = ms.calibrate_region(ROBOT, {"tail.amplitude": (low, high)}, "rft", solves=8, workers=0)
+    inside = fit.swimmer.with_({"tail.amplitude": 0.1})
+    assert expected_error(inside, inside.gait())["us"] < 0.01
+    beyond = fit.swimmer.with_({"tail.amplitude": 1.25 * high})
+    with pytest.warns(UserWarning, match="outside the calibrated region"):
+        gait = beyond.gait()
+    told = expected_error(beyond, gait)
+    assert told["us"] is None
+    assert "outside" in told["how"]
+    numbers = {**ms.io.numbers(beyond, gait), "expected_error": told}
+    rows = {row[0]: row for row in ms.report.numbers_table(numbers, "").rows}
+    assert rows["expected error of u_s"][1] == "not known"

@@ -290,6 +290,34 @@ def test_a_scene_of_the_menu_puts_two_swimmers_where_it_says(page):
     page.wait_for_function("() => studio.store.designs.length === 1")
 
 
+@pytest.mark.browser
+def test_a_path_beside_a_wall_leads_with_its_own_speed(page):
+    """The answer is made up; the surrogate, which knows no wall, stands below it."""
+    numbers = {"turns": 20, "speed": 12.5e-6, "outcome": "orbits", "gap_mean": 1e-6}
+    rows = {"x": [0.0] * 6, "q": [1.0, 0, 0, 0] * 2, "phase": [0.0, 6.28]}
+    made = {"time": [0.0, 1.0], "swimmers": [rows], "numbers": numbers,
+            "expected_error": {"us": 0.02, "uq": 0.031}}  # fmt: skip
+    done = {"state": "done", "done": 1, "total": 1, "seconds": 1.0, "answer": made}
+    page.route("**/api/jobs", lambda route: route.fulfill(json={"token": "made-up"}))
+    page.route("**/api/jobs/made-up", lambda route: route.fulfill(json=done))
+    page.select_option("#presets", value="cells/beside-a-wall")
+    page.wait_for_function("() => studio.store.design.name === 'cells/beside-a-wall'")
+    assert "knows nothing of the wall" in page.inner_text("#trust")
+    page.click("#tab-path")
+    page.click("#ask-path")
+    page.wait_for_selector("#went-speed")
+    assert page.inner_text("#went-speed .figure").split() == ["12.5", "µm/s"]
+    assert "Boundary elements at poses: ± 3.1 %" in page.inner_text("#trust")
+    assert "knows nothing of the wall" in page.inner_text("#gait-trust")
+    page.click("#leave-path")
+    page.wait_for_selector("#went-speed", state="detached")
+    assert "knows nothing of the wall" in page.inner_text("#trust")
+    page.unroute("**/api/jobs")
+    page.unroute("**/api/jobs/made-up")
+    page.select_option("#presets", value="tabak/helix")
+    page.wait_for_function("() => studio.store.design.name === 'tabak/helix'")
+
+
 def re_number(text):
     return float(text.split()[0])
 

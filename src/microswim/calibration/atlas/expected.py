@@ -132,6 +132,8 @@ def _of_surrogate(swimmer: Swimmer, gait: Gait) -> tuple[list[Any], str]:
     if calibrated:
         known = {"mean.us": "us", "mean.os": "os", "amplitude.uq": "uq", "amplitude.or": "or"}
         own, by = _of_reference(made) if made else (0.0, "")
+        if gait.info.get("outside"):
+            return [None] * 6, "not known outside its calibrated region; compare with model bem"
         errors = {known[n]: 2.0 * value + own for n, value in calibrated.items() if n in known}
         how = f"twice the error left out, calibrated{by}"
         return [errors.get(n) for n in DEGREES_OF_FREEDOM], how

@@ -115,9 +115,9 @@ def test_the_face_is_lazy():
     assert not heavy & loaded
 
 
-def test_the_root_holds_the_face_the_errors_and_the_checks_alone():
+def test_the_root_holds_the_face_the_command_and_the_errors_alone():
     modules = {p.name for p in (ROOT / "src" / "microswim").glob("*.py*") if p.is_file()}
-    assert modules == {"__init__.py", "__init__.pyi", "errors.py"}
+    assert modules == {"__init__.py", "__init__.pyi", "__main__.py", "errors.py"}
 
 
 def test_modules_do_not_hide_the_functions_of_their_name():

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from abc import ABC, abstractmethod
 from html import escape
 from typing import Any
 
@@ -39,11 +40,12 @@ def as_html(title: str, rows: Rows) -> str:
     return f"<table><caption>{escape(title)}</caption>{''.join(cells)}</table>"
 
 
-class Printed:
-    """What prints as a title and about five lines, in a notebook as a table: see `_portrait`."""
+class Printed(ABC):
+    """What prints as a title and about five lines, in a notebook as a table."""
 
+    @abstractmethod
     def _portrait(self) -> tuple[str, Rows]:
-        raise NotImplementedError
+        """Return the title, and a row for each line."""
 
     def __repr__(self) -> str:
         """Return a title and about five lines with units."""

@@ -17,16 +17,14 @@ from microswim import checks
 from microswim.errors import SpecError
 from microswim.gait import doors
 from microswim.gait.gait import Gait
-from microswim.gait.portrait import Printed, Rows
-from microswim.gait.readable import quantity, significant
 from microswim.gait.turning.slipping import drift
 from microswim.gait.turning.soft_turning import SoftTurning
 from microswim.gait.turning.steady_turning import SteadyTurning, Turned
 from microswim.gait.turning.step_out import mobility_of
 from microswim.gait.turning.wobbling import Axisymmetric, closest, closest_soft
-from microswim.gait.units import unit
 from microswim.numerics.array import Array, read_only
 from microswim.path.regime_errors import expected
+from microswim.path.regime_portrait import Told
 from microswim.swimmer.magnetism.applied_field import RotatingField
 from microswim.swimmer.physical_sense import INERTIA
 from microswim.swimmer.swimmer import Swimmer
@@ -38,7 +36,6 @@ SPINS = (
     "its moment does not turn it about its own axis, so it goes round with a field that leans, and "
     "spins at a rate of its own; microswim path follows it"
 )
-DRIVEN = ("velocity", "step_out")  #: whose errors are known
 STEEP = np.radians(45.0)  #: precession angle above which a robot below the onset tumbles
 STRAIGHT = np.radians(5.0)  #: of the axis: synchronous; of the plane of the field: tumbling
 
@@ -46,7 +43,7 @@ STRAIGHT = np.radians(5.0)  #: of the axis: synchronous; of the plane of the fie
 @checks.by_name
 @dataclass(frozen=True, eq=False, kw_only=True, repr=False)
 @read_only
-class Regimes(Printed):
+class Regimes(Told):
     """What a magnetic robot does at each frequency of the field.
 
     Parameters
@@ -111,25 +108,6 @@ class Regimes(Printed):
     units: str
     model: str
     remarks: tuple[str, ...] = field(default=())
-
-    def _portrait(self) -> tuple[str, Rows]:
-        def q(value: float, kind: str) -> str:
-            return quantity(value, unit(self.units, kind)) if value == value else "-"
-
-        low, high = np.nanmin(self.velocity), np.nanmax(self.velocity)
-        seen = [name for name in NAMES if name in self.regime]
-        named = [f"{name} at {self.regime.count(name)}" for name in seen]
-        error = self.expected_error
-        off = {
-            k: "" if error[k] is None else f" ± {significant(100 * error[k], 2)} %" for k in DRIVEN
-        }
-        return f"Regimes by {self.model}, {self.units}, {self.frequency.size} frequencies", [
-            ("regimes", ", ".join(named)),
-            ("velocity", f"{q(low, 'speed')} to {q(high, 'speed')} on the axis{off['velocity']}"),
-            ("step-out", f"{q(self.step_out, 'frequency')}{off['step_out']}"),
-            ("wobbling", f"begins at {q(self.wobbling_onset, 'frequency')}"),
-            ("more", "plot() draws it, as_dict() has every number"),
-        ]
 
     def as_dict(self) -> dict[str, Any]:
         """Return everything by name, closed forms in turns per time."""

@@ -126,14 +126,9 @@ def numbers_table(numbers: dict[str, Any], name: str) -> Table:
         rows.append(("force along s", force, "by the fluid on the held swimmer, mean; held_wrench"))
     if off:
         rows.append(("expected error of u_s", percent(off["us"]), str(off["how"])))
-    what = "SI units" if si else "in the units of the spec"
-    explained = f"; {EXPLAINED}" if off else ""
-    return Table(
-        f"{name}, model {numbers['model']}",
-        ("", "value", ""),
-        rows,
-        f"{what}; body frame{explained}",
-    )
+    note = f"{'SI units' if si else 'in the units of the spec'}; body frame"
+    note += f"; {EXPLAINED}" if off else ""
+    return Table(f"{name}, model {numbers['model']}", ("", "value", ""), rows, note)
 
 
 def percent(error: float | None) -> str:

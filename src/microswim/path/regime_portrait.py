@@ -14,6 +14,13 @@ if TYPE_CHECKING:
     from microswim.path.regimes import Regimes
 
 
+#: Said of a robot whose moment lies along its long axis.
+SPINS = (
+    "its moment does not turn it about its own axis, so it goes round with a field that leans, and "
+    "spins at a rate of its own; microswim path follows it"
+)
+
+
 class Told(Printed):
     """How regimes are printed."""
 

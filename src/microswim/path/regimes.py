@@ -24,7 +24,7 @@ from microswim.gait.turning.step_out import mobility_of
 from microswim.gait.turning.wobbling import Axisymmetric, closest, closest_soft
 from microswim.numerics.array import Array, read_only
 from microswim.path.regime_errors import expected
-from microswim.path.regime_portrait import Told
+from microswim.path.regime_portrait import SPINS, Told
 from microswim.swimmer.magnetism.applied_field import RotatingField
 from microswim.swimmer.physical_sense import INERTIA
 from microswim.swimmer.swimmer import Swimmer
@@ -32,10 +32,6 @@ from microswim.swimmer.swimmer import Swimmer
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
-SPINS = (
-    "its moment does not turn it about its own axis, so it goes round with a field that leans, and "
-    "spins at a rate of its own; microswim path follows it"
-)
 STEEP = np.radians(45.0)  #: precession angle above which a robot below the onset tumbles
 STRAIGHT = np.radians(5.0)  #: of the axis: synchronous; of the plane of the field: tumbling
 

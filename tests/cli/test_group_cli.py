@@ -161,3 +161,48 @@ def test_places_that_are_none_are_refused_in_a_sentence(tmp_path, table, more, t
     assert result.exit_code == 2
     assert told in result.stderr
     assert "Traceback" not in result.stderr
+
+
+POSES = "pose,swimmer,x,y,z,phase (deg)\n0,1,0,3,0,90\n1,1,0,0.3,0,0\n2,0,0,-1,0,0\n2,1,0,3,1,0\n"
+
+
+def test_with_poses_it_solves_at_each(scene, tmp_path):
+    (tmp_path / "poses.csv").write_text(POSES)
+    asked = ("--level", "coarse", "--poses", tmp_path / "poses.csv", "--out", tmp_path / "out")
+    result = run(scene, *asked, "--json")
+    assert result.exit_code == 0, result.stderr
+    found = json.loads(result.stdout)
+    group = ms.Group.from_toml(scene)
+    last = group.moved(positions=[(0, -1, 0), (0, 3, 1)], phases=[0, 0]).solve(level="coarse")
+    assert np.array(found["velocity"][2]) == pytest.approx(last.velocity, abs=1e-9)
+    assert np.array(found["resistance"][2]) == pytest.approx(last.resistance, abs=1e-9)
+    assert "overlaps" in found["refused"][1]
+    assert found["gap"][1] is None
+    rows = (tmp_path / "out" / "poses.csv").read_text().splitlines()
+    assert rows[0].startswith("pose,swimmer,u_s,u_q,u_r,Omega_s")
+    assert float(rows[-1].split(",")[2]) == pytest.approx(last.velocity[1, 0])
+    names = {p.name for p in (tmp_path / "out").iterdir()}
+    assert {"poses.csv", "poses.nc", "poses.json", "checkpoint.npz"} <= names
+    assert run(scene, *asked).exit_code == 2
+    again = run(scene, *asked, "--resume")
+    assert again.exit_code == 0, again.stderr
+    assert "1 of 3 poses refused" in again.stdout
+
+
+@pytest.mark.parametrize(
+    ("text", "asked", "said"),
+    [
+        (POSES.replace("2,1,", "2,7,"), (), "0 to 1"),
+        (POSES.replace("2,1,", "2,0,"), (), "stands twice"),
+        (POSES.replace("phase (deg)", "pace"), (), "no such column: pace"),
+        (POSES.replace("x,", "x (um),"), (), "has a unit and the swimmer has none"),
+        (POSES.replace(",x,", ",dx,"), (), "y, z alone"),
+        (POSES, ("--time", "1"), "give one of them"),
+    ],
+)
+def test_poses_that_make_no_sense_are_refused(scene, tmp_path, text, asked, said):
+    (tmp_path / "poses.csv").write_text(text)
+    result = run(scene, "--poses", tmp_path / "poses.csv", *asked, "--out", tmp_path / "out")
+    assert result.exit_code == 2
+    assert said in result.stderr
+    assert not (tmp_path / "out").exists()

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import json
-import time as clock
 from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -11,6 +10,8 @@ from typing import TYPE_CHECKING, Any
 import click
 
 from microswim.cli import _files, _kept
+from microswim.cli._group_paths import PATH_FILES, follow
+from microswim.cli._group_poses import POSES_FILES, solve_poses
 from microswim.cli._options import (
     change,
     example,
@@ -22,16 +23,9 @@ from microswim.cli._options import (
 from microswim.errors import SpecError
 
 if TYPE_CHECKING:
-    import xarray as xr
-
     from microswim.models.group.far_field import FarField
     from microswim.models.group.mean import GroupMotion
     from microswim.output.report.html import Table
-    from microswim.swimmer.group import Group
-
-#: Swimmers that stand side by side in a table, and those of a larger group that are printed.
-BESIDE, SHOWN = 6, 12
-PATH_FILES = ("paths.png", "paths.nc", "paths.csv", "paths.json")
 
 
 @click.command(
@@ -41,6 +35,7 @@ PATH_FILES = ("paths.png", "paths.nc", "paths.csv", "paths.json")
         'microswim group pair.toml --set tail.frequency="20 Hz" --out results',
         "microswim group pair.toml --time 10s --out path     the paths from there",
         "microswim group drop.toml --time 60s --model far     thousands of swimmers",
+        "microswim group pair.toml --poses poses.csv --out answers     many poses",
     )
     + '\n\n\b\nA scene, pair.toml:\n  [[swimmer]]\n  spec = "robot.toml"\n\n\b\n  [[swimmer]]\n'
     '  spec = "robot.toml"\n  position = ["0 um", "20 um", "0 um"]\n  direction = [1, 0, 0]\n'
@@ -83,9 +78,22 @@ PATH_FILES = ("paths.png", "paths.nc", "paths.csv", "paths.json")
     show_default=True,
     help="With --time: times at which the paths are kept.",
 )
+@click.option(
+    "--poses",
+    metavar="FILE.csv",
+    type=click.Path(path_type=Path),
+    help="Solve at many poses, columns pose, swimmer, x (um), y, z and if they change dx, dy, dz "
+    "(direction), roll, phase; what has no column stays.",
+)
+@click.option(
+    "--workers",
+    metavar="N",
+    type=click.IntRange(1, 1024),
+    help="With --poses: poses at a time (default: one a core).",
+)
 @json_option
 @out_option
-@click.option("--resume", is_flag=True, help="Go on with the paths in --out, if there are any.")
+@click.option("--resume", is_flag=True, help="Go on with the paths or poses in --out, if any.")
 @force_option
 def command(
     scene: Path,
@@ -95,12 +103,15 @@ def command(
     time: str | None,
     model: str,
     samples: int,
+    poses: Path | None,
+    workers: int | None,
     as_json: bool,
     out: Path | None,
     resume: bool,
     force: bool,
 ) -> None:
-    """Print how several swimmers swim together, by boundary elements; with --time where to.
+    """Print how several swimmers swim together, by boundary elements; with --time where to,
+    with --poses at many poses.
 
     SCENE is a TOML file of [[swimmer]] tables: spec (a file beside it) or preset, position of the
     body's centre, direction of the axis from the body along the tail, roll, phase, frequency, free
@@ -112,16 +123,25 @@ def command(
     from microswim.cli._progress import bar
     from microswim.spec.readers.scene import read_scene
 
-    if resume and (out is None or time is None):
-        raise SpecError("--resume needs --out DIR and --time T")
-    if out is not None and time is None:
+    if time is not None and poses is not None:
+        raise SpecError("--time and --poses: give one of them")
+    if resume and (out is None or (time is None and poses is None)):
+        raise SpecError("--resume needs --out DIR, and --time T or --poses FILE.csv")
+    if workers is not None and poses is None:
+        raise SpecError("--workers needs --poses FILE.csv")
+    if out is not None and time is None and poses is None:
         _folder.check(out, force)
     elif out is not None and not resume:
-        _kept.check(out, "path", PATH_FILES, "vtk", force)
+        what, files = ("path", PATH_FILES) if poses is None else ("run", POSES_FILES)
+        _kept.check(out, what, files, "vtk", force)
     group = read_scene(scene, dict(change(text) for text in changes), trust)
     if time is not None:
         asked = {"model": model, "level": level}
-        _follow(group, str(scene), time, samples, asked, as_json, out)
+        follow(group, str(scene), time, samples, asked, as_json, out)
+        return
+    if poses is not None:
+        how = {"level": level, "workers": workers}
+        solve_poses(group, str(scene), poses, how, as_json, out)
         return
     with bar(f"{len(group.members)} swimmers, {level}") as progress:
         found = group.swim(level=level, progress=progress)  # type: ignore[arg-type]
@@ -131,118 +151,6 @@ def command(
         with _files.or_else(show):
             _write(found, numbers, out, force)
     show()
-
-
-def _follow(
-    group: Group,
-    scene: str,
-    time: str,
-    samples: int,
-    asked: dict[str, Any],
-    as_json: bool,
-    out: Path | None,
-) -> None:
-    """Follow the swimmers from their poses; print where they end, write their paths."""
-    import numpy as np
-
-    from microswim.cli._progress import bar
-    from microswim.path.of_group import group_path
-    from microswim.spec.values import in_unit
-
-    end, begun = in_unit("--time", time, "s", group.units), clock.perf_counter()
-    if not end > 0:
-        raise SpecError("--time", time, "above zero")
-    keep = None if out is None else out / _kept.CHECKPOINT
-    with _kept.resumable(out), bar(f"paths of {len(group.members)} swimmers") as progress:
-        times = np.linspace(0.0, end, samples)
-        found = group_path(group, times, keep=keep, progress=progress, **asked)
-    report = _report(scene, found, asked["level"], clock.perf_counter() - begun)
-    show = partial(print_json, report) if as_json else partial(_print_paths, report)
-    if out is not None:
-        with _files.or_else(show):
-            _write_paths(out, found, report)
-    show()
-    if out is not None:
-        names = ", ".join(PATH_FILES)
-        click.echo(f"written to {out}/: {names}", err=True)
-
-
-def _report(scene: str, found: xr.Dataset, level: str, seconds: float) -> dict[str, Any]:
-    from scipy.spatial import KDTree
-
-    x, time = found.position.values, float(found.time[-1])
-    apart = [KDTree(here).query(here, 2)[0][:, 1].min() for here in x] if x.shape[1] > 1 else []
-    by_points = found.attrs["model"] != "bem"
-    worst = float(found.expected_error.max()) if by_points else None
-    how = "velocity: the largest along the paths, a share of the velocities; position: not known"
-    if not by_points:
-        how = "as of the velocities at one pose: the same command without --time"
-    return {
-        "scene": scene,
-        "model": found.attrs["model"],
-        "level": level,
-        "units": found.attrs["units"],
-        "time": time,
-        "position": x[-1],
-        "quaternion": found.quaternion.values[-1],
-        "phase": found.phase.values[-1],
-        "drift": (x[-1] - x[0]) / time,
-        "nearest": float(min(apart)) if apart else None,
-        "expected_error": {"velocity": worst, "how": how},
-        "wall_seconds": seconds,
-    }
-
-
-def _print_paths(report: dict[str, Any]) -> None:
-    from microswim.cli._print import print_table
-    from microswim.gait.readable import quantity, significant
-    from microswim.gait.units import unit
-    from microswim.output.report.html import Table
-
-    units = report["units"]
-
-    def q(values: Any, kind: str) -> str:
-        return ", ".join(quantity(float(v), unit(units, kind)) for v in values)
-
-    count = len(report["position"])
-    columns = [
-        ("", *(f"swimmer {n}" for n in range(min(count, SHOWN)))),
-        ("at the end, x, y, z", *(q(x, "length") for x in report["position"][:SHOWN])),
-        ("drift, x, y, z", *(q(x, "speed") for x in report["drift"][:SHOWN])),
-    ]
-    header, *rows = columns if count <= BESIDE else zip(*columns, strict=True)
-    error = report["expected_error"]
-    share = error["velocity"]
-    known = error["how"] if share is None else f"velocities within {100.0 * share:.2g} %"
-    near = report["nearest"]
-    apart = f"bodies' centres at least {q([near], 'length')} apart; " if near is not None else ""
-    more = f"; {count - SHOWN} more in --json and --out" if count > SHOWN else ""
-    note = f"{apart}{known}; {significant(report['wall_seconds'], 2)} s{more}"
-    title = f"{report['scene']}: paths over {q([report['time']], 'time')}, {report['model']}"
-    print_table(Table(title, header, rows, note))
-
-
-def _write_paths(out: Path, found: xr.Dataset, report: dict[str, Any]) -> None:
-    import csv
-    import io
-
-    from microswim.numerics.files import write
-    from microswim.numerics.plain import plain
-    from microswim.output.io.run import netcdf
-    from microswim.output.plots.path import group_path as picture
-    from microswim.output.report.html import png
-
-    length, time = found.position.attrs["units"], found.time.attrs["units"]
-    table = io.StringIO()
-    rows = csv.writer(table, lineterminator="\n")
-    said = [f" ({u})" if u not in ("length", "time") else "" for u in (length, time)]
-    rows.writerow([f"t{said[1]}", "track", *(f"{axis}{said[0]}" for axis in "xyz")])
-    for t, places in zip(found.time.values, found.position.values, strict=True):
-        rows.writerows([repr(float(t)), n, *map(repr, x.tolist())] for n, x in enumerate(places))
-    write(out / "paths.csv", table.getvalue())
-    write(out / "paths.nc", netcdf(found))
-    write(out / "paths.png", png(picture(found)))
-    write(out / "paths.json", json.dumps(plain(report), indent=1) + "\n")
 
 
 def _print(found: GroupMotion, name: str) -> None:
@@ -283,7 +191,24 @@ def _tables(found: GroupMotion, name: str) -> list[Table]:
         f"Smallest gap: {near}."
     )
     header = ("", *(f"swimmer {i}" for i in range(n)))
-    return [Table(name, header, rows, note)]
+    held = _held(found, header)
+    return [Table(name, header, rows, note), *held]
+
+
+def _held(found: GroupMotion, header: tuple[str, ...]) -> list[Table]:
+    """Return the wrenches by the fluid, where a swimmer is held."""
+    from microswim.gait.readable import quantity
+    from microswim.gait.units import unit
+    from microswim.output.report.html import Table
+
+    if found.group.free.all():
+        return []
+    kinds = [unit(found.units, "force")] * 3 + [unit(found.units, "torque")] * 3
+    rows = [
+        (f"{'FT'[k > 2]}_{'sqr'[k % 3]}", *(quantity(float(w[k]), u) for w in found.mean_wrench))
+        for k, u in enumerate(kinds)
+    ]
+    return [Table("by the fluid", header, rows, "What a holder feels, each in its own axes.")]
 
 
 def _means(phases: int) -> str:

@@ -10,7 +10,8 @@ from microswim.errors import MicroswimError
 from microswim.models.group.blocks import prepare
 from microswim.models.group.estimate import GroupEstimate
 from microswim.models.group.estimate import estimate as by_points
-from microswim.models.group.solution import GroupSolution, solve
+from microswim.models.group.quick import QuickSolution, solve_quickly
+from microswim.models.group.solution import GroupSolution
 from microswim.models.group.swarm import swarm
 from microswim.numerics.array import Array
 from microswim.swimmer.group import Group
@@ -66,12 +67,12 @@ class PhaseByPhase:
         error = float(getattr(found, "expected_error", np.nan))
         return found.velocity, error, _over(max(fastest, turning / TURN))
 
-    def _solved(self, pose: Pose) -> GroupSolution | GroupEstimate:
+    def _solved(self, pose: Pose) -> QuickSolution | GroupSolution | GroupEstimate:
         x, Q, phase = pose
         directions, rolls = zip(*(direction_and_roll(q) for q in Q), strict=True)
         here = self.group.moved(positions=x, directions=directions, rolls=rolls, phases=phase)
         if self.model == "bem":
-            return solve(here, blocks=self.blocks)
+            return solve_quickly(here, self.blocks)
         found = by_points(here, blocks=self.blocks)
         _require("estimate", found.expected_error)
         return found

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 
@@ -12,6 +13,7 @@ from microswim.models.bem.solution import Solution
 from microswim.models.bem.trust import trusted
 from microswim.models.group.coupled import Block
 from microswim.models.group.far_field import moments
+from microswim.models.group.skeleton import Skeleton, skeleton_of
 from microswim.numerics.array import Array
 from microswim.swimmer.member import Member, about_s
 
@@ -48,6 +50,11 @@ class Alone:
     rate: float
     moments: Array
     remarks: tuple[str, ...]
+
+    @cached_property
+    def skeleton(self) -> Skeleton | None:
+        """What it answers to flows from some way off, if its nodes hold that."""
+        return skeleton_of(self.block)
 
 
 def phase_of_block(member: Member) -> float:

@@ -44,10 +44,15 @@ class Blocks:
 
     def of(self, member: Member) -> Alone:
         """Return a member alone; one that was not prepared is solved now."""
-        return self.made.get(_key(member)) or solve_alone(member, self.level)
+        return self.made.get(key(member)) or solve_alone(member, self.level)
+
+    def holds(self, member: Member) -> bool:
+        """Return whether a member was prepared at its phase."""
+        return key(member) in self.made
 
 
-def _key(member: Member) -> tuple[int, float]:
+def key(member: Member) -> tuple[int, float]:
+    """Return what the block of a member is known by: its swimmer and the phase."""
     return id(member.swimmer), phase_of_block(member)
 
 
@@ -56,8 +61,8 @@ def prepare(group: Group, level: str | Level = "standard") -> Blocks:
     chosen = level if isinstance(level, Level) else get_level(level)
     made: dict[tuple[int, float], Alone] = {}
     for member in group.members:
-        if _key(member) not in made:
-            made[_key(member)] = solve_alone(member, chosen)
+        if key(member) not in made:
+            made[key(member)] = solve_alone(member, chosen)
     return Blocks(chosen, made, tuple(m.swimmer for m in group.members))
 
 

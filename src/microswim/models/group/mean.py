@@ -23,6 +23,7 @@ import numpy as np
 
 from microswim.errors import SpecError
 from microswim.gait.gait import DEGREES_OF_FREEDOM
+from microswim.gait.units import unit
 from microswim.models.bem.levels import Level, coarser, get_level
 from microswim.models.group.blocks import prepare
 from microswim.models.group.far_field import FarField
@@ -108,6 +109,8 @@ class GroupMotion:
             "resistance": here.resistance,
             "resistance_scene": here.resistance_scene,
             "propulsion": here.propulsion,
+            "about": [m.position for m in self.group.members],
+            "resistance_units": _units(self.units),
             "far_field": [far.as_dict() for far in self.far_field],
             "position": [m.position for m in self.group.members],
             "rotation": [m.rotation for m in self.group.members],
@@ -217,6 +220,16 @@ def swim(
         phases=len(phases),
         seconds=time.perf_counter() - start,
     )
+
+
+def _units(units: str) -> dict[str, str]:
+    """Return the units of the blocks of R (and, per phase rate, of F) by what they relate."""
+    N, m, s = (unit(units, kind) for kind in ("force", "length", "time"))
+    return {
+        "force per velocity": f"{N} {s}/{m}",
+        "force per rate, torque per velocity": f"{N} {s}",
+        "torque per rate": f"{N} {m} {s}",
+    }
 
 
 def _without_rounding(V: Array, found: GroupSolution) -> Array:

@@ -2,19 +2,25 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections import Counter
+from collections.abc import Iterator, Sequence
 from concurrent.futures import ThreadPoolExecutor
-from dataclasses import dataclass
+from contextlib import contextmanager
+from dataclasses import dataclass, replace
 
-import numpy as np
 from threadpoolctl import threadpool_limits
 
 from microswim.errors import SpecError
-from microswim.models.group.blocks import Blocks
-from microswim.models.group.solution import GroupSolution, solve
+from microswim.models.group.alone import solve_alone
+from microswim.models.group.blocks import Blocks, key
+from microswim.models.group.motion import Motion
+from microswim.models.group.quick import solve_quickly
+from microswim.models.group.solution import solve
 from microswim.numerics.array import Array, read_only
-from microswim.numerics.compiling.compiled import numba
 from microswim.swimmer.group import Group
+
+#: Poses at one phase from which on a block is kept for them, and skeletons are made.
+MANY = 8
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
@@ -50,32 +56,39 @@ class GroupPoses:
     refused: tuple[str, ...]
 
 
-def at_poses(
-    groups: Sequence[Group],
-    blocks: Blocks,
-    workers: int | None = None,
-    progress: Callable[[int, int], None] | None = None,
-) -> GroupPoses:
-    """Solve for the same swimmers at many poses, so many at a time (default: all cores)."""
-    workers = numba().get_num_threads() if workers is None else workers
-    m, n = len(groups), len(groups[0].members)
-    R, F = np.full((m, 6 * n, 6 * n), np.nan), np.full((m, 6 * n, n), np.nan)
-    V, gap = np.full((m, n, 6), np.nan), np.full(m, np.nan)
-    refused = [""] * m
+def ready(groups: Sequence[Group], blocks: Blocks) -> tuple[Blocks, bool]:
+    """Return blocks for all phases that many poses share, and whether skeletons pay."""
+    often = Counter(key(m) for g in groups for m in g.members)
+    made = dict(blocks.made)
+    for member in (m for g in groups for m in g.members):
+        if key(member) not in made and often[key(member)] >= MANY:
+            made[key(member)] = solve_alone(member, blocks.level)
+    quickly = len(groups) >= MANY and groups[0].wall is None
+    for name, own in made.items():
+        if quickly and often[name] >= MANY:
+            _ = own.skeleton  # made here, not by several threads at once
+    return replace(blocks, made=made), quickly
 
-    def one(group: Group) -> GroupSolution | SpecError:
+
+@contextmanager
+def solving(
+    groups: Sequence[Group], blocks: Blocks, workers: int, first: int = 0
+) -> Iterator[Iterator[Motion | SpecError]]:
+    """Give the solutions of many poses from the `first` on in their order, several at a time.
+
+    Poses that were not begun when the block is left are not solved. How one is solved depends on
+    all of them, so that those of a run that goes on come out the same.
+    """
+    blocks, quickly = ready(groups, blocks)
+
+    def one(group: Group) -> Motion | SpecError:
         try:
-            return solve(group, blocks=blocks)
+            return solve_quickly(group, blocks) if quickly else solve(group, blocks=blocks)
         except SpecError as error:
             return error
 
     with threadpool_limits(1), ThreadPoolExecutor(workers) as pool:
-        for k, found in enumerate(pool.map(one, groups)):
-            if isinstance(found, SpecError):
-                refused[k] = str(found)
-            else:
-                R[k], F[k], V[k] = found.resistance, found.propulsion, found.velocity
-                gap[k] = found.gap
-            if progress is not None:
-                progress(k + 1, m)
-    return GroupPoses(resistance=R, propulsion=F, velocity=V, gap=gap, refused=tuple(refused))
+        try:
+            yield pool.map(one, groups[first:])
+        finally:
+            pool.shutdown(cancel_futures=True)

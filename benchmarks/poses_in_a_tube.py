@@ -20,6 +20,7 @@ from microswim.jobs import references
 from microswim.numerics.files import cache_folder
 
 ROBOT = ms.Swimmer.preset("tabak/helix").with_({"motion.free": "all"})
+SEED = 2026  #: of the unused poses
 CLOSEST = 0.05  #: smallest gap of the unused poses, in body radii
 
 
@@ -27,7 +28,7 @@ def unused(swimmer, radius, count):
     """Lines (count, 6) at random, their gaps (count, 2)."""
     shape = shape_of(swimmer, CLOSEST)
     numbers = tube.numbers_of(shape, CLOSEST)
-    lines, _ = tube.places(shape, numbers, radius, count, among=count, seed=77)
+    lines, _ = tube.places(shape, numbers, radius, count, among=count, seed=SEED)
     gaps, Z = np.empty((len(lines), 2)), np.empty((len(lines), inside.FEATURES))
     inside.of_lines(lines, shape.body, shape.tail, numbers, radius, gaps, Z)
     return lines, gaps

@@ -49,7 +49,7 @@ def inside(swimmer, adds=0.4, radius=RADIUS):
     Y = np.zeros((len(Z), 46))
     for m, (i, j) in enumerate(zip(*np.tril_indices(6), strict=True)):
         Y[:, m] = -adds * Z[:, 8:10].sum(axis=1) if i == j else 0.0
-    known, weights = scattered.known(Z, Y)
+    known, weights = scattered.known_of_both(Z, Y)
     gait = replace(swimmer, channel=None).gait()
     table = PoseTable(
         TUBE, pack(gait), np.array([0.0, 0, 0, 1, 0, 0, radius]), numbers, shape.body, shape.tail,

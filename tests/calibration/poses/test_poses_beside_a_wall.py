@@ -235,16 +235,10 @@ def test_a_path_starts_where_the_spec_says(tilt: float, azimuth: float) -> None:
     assert Q[0, 0] > 0
 
 
-@pytest.mark.parametrize(
-    "swimmer",
-    [
-        ms.Swimmer.preset("tabak/plane_wave"),
-        replace(ROBOT, body=ms.Ellipsoid(semi_axes=(0.6, 0.5, 0.4))),
-    ],
-)
-def test_other_kinds_are_refused(swimmer: ms.Swimmer) -> None:
+def test_a_grid_is_for_what_has_three_coordinates() -> None:
+    wave = ms.Swimmer.preset("tabak/plane_wave")
     with pytest.raises(SpecError, match="body of revolution with one helical tail"):
-        wall.beside_wall(replace(swimmer, wall=ms.Wall(2.0)))
+        wall.beside_wall(replace(wave, wall=ms.Wall(2.0)), grid=wall.Grid())
 
 
 @pytest.mark.slow

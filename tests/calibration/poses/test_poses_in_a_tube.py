@@ -35,7 +35,7 @@ def planted(swimmer: ms.Swimmer, radius: float, count: int = 60) -> PoseTable:
     shape = shape_of(swimmer, 0.02)
     numbers = tube.numbers_of(shape, 0.02)
     _, Z = tube.places(shape, numbers, radius, count, among=400)
-    known, weights = scattered.known(Z, Z @ MIX)
+    known, weights = scattered.known_of_both(Z, Z @ MIX[:, :46])
     gait = swimmer.gait()
     return PoseTable(
         TUBE, pack(gait), np.array([0.0, 0, 0, 1, 0, 0, radius]), numbers, shape.body, shape.tail,
@@ -202,6 +202,44 @@ def test_a_path_in_a_tube_starts_where_the_spec_says() -> None:
 def test_what_is_no_tube_for_it_is_refused(change: dict[str, Any], said: str) -> None:
     with pytest.raises(SpecError, match=said):
         tube.in_tube(replace(ROBOT, **{"channel": ms.Channel(diameter=3.0), **change}))
+
+
+def test_no_pose_need_be_left_out(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Then no error is known."""
+    rng, gait = np.random.default_rng(1), ROBOT.gait()
+
+    def found(_: Any, asked: list[Any], left_out: int, *__: Any, **___: Any) -> Any:
+        assert left_out == 0
+        made = [
+            replace(
+                gait, resistance_series=gait.resistance_series * grows,
+                info={"in_poiseuille": (0.1 * grows * np.arange(6)).tolist()},
+            )
+            for grows in rng.uniform(1.0, 1.2, len(asked))
+        ]  # fmt: skip
+        return gait, made, []
+
+    monkeypatch.setattr(tube, "solved", found)
+    robot = replace(ROBOT, channel=ms.Channel(diameter=2 * RADIUS, length=30.0))
+    poses = tube.in_tube(robot, scatter=Scatter(poses=40, left_out=0))
+    assert poses.expected_error == {}
+    R, _ = poses.at(*poses.start, 0.0)
+    assert 0.9 < R[0, 0] / gait.resistance(0.0)[0, 0] < 1.3
+
+
+def test_of_a_quarter_of_the_poses_the_tail_is_close() -> None:
+    """The others are those of all poses; those close lie evenly in the logarithm of the gap."""
+    shape = shape_of(ROBOT, 0.02)
+    numbers = tube.numbers_of(shape, 0.02)
+    lines, Z = tube.with_close_ones(shape, numbers, RADIUS, 40)
+    even, _ = tube.places(shape, numbers, RADIUS, 40, among=80)
+    assert np.array_equal(lines[:30], even[:30])
+    gaps, z = np.empty((40, 2)), np.empty((40, in_tube.FEATURES))
+    in_tube.of_lines(lines, shape.body, shape.tail, numbers, RADIUS, gaps, z)
+    assert np.array_equal(z, Z)
+    assert gaps.min() > numbers[in_tube.LEAST]
+    assert gaps[30:, 1].max() < 10.0 * numbers[in_tube.LEAST]
+    assert np.median(gaps[30:, 1]) < 5.0 * numbers[in_tube.LEAST]
 
 
 @pytest.mark.slow

@@ -86,6 +86,12 @@ class Shape:
         return gap, kink + np.sign(sigma) * np.expm1(abs(sigma) * most) * (gap + blur) / reach
 
 
+def has_three(swimmer: Swimmer) -> bool:
+    """Return whether a body of revolution has a rigid tail on its axis: three coordinates do."""
+    tail = swimmer.tail
+    return tail.is_rigid and swimmer.body.is_axisymmetric and not tail.is_placed
+
+
 def shape_of(swimmer: Swimmer, smallest: float) -> Shape:
     """Return what of a swimmer touches a wall.
 
@@ -102,7 +108,7 @@ def shape_of(swimmer: Swimmer, smallest: float) -> Shape:
         If body or tail are of another kind.
     """
     body, tail = swimmer.body, swimmer.tail
-    if not (tail.is_rigid and body.is_axisymmetric) or tail.is_placed:
+    if not has_three(swimmer):
         there, where = ("channel", "in") if swimmer.channel is not None else ("wall", "beside")
         raise SpecError(
             f"{there}: a path {where} it is known for a body of revolution with one helical tail "
@@ -113,14 +119,14 @@ def shape_of(swimmer: Swimmer, smallest: float) -> Shape:
     many = LINE * max(2, int(np.ceil(float(tail.number_of_waves))))
     s = np.linspace(0.0, float(tail.apparent_length), many + 1)
     line = np.ascontiguousarray(smooth_centreline(tail, s, 0.0).P - centre)
-    length = _length(swimmer)
+    length = body_length(swimmer)
     reach = float(tail.apparent_length - centre[0])
     size = SIZE * length
     lowest = np.log(smallest * length / (smallest * length + size))
     numbers = np.array([tail.sign, tail.radius, size, reach, BLUR * length, lowest, length,
                         swimmer.fluid.viscosity, TAIL_BLUR * length, 0.0,
                         smallest * length], float)  # fmt: skip
-    meridian = np.zeros((0, 2)) if body.is_absent else _meridian(body)
+    meridian = np.zeros((0, 2)) if body.is_absent else meridian_of(body)
     kinks = _kinks(meridian, line, float(tail.radius), tail.sign)
     return Shape(
         meridian, line, numbers, kinks, _switch(line, tail.sign, min(float(kinks.max()), -0.01))
@@ -131,8 +137,8 @@ def shape_of(swimmer: Swimmer, smallest: float) -> Shape:
 SIZE, BLUR, TAIL_BLUR = 4.0, 0.3, 0.3
 
 
-def _length(swimmer: Swimmer) -> float:
-    """The body's smaller half axis; without a body the helix's radius."""
+def body_length(swimmer: Swimmer) -> float:
+    """Return the body's smaller half axis; without a body the tail's widest."""
     widths = [float(a) for a in swimmer.body.semi_axes3 if a > 0]
     if widths:
         return min(widths)
@@ -142,8 +148,8 @@ def _length(swimmer: Swimmer) -> float:
     return float(np.hypot(line[:, 1], line[:, 2]).max() + swimmer.tail.radius)
 
 
-def _meridian(body: Any) -> Array:
-    """Points (s, rho) that touch planes, by the angle between s and the direction outwards."""
+def meridian_of(body: Any) -> Array:
+    """Return points (s, rho) that touch planes, by the angle of s and the direction outwards."""
     angle = np.linspace(0.0, np.pi, MERIDIAN)
     if body.is_ellipsoid:
         a, b = float(body.semi_axes3[0]), float(body.semi_axes3[1])

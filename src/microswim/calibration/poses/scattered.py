@@ -10,26 +10,50 @@ from microswim.numerics.array import Array
 
 #: Poses from which the lengths of the covariance are found.
 ENOUGH = 240
+OF_L = 21  #: of a pose's targets are those of L
 
 
-def spread(Z: Array, count: int) -> NDArray[np.int64]:
+def spread(Z: Array, count: int, others: Array | None = None) -> NDArray[np.int64]:
     """Return the indices (count,) of features (n, f) that lie far from one another.
 
     Each is the one farthest from all before it, in units of the features' spread: the first ones
     of many are those of few.
+
+    Parameters
+    ----------
+    Z
+        To choose from.
+    count
+        How many, all of them at most.
+    others
+        Features that are chosen already, whose spread then counts.
     """
-    size = Z.std(axis=0)
-    Z = Z / np.where(size > 0, size, 1.0)
-    chosen = [int(np.argmin(np.linalg.norm(Z - Z.mean(axis=0), axis=1)))]
-    away = np.linalg.norm(Z - Z[chosen[0]], axis=1)
+    size = (Z if others is None else others).std(axis=0)
+    size = np.where(size > 0, size, 1.0)
+    Z = Z / size
+    if others is None:
+        chosen = [int(np.argmin(np.linalg.norm(Z - Z.mean(axis=0), axis=1)))]
+        away = np.linalg.norm(Z - Z[chosen[0]], axis=1)
+    else:
+        chosen = []
+        away = np.min([np.linalg.norm(Z - z, axis=1) for z in others / size], axis=0)
     while len(chosen) < min(count, len(Z)):
         chosen.append(int(np.argmax(away)))
         away = np.minimum(away, np.linalg.norm(Z - Z[chosen[-1]], axis=1))
     return np.array(chosen, np.int64)
 
 
+def known_of_both(Z: Array, Y: Array) -> tuple[Array, Array]:
+    """Return `PoseTable.known` (2, 1 + f, n) and weights (m, 1 + n): of L, and of all else.
+
+    Velocities change over other lengths than resistances do.
+    """
+    L, rest = known(Z, Y[:, :OF_L]), known(Z, Y[:, OF_L:])
+    return np.stack([L[0], rest[0]]), np.concatenate([L[1], rest[1]])
+
+
 def known(Z: Array, Y: Array) -> tuple[Array, Array]:
-    """Return `PoseTable.known` (1 + f, n) and weights (m, 1 + n) of targets Y (n, m) at features Z.
+    """Return poses in lengths (1 + f, n) and weights (m, 1 + n) of targets Y (n, m) at features Z.
 
     One covariance for all targets, its lengths by the likelihood of the first poses.
     """

@@ -17,6 +17,7 @@ from microswim.jobs import references
 from microswim.models.bem.levels import get_level
 from microswim.numerics.array import Array
 from microswim.numerics.files import cache_folder
+from microswim.numerics.series.fourier import evaluate
 from microswim.swimmer.swimmer import Swimmer
 
 #: Longer patches on the tail than at level coarse: in u_s within half a per cent of level standard.
@@ -29,6 +30,9 @@ FEW = replace(
         _COARSE.resolution, panel=5.0, stretch=8.0, bend=1.6, wave=2.0, slender=1.0, around=3
     ),
 )
+
+
+SOME = 16  #: phases over which a gait in free fluid is averaged
 
 
 @dataclass(frozen=True, eq=False)
@@ -64,6 +68,7 @@ def solved(
     workers: int | None = None,
     progress: Callable[[int, int], None] | None = None,
     lost: float = 0.0,
+    free_phases: int = 1,
 ) -> tuple[Gait, list[Gait | None], list[Gait | None]]:
     """Return the gait in free fluid, and those of the poses: to interpolate, and left out.
 
@@ -81,6 +86,8 @@ def solved(
         As `references.gaits` has them; one count over all poses.
     lost
         Share of the poses that may be without a solve: None stands for it.
+    free_phases
+        At which free fluid is solved.
 
     Raises
     ------
@@ -93,12 +100,15 @@ def solved(
         if progress is not None:
             progress(done, len(asked) + 1)
 
-    options: dict[str, Any] = {"workers": workers, "progress": told}
+    options: dict[str, Any] = {"workers": workers}
     options["folder"] = cache_folder("poses") if folder is None else folder
     chosen = FEW if level is None else replace(get_level(level), phases=1)
-    free, *found = _all_solved([free_swimmer, *asked[:on]], lost, level=chosen, **options)
+    whole = replace(chosen, phases=free_phases)
+    (free,) = _all_solved([free_swimmer], 0.0, level=whole, **options)
     if free is None:
         raise MicroswimError("the swimmer cannot be solved in free fluid")
+    options["progress"] = lambda done, of: told(1 + done, of)
+    found = _all_solved(asked[:on], lost, level=chosen, **options)
     options["progress"] = lambda done, of: told(on + 1 + done, of)
     finer = replace(get_level("standard"), phases=1)
     return free, found, _all_solved(asked[on:], lost, level=finer, **options)
@@ -114,17 +124,24 @@ def _all_solved(swimmers: list[Swimmer], lost: float, **options: Any) -> list[Ga
     return [None if isinstance(gait, str) else gait for gait in made]
 
 
-def power_of(gait: Gait) -> float:
-    """Return ``G - F_p . R^-1 F_p`` at phase 0: what the motor spends where nothing holds it."""
-    F = gait.propulsion(0.0)
-    held = float(np.real(gait.activity_series[0]))
-    return held - float(F @ np.linalg.solve(gait.resistance(0.0), F))
+def power_of(gait: Gait, phase: float = 0.0) -> float:
+    """Return ``G - F_p . R^-1 F_p`` at a phase: what the motor spends where nothing holds it."""
+    F = gait.propulsion(phase)
+    held = float(evaluate(gait.activity_series, phase))
+    return held - float(F @ np.linalg.solve(gait.resistance(phase), F))
 
 
 def added_power(gait: Gait, free: float) -> float:
     """Return log of `power_of` over that of free fluid; 0 where there is no motor."""
     power = power_of(gait)
     return float(np.log(power / free)) if free > 0.0 and power > 0.0 else 0.0
+
+
+def scales(free: Gait) -> Array:
+    """Return speed and rate of turning in free fluid (6,), root mean square over the phase."""
+    speed = free.at_rate(1.0).velocity(2.0 * np.pi * np.arange(SOME) / SOME)
+    square = np.mean(speed**2, axis=0)
+    return np.repeat(np.sqrt([square[:3].sum(), square[3:].sum()]), 3)
 
 
 @dataclass(frozen=True, eq=False)
@@ -135,21 +152,21 @@ class Table(Tabulated):
 
 
 def error_of(
-    table: PoseTable, free: Gait, starts: list[tuple[Array, Array]], judged: list[Gait | None]
+    table: PoseTable, free: Gait, starts: list[tuple[Any, ...]], judged: list[Gait | None]
 ) -> dict[str, Any]:
     """Return by how much poses left out are missed: 95 % of them by no more, each velocity.
 
-    In units of the speed in free fluid, or of its rate of turning.
+    In units of the speed in free fluid, or of its rate of turning. `starts`: position, quaternion
+    and, where it is not 0, phase.
     """
     if not starts:
         return {}
-    speed = free.at_rate(1.0).velocity(0.0)
-    scale = np.repeat([np.linalg.norm(speed[:3]), np.linalg.norm(speed[3:])], 3)
+    scale = scales(free)
     missed = []
-    for (x, q), gait in zip(starts, judged, strict=True):
+    for (x, q, *phase), gait in zip(starts, judged, strict=True):
         if gait is None:
             continue
-        R, F = Table(table).at(x, q, 0.0)
+        R, F = Table(table).at(x, q, *(phase or [0.0]))
         near = replace(gait, resistance_series=R[None], propulsion_series=F[None], rate=1.0)
         missed.append(np.abs(near.velocity(0.0) - gait.at_rate(1.0).velocity(0.0)))
     if not missed:

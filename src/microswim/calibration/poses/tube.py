@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import os
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -37,6 +37,9 @@ ENDS = 1.5
 LOST = 0.05
 #: Poses at random among which each that is solved is chosen; those that are looked at at once.
 AMONG, LOOK = 2, 2**14
+#: Share of the poses of which the tail is close to the tube; draws of these; their least gap over
+#: their own, at which it is close no more.
+CLOSE, FIRST_CLOSE, MOST_LOOKS, TOO_FAR = 0.25, 500_000, 100, 0.1
 
 
 @dataclass(frozen=True)
@@ -98,7 +101,7 @@ def in_tube(
     shape = shape_of(swimmer, scatter.smallest)
     radius = 0.5 * channel.diameter
     numbers = numbers_of(shape, scatter.smallest)
-    lines, Z = places(shape, numbers, radius, scatter.poses, AMONG * scatter.poses)
+    lines, Z = with_close_ones(shape, numbers, radius, scatter.poses)
     out = np.zeros((0, 6))
     if scatter.left_out:
         out, _ = places(shape, numbers, radius, scatter.left_out, among=scatter.left_out, seed=1)
@@ -114,7 +117,7 @@ def in_tube(
     Y = np.array([targets(gait, root) for gait in gaits])
     C = np.array([carried(gait, lines[i], radius) for i, gait in zip(there, gaits, strict=True)])
     Z = Z[there]
-    known, weights = scattered.known(Z, np.concatenate([Y, C], axis=1))
+    known, weights = scattered.known_of_both(Z, np.concatenate([Y, C], axis=1))
     table = PoseTable(
         TUBE, np.ascontiguousarray(pack(free)), np.array([0.0, 0, 0, 1, 0, 0, radius]), numbers,
         shape.body, shape.tail, np.zeros(0), np.zeros((0, 0, 0, 0, 0)),
@@ -163,24 +166,11 @@ def places(
     SpecError
         If the swimmer does not fit into the tube.
     """
-    widest, steep = radius - numbers[inside.LEAST], 1.0
     lines: list[Array] = []
     Z: list[Array] = []
-    for more in range(400):
-        u = points(LOOK, 4, 1000 * seed + more)
-        found = _lines(u, widest, steep)
-        gaps, z = np.empty((len(found), 2)), np.empty((len(found), inside.FEATURES))
-        with settled(True):
-            inside.of_lines(found, shape.body, shape.tail, numbers, radius, gaps, z)
-        fits = gaps.min(axis=1) > numbers[inside.LEAST]
-        if fits.sum() < 2**8 and not lines:  # a narrow tube: what is steep does not fit
-            least = found[fits, 0].min() if fits.any() else 1.0 - steep / 4.0
-            steep = min(1.5 * (1.0 - least), 0.5 * steep) if fits.any() else steep / 4.0
-            if steep < 1e-9:
-                break
-            continue
-        lines.append(found[fits])
-        Z.append(z[fits])
+    for found, z, _ in _that_fit(shape, numbers, radius, 1000 * seed):
+        lines.append(found)
+        Z.append(z)
         if sum(map(len, lines)) >= among:
             break
     if not lines:
@@ -190,6 +180,54 @@ def places(
     all_lines, all_z = np.concatenate(lines)[:among], np.concatenate(Z)[:among]
     chosen = scattered.spread(all_z[:, : inside.WHERE], count)
     return all_lines[chosen], all_z[chosen]
+
+
+def with_close_ones(shape: Shape, numbers: Array, radius: float, count: int) -> tuple[Array, Array]:
+    """Return what `places` does; of a part of the poses the tail is close to the tube.
+
+    There velocities change most from pose to pose, and few poses at random lie there: these are
+    spread evenly in the logarithm of the tail's gap.
+    """
+    lines, Z = places(shape, numbers, radius, count, AMONG * count)
+    close = int(CLOSE * count)
+    if not len(shape.tail) or not close:
+        return lines, Z
+    lines, Z = lines[: count - close], Z[: count - close]
+    found: list[Array] = []
+    features: list[Array] = []
+    for n, (some, z, gaps) in enumerate(_that_fit(shape, numbers, radius, FIRST_CLOSE)):
+        odds = numbers[inside.LEAST] / gaps[:, 1]
+        keep = (odds > points(LOOK, 1, FIRST_CLOSE + n)[: len(some), 0]) & (odds > TOO_FAR)
+        found.append(some[keep])
+        features.append(z[keep])
+        if sum(map(len, found)) >= AMONG * close or n == MOST_LOOKS:
+            break
+    some, z = np.concatenate(found)[: AMONG * close], np.concatenate(features)[: AMONG * close]
+    where = slice(0, inside.WHERE)
+    chosen = scattered.spread(z[:, where], close, others=Z[:, where])
+    return np.concatenate([lines, some[chosen]]), np.concatenate([Z, z[chosen]])
+
+
+def _that_fit(
+    shape: Shape, numbers: Array, radius: float, first: int
+) -> Iterator[tuple[Array, Array, Array]]:
+    """Yield lines at random that fit, their features and the gaps of body and tail."""
+    widest, steep, some = radius - numbers[inside.LEAST], 1.0, False
+    for more in range(400):
+        u = points(LOOK, 4, first + more)
+        found = _lines(u, widest, steep)
+        gaps, z = np.empty((len(found), 2)), np.empty((len(found), inside.FEATURES))
+        with settled(True):
+            inside.of_lines(found, shape.body, shape.tail, numbers, radius, gaps, z)
+        fits = gaps.min(axis=1) > numbers[inside.LEAST]
+        if fits.sum() < 2**8 and not some:  # a narrow tube: what is steep does not fit
+            least = found[fits, 0].min() if fits.any() else 1.0 - steep / 4.0
+            steep = min(1.5 * (1.0 - least), 0.5 * steep) if fits.any() else steep / 4.0
+            if steep < 1e-9:
+                break
+            continue
+        some = True
+        yield found[fits], z[fits], gaps[fits]
 
 
 def _lines(u: Array, widest: float, steep: float) -> Array:

@@ -8,8 +8,9 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
+from microswim.calibration.poses.any_shape import beside_wall_of_any_shape
 from microswim.calibration.poses.fit import coefficients, factors
-from microswim.calibration.poses.layout import Shape, shape_of
+from microswim.calibration.poses.layout import Shape, has_three, shape_of
 from microswim.calibration.poses.solved import (
     SolvedPoses,
     added_power,
@@ -68,11 +69,11 @@ def beside_wall(
     Parameters
     ----------
     swimmer
-        With a `wall`; a body of revolution with a helical tail.
+        With a `wall`; a body of revolution with a helical tail, or as of `any_shape`.
     level
         Of the boundary elements; by default one of few patches, as many poses want it.
     grid
-        How many poses.
+        How many poses, of a body of revolution with a helical tail.
     folder
         Where solves are kept and looked for; a folder of the user's cache by default.
     workers
@@ -87,8 +88,12 @@ def beside_wall(
     MicroswimError
         If a pose cannot be solved.
     """
-    grid = Grid() if grid is None else grid
     start = start_of(swimmer.wall)
+    if not has_three(swimmer) and grid is None:
+        return beside_wall_of_any_shape(
+            swimmer, start, level=level, folder=folder, workers=workers, progress=progress
+        )
+    grid = Grid() if grid is None else grid
     shape = shape_of(swimmer, grid.smallest)
     free_swimmer = replace(swimmer, wall=None, channel=None)
     asked = [beside(free_swimmer, shape, *p) for p in _places(shape, grid)]

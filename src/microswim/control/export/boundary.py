@@ -13,7 +13,8 @@ from typing import Any
 import numpy as np
 
 from microswim.control.stepper import Stepper
-from microswim.gait.poses.table import TUBE
+from microswim.errors import SpecError
+from microswim.gait.poses.table import TUBE, WALL
 from microswim.numerics.array import Array
 from microswim.path.contact import REACH
 
@@ -60,10 +61,21 @@ class Boundary:
 
 
 def boundary_of(stepper: Stepper) -> Boundary:
-    """Return what bounds the fluid of a stepper."""
+    """Return what bounds the fluid of a stepper.
+
+    Raises
+    ------
+    SpecError
+        If the export does not know the swimmer's poses there.
+    """
     around: Any = getattr(stepper, "around", None)
     if around is None:
         return Boundary()
+    if around.table.kind == WALL and around.table.known.size:
+        raise SpecError(
+            "wall: C beside it is written for a body of revolution with a helical tail; leave "
+            "[wall] out, or follow the swimmer in Python (ms.path, ms.Stepper.of)"
+        )
     posed: Any = stepper
     tube, table = around.table.kind == TUBE, around.table
     about = WHERE[tube].format(radius=float(table.boundary[6]) if tube else 0.0)
@@ -129,14 +141,12 @@ def _wall(around: Any) -> str:
 
 
 def _tube(table: Any) -> str:
-    features, poses = len(table.known) - 1, table.known.shape[1]
-    known = np.concatenate([np.pad(table.known[0, :features], (0, poses - features))[None],
-                            table.known[1:]])  # fmt: skip
+    features, poses = table.known.shape[1] - 1, table.known.shape[2]
     return (
         f"#define POSES {poses}\n#define FEATURES {features}\n"
         + f"static const double TUBE_RADIUS = {_number(table.boundary[6], 17)};\n"
         + _array("ROOT", table.root)
-        + _array("KNOWN", known, DIGITS)
+        + _array("KNOWN", table.known, DIGITS)
         + _array("WEIGHTS", table.weights, DIGITS)
         + _array("CARRIED", table.carried, DIGITS)
     )

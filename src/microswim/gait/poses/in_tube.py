@@ -14,8 +14,9 @@ functions of
 with q = log(g/(g + size)) of the gap g: of body and tail where they are nearest, and averaged over
 the tail, which feels how much of it is near, where along it and on which side (n points from the
 wall to the axis). Which turn of the tail is nearest jumps from pose to pose, the means do not.
-None knows the sense of t. L and w are interpolated between scattered poses by their covariance,
-Matern 5/2 of the distance in z. Towards contact the eigenvalue of L across the wall goes like
+None knows the sense of t. L and w are interpolated between scattered poses by their covariances,
+Matern 5/2 of the distance in z: one for L, and one for velocities, which change over lengths of
+their own. Towards contact the eigenvalue of L across the wall goes like
 -log g and all else like a power of log g less; below the smallest gap solved R goes on as
 lubrication has it (`lubricated`).
 """
@@ -98,6 +99,13 @@ def between(known: Any, weights: Any, z: Any, values: Any, near: Any) -> None:
         for i in range(n):
             total += near[i] * weights[j, 1 + i]
         values[j] = weights[j, 0] + total
+
+
+@compiled()
+def both(known: Any, weights: Any, z: Any, values: Any, near: Any) -> None:
+    """Write L (21 numbers), and w and the motor's power (7), each by its own lengths."""
+    between(known[0], weights[:21], z, values[:21], near)
+    between(known[1], weights[21:], z, values[21:], near)
 
 
 @compiled(error_model="numpy")

@@ -50,21 +50,26 @@ def continued(numbers: Any, touch: Any, R: Any, F: Any, work: Any) -> Any:
 
     `touch` (14,): body, then tail. Returns what is added to G.
     """
-    more = 0.0
-    for part in (0, 7):
-        gap = touch[part]
-        if not gap < numbers[LEAST]:
-            continue
-        N = work[:6]
-        yields = ease(touch[part : part + 7], R, N, work[6:])
-        c = (numbers[LEAST] / max(gap, 1e-12 * numbers[LENGTH]) - 1.0) / yields
-        comes = 0.0 if part == 0 else numbers[SIGN] * N[3]
-        more += c * comes * comes
-        for i in range(6):
-            F[i] += c * comes * N[i]
-            for j in range(6):
-                R[i, j] += c * N[i] * N[j]
-    return more
+    p, n = touch[8:11], touch[11:14]
+    rises = numbers[SIGN] * (p[1] * n[2] - p[2] * n[1])
+    first = grown(numbers, touch[:7], 0.0, R, F, work)
+    return first + grown(numbers, touch[7:], rises, R, F, work)
+
+
+@compiled(error_model="numpy")
+def grown(numbers: Any, touch: Any, comes: Any, R: Any, F: Any, work: Any) -> Any:
+    """Add what grows like 1/gap at one nearest point, which comes off by `comes` per phase rate."""
+    gap = touch[0]
+    if not gap < numbers[LEAST]:
+        return 0.0
+    N = work[:6]
+    yields = ease(touch, R, N, work[6:])
+    c = (numbers[LEAST] / max(gap, 1e-12 * numbers[LENGTH]) - 1.0) / yields
+    for i in range(6):
+        F[i] += c * comes * N[i]
+        for j in range(6):
+            R[i, j] += c * N[i] * N[j]
+    return c * comes * comes
 
 
 @compiled(error_model="numpy")

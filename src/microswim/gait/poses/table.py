@@ -11,6 +11,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from microswim.gait.gait import Gait
+from microswim.gait.poses import any_shape
 from microswim.gait.poses.beside_wall import (
     POWER,
     SIGN,
@@ -22,6 +23,7 @@ from microswim.gait.poses.beside_wall import (
 )
 from microswim.gait.poses.in_tube import (
     between,
+    both,
     features,
     from_logarithm,
     from_power,
@@ -38,6 +40,7 @@ FREE, WALL, TUBE = 0, 1, 2  #: kinds of boundary
 #: Numbers of scratch that `resist` wants; poses at most that are known in a tube.
 WORK, MOST = 2400, 1600
 _NONE = np.zeros((0, 0))
+_NEITHER = np.zeros((2, 0, 0))
 _NOWHERE = np.zeros(0)
 
 
@@ -66,8 +69,12 @@ class PoseTable(NamedTuple):
     factors
         Coefficients of what the wall adds, see `beside_wall`: side, gap, tilt, turn, number.
     known, weights, carried, root
-        Of a tube, see `in_tube`: poses solved, weights of what is interpolated between them and of
-        how Poiseuille's flow carries the swimmer, and free fluid.
+        Of a tube, see `in_tube`: poses solved in units of the lengths over which L changes, and of
+        those over which velocities do; weights of what is interpolated between them and of how
+        Poiseuille's flow carries the swimmer; free fluid.
+        Of a wall beside a swimmer of any shape, see `any_shape`: the same, and the series of the
+        motor's power in free fluid; the centreline is a series in the phase (m, 3 + 6 H), the body
+        as `any_shape.support` has it.
     switch
         By a wall: phase at which the tail's nearest turn changes, see `beside_wall.switched`.
     """
@@ -80,7 +87,7 @@ class PoseTable(NamedTuple):
     tail: np.ndarray
     kinks: np.ndarray
     factors: np.ndarray
-    known: np.ndarray = _NONE
+    known: np.ndarray = _NEITHER
     weights: np.ndarray = _NONE
     carried: np.ndarray = _NONE
     root: np.ndarray = _NONE
@@ -106,6 +113,10 @@ def near(table: Any, x: Any, q: Any, phase: Any, touch: Any, work: Any) -> Any:
             table.boundary, table.numbers, table.body, table.tail, x, q, phase, work[28:34], touch,
             work[54:],
         )  # fmt: skip
+    elif table.kind == 1 and table.known.shape[1] > 0:
+        any_shape.contact(
+            table.boundary, table.numbers, table.body, table.tail, x, q, phase, touch, work[28:33]
+        )
     elif table.kind == 1:
         contact(
             table.boundary, table.numbers, table.body, table.tail, x, q, phase, touch, work[28:36]
@@ -149,13 +160,15 @@ def resist(table: Any, x: Any, q: Any, phase: Any, R: Any, F: Any, touch: Any, w
     if table.kind == 2:
         line, z = work[28:34], work[34:54]
         features(line, touch[0], touch[7], table.tail, table.numbers, table.boundary[6], z)
-        between(table.known, table.weights, z, values, work[54:])
+        both(table.known, table.weights, z, values, work[54:])
         from_logarithm(table.root, values, R, F, work[54:])
         power = from_power(table.root, values, F)
         power += continued(table.numbers, touch, R, F, work[54:])
         nearer_first(touch)
         out_of_the_tail(table.numbers[SIGN] * phase, R, F, touch)
         return power
+    if table.kind == 1 and table.known.shape[1] > 0:
+        return _of_any_shape(table, phase, R, F, touch, work)
     if table.kind == 1:
         at = work[28:36]
         values[27] = 0.0
@@ -179,6 +192,24 @@ def resist(table: Any, x: Any, q: Any, phase: Any, R: Any, F: Any, touch: Any, w
 
 
 @compiled()
+def _of_any_shape(table: Any, phase: Any, R: Any, F: Any, touch: Any, work: Any) -> Any:
+    """Write R and F_p of a swimmer of any shape beside a wall, after `near`; return G."""
+    values, at, n, signs, z = work[:28], work[28:33], work[33:36], work[36:42], work[42:54]
+    for i in range(3):
+        n[i] = at[i]
+    of_q, of_r, turn = any_shape.folded(table.numbers, n, phase)
+    any_shape.signs_of(of_q, of_r, signs)
+    h = any_shape.features(n, at[3], turn, touch[0], touch[7], table.tail, table.numbers, z)
+    both(table.known, table.weights, z, values, work[54:])
+    power = any_shape.from_free(
+        table.packed, table.root, turn, values, h, signs, R, F, work[54:]
+    )  # fmt: skip
+    power += any_shape.nearer(table.numbers, touch, at[4], R, F, work[54:])
+    nearer_first(touch)
+    return power
+
+
+@compiled()
 def carry(table: Any, x: Any, q: Any, phase: Any, D: Any, work: Any) -> None:
     """Write how Poiseuille's flow of unit speed carries a swimmer in a tube, beyond what it is.
 
@@ -188,7 +219,7 @@ def carry(table: Any, x: Any, q: Any, phase: Any, D: Any, work: Any) -> None:
     values, line, z, touch = work[:18], work[28:34], work[34:54], work[-14:]
     near(table, x, q, phase, touch, work)
     features(line, touch[0], touch[7], table.tail, table.numbers, table.boundary[6], z)
-    between(table.known, table.carried, z, values, work[54:])
+    between(table.known[1], table.carried, z, values, work[54:])
     for i in range(6):  # D t', times t: the same for either sense of the line
         D[i] = 0.0
         for j in range(3):

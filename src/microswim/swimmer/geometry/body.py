@@ -63,6 +63,14 @@ class Body(ABC):
         return None
 
     @property
+    def corners(self) -> Array | None:
+        """Points (m, 3) about the centre whose hull, as far out as a radius, is the body, or None.
+
+        Of a box with rounded edges: `Box.fillet` is that radius.
+        """
+        return None
+
+    @property
     def exact(self) -> Body:
         """The same body with its exact isolated resistance."""
         return self

@@ -77,6 +77,10 @@ class Box(SolvedBody):
     def is_axisymmetric(self) -> bool:
         return False
 
+    @property
+    def corners(self) -> Array:
+        return self._flat * np.array(list(product((-1.0, 1.0), repeat=3)))
+
     def scaled(self, factor: float) -> Self:
         a, b, c = self.size
         edge = None if self.edge is None else self.edge * factor

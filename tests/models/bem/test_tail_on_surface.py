@@ -1,11 +1,13 @@
 """Tails that grow out of a body from a surface file, by boundary elements."""
 
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
 import pytest
 
 import microswim as ms
+from microswim.models.bem import gait as of_phases
 from microswim.models.bem.levels import get_level
 from microswim.models.bem.patches.mesh import swimmer_surface
 from microswim.models.bem.patches.triangles import for_a_tail
@@ -102,6 +104,21 @@ def test_a_thinned_lumpy_head_is_the_lumpy_head(tmp_path):
     R, F = misfits(solve(swimmer(body, tail), 0.7, level="coarse"), there)
     assert R < 1.5e-3
     assert F < 1.5e-3
+
+
+def test_levels_that_agree_do_not_make_a_thinned_head_exact(tmp_path, monkeypatch):
+    """Where the coarser level is the same one, heads from files alone keep their least error."""
+    monkeypatch.setattr(of_phases, "coarser", lambda name: name)
+    tail, level = ms.HelicalTail(**SHORT), replace(get_level("coarse"), phases=2)
+    ball = trimesh.creation.icosphere(2, radius=0.5)
+    for body, least in (
+        (from_file(tmp_path, ball), of_phases.OF_A_FILE),
+        (ms.Sphere(radius=0.5), 0.0),
+    ):
+        made = of_phases.gait(swimmer(body, tail), level=level, estimate_error=True)
+        told = made.info["error"]
+        assert told["velocities"] == pytest.approx(least, abs=2e-4)
+        assert told["relative_forward"] == pytest.approx(least, abs=2e-4)
 
 
 def test_long_triangles_are_as_good_as_even_ones(tmp_path):

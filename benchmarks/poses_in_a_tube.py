@@ -12,7 +12,7 @@ from dataclasses import replace
 import numpy as np
 
 import microswim as ms
-from microswim.calibration.poses import tube
+from microswim.calibration.poses import scattered, tube
 from microswim.calibration.poses.layout import shape_of
 from microswim.calibration.poses.solved import FEW, Table
 from microswim.gait.poses import in_tube as inside
@@ -61,7 +61,11 @@ def main(radius="1.5", count="600", others="30", folder=None):
             print(done, "of", of, file=sys.stderr, flush=True)
 
     poses = tube.in_tube(
-        swimmer, scatter=tube.Scatter(poses=int(count)), folder=folder, workers=0, progress=told
+        swimmer,
+        scatter=scattered.Scatter(poses=int(count)),
+        folder=folder,
+        workers=0,
+        progress=told,
     )
     print(f"radius {radius}, {count} poses; left out, level standard (95 %):")
     print("  ", {k: v if k == "how" else round(v, 4) for k, v in poses.expected_error.items()})

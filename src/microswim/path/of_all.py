@@ -78,7 +78,7 @@ class PhaseByPhase:
         return found
 
 
-class FromAfar:
+class OnAverage:
     """All swimmers seen from afar, averaged over their periods (``"far"``)."""
 
     def __init__(self, group: Group, level: str) -> None:
@@ -115,4 +115,4 @@ def _require(model: str, error: float) -> None:
 
 def model_of(group: Group, model: str, level: str) -> OfAll:
     """Return what answers for a group by a model."""
-    return FromAfar(group, level) if model == "far" else PhaseByPhase(group, model, level)
+    return OnAverage(group, level) if model == "far" else PhaseByPhase(group, model, level)

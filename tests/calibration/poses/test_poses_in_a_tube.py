@@ -12,7 +12,7 @@ import pytest
 import microswim as ms
 from microswim.calibration.poses import scattered, tube
 from microswim.calibration.poses.layout import shape_of
-from microswim.calibration.poses.tube import Scatter
+from microswim.calibration.poses.scattered import Scatter
 from microswim.errors import SpecError
 from microswim.gait.poses import in_tube, tube_contact
 from microswim.gait.poses.table import TUBE, WORK, PoseTable, carry, resist

@@ -176,7 +176,7 @@ def test_poses_of_a_waving_tail_that_were_not_used_are_met(tmp_path: Path) -> No
     """Few poses of a short swimmer: direct solves elsewhere, and a path that is never lost."""
     short = WAVE.with_({"tail.length": 0.8, "tail.waves": 1.0, "motion.free": "all"})
     short = replace(short, wall=ms.Wall(1.2))
-    few = any_shape.Scatter(poses=120, left_out=4)
+    few = scattered.Scatter(poses=120, left_out=4)
     poses = any_shape.beside_wall_of_any_shape(
         short, wall.start_of(short.wall), scatter=few, folder=tmp_path, workers=0
     )

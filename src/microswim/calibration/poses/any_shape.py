@@ -14,6 +14,7 @@ import numpy as np
 
 from microswim.calibration.poses import scattered
 from microswim.calibration.poses.layout import LINE, SIZE, body_length, meridian_of
+from microswim.calibration.poses.scattered import Scatter
 from microswim.calibration.poses.solved import (
     SolvedPoses,
     added_power,
@@ -37,27 +38,10 @@ from microswim.swimmer.swimmer import Swimmer
 
 #: Phases of the gait in free fluid and of the centreline; harmonics smaller than this are left out.
 FREE_PHASES, PHASES, SMALL = 12, 64, 1e-7
+#: Poses that are solved where nothing is said: one coordinate more than in a tube.
+POSES = 1200
 #: The furthest pose, as xi of its gap: some 20 half axes.
 FURTHEST = -0.2
-
-
-@dataclass(frozen=True)
-class Scatter:
-    """Numbers of poses.
-
-    Parameters
-    ----------
-    poses
-        That are solved, as far from one another as they can lie.
-    smallest
-        Smallest gap, in the body's smaller half axes.
-    left_out
-        Further ones, that measure the error.
-    """
-
-    poses: int = 1200
-    smallest: float = 0.02
-    left_out: int = 16
 
 
 @dataclass(frozen=True, eq=False)
@@ -167,7 +151,7 @@ def beside_wall_of_any_shape(
     MicroswimError
         If a pose cannot be solved.
     """
-    scatter = Scatter() if scatter is None else scatter
+    scatter = Scatter(poses=POSES) if scatter is None else scatter
     if not is_known(swimmer):
         raise SpecError(
             "wall: a path beside it is known for one helical tail or straight plane wave on the "

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from dataclasses import dataclass
+
 import numpy as np
 from numpy.typing import NDArray
 
@@ -11,6 +13,25 @@ from microswim.numerics.array import Array
 #: Poses from which the lengths of the covariance are found.
 ENOUGH = 240
 OF_L = 21  #: of a pose's targets are those of L
+
+
+@dataclass(frozen=True)
+class Scatter:
+    """Numbers of poses.
+
+    Parameters
+    ----------
+    poses
+        That are solved, as far from one another as they can lie.
+    smallest
+        Smallest gap, in the body's smaller half axes.
+    left_out
+        Further ones, that measure the error.
+    """
+
+    poses: int = 600
+    smallest: float = 0.02
+    left_out: int = 16
 
 
 def spread(Z: Array, count: int, others: Array | None = None) -> NDArray[np.int64]:

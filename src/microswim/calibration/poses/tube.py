@@ -4,12 +4,13 @@ from __future__ import annotations
 
 import os
 from collections.abc import Callable, Iterator
-from dataclasses import dataclass, replace
+from dataclasses import replace
 
 import numpy as np
 
 from microswim.calibration.poses import scattered
 from microswim.calibration.poses.layout import Shape, shape_of
+from microswim.calibration.poses.scattered import Scatter
 from microswim.calibration.poses.solved import (
     SolvedPoses,
     added_power,
@@ -40,25 +41,6 @@ AMONG, LOOK = 2, 2**14
 #: Share of the poses of which the tail is close to the tube; draws of these; their least gap over
 #: their own, at which it is close no more.
 CLOSE, FIRST_CLOSE, MOST_LOOKS, TOO_FAR = 0.25, 500_000, 100, 0.1
-
-
-@dataclass(frozen=True)
-class Scatter:
-    """Numbers of poses.
-
-    Parameters
-    ----------
-    poses
-        That are solved, as far from one another as they can lie.
-    smallest
-        Smallest gap, in the body's smaller half axes.
-    left_out
-        Further ones, that measure the error.
-    """
-
-    poses: int = 600
-    smallest: float = 0.02
-    left_out: int = 16
 
 
 def in_tube(

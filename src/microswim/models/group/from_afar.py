@@ -50,8 +50,6 @@ class FromAfar:
         Phase rate of the motor.
     size : float
         Largest distance of the surface from the centre.
-    is_round : bool
-        Whether it is the same from all sides of s.
     """
 
     motion: Array
@@ -62,7 +60,6 @@ class FromAfar:
     axis: Array
     rate: float
     size: float
-    is_round: bool
 
 
 def from_afar(swimmer: Swimmer, level: str = "standard") -> FromAfar:
@@ -82,7 +79,7 @@ def from_afar(swimmer: Swimmer, level: str = "standard") -> FromAfar:
         moved = screw(gait(swimmer, level=level))
         motion[:, 6] = twist_along(moved.displacement, moved.quaternion) / moved.period
     size = max(float(np.linalg.norm(one.points[0], axis=1).max()) for one in alone)
-    return FromAfar(motion, *others, axis=axis, rate=rate, size=size, is_round=is_round)
+    return FromAfar(motion, *others, axis=axis, rate=rate, size=size)
 
 
 def _seen(alone: Alone, swimmer: Swimmer) -> tuple[Array, ...]:

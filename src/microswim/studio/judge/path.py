@@ -13,8 +13,8 @@ from scipy.spatial.transform import Rotation
 
 from microswim import checks
 from microswim.calibration.poses.around import around
+from microswim.calibration.poses.scattered import Scatter
 from microswim.calibration.poses.solved import SolvedPoses
-from microswim.calibration.poses.tube import Scatter
 from microswim.calibration.poses.wall import Grid
 from microswim.errors import SpecError
 from microswim.gait.gait import DEGREES_OF_FREEDOM

@@ -57,6 +57,41 @@ def test_reversed_motors_take_the_swimmers_back():
     assert home.position[-1].values == pytest.approx(start, abs=2e-3 * away)
 
 
+def mirrored(pose, own, other):
+    """A left helix and a right one; poses: position, direction, roll, phase."""
+    tails = (HELIX.with_({"tail.frequency": own}),
+             HELIX.with_({"tail.handedness": "right", "tail.frequency": other}))  # fmt: skip
+    names = ("position", "direction", "roll", "phase")
+    return ms.Group(tuple(
+        ms.Member(swimmer=s, **dict(zip(names, p))) for s, p in zip(tails, pose)
+    ))  # fmt: skip
+
+
+def angle_and_distance(found):
+    axes = rotation_matrix(found.quaternion.values)[..., 0]
+    apart = found.position[:, 1].values - found.position[:, 0].values
+    return np.arccos(np.sum(axes[:, 0] * axes[:, 1], axis=-1)), np.linalg.norm(apart, axis=-1)
+
+
+@pytest.mark.parametrize("backwards", [True, False])
+def test_mirror_images_in_time_keep_their_angle_and_distance(backwards):
+    """Mirrored, with time reversed, the pair is itself: as far apart and as inclined before the
+    pose at which it is its own image as after it. With both motors forwards it is not.
+    """
+    image = [((0, 0, z), (1, 0.1, -0.25 * z), -z / 6, 0.4) for z in (-1.2, 1.2)]
+    other = -1.0 if backwards else 1.0
+    before = ms.group_path(mirrored(image, -1.0, -other), [0.0, 1.0], level="coarse")
+    begin = []
+    for x, q, phase in zip(*(before[n].values[-1] for n in ("position", "quaternion", "phase"))):
+        begin.append((tuple(x), *direction_and_roll(rotation_matrix(q)), float(phase)))
+    found = ms.group_path(mirrored(begin, 1.0, other), np.linspace(0, 2, 9), level="coarse")
+    angle, distance = angle_and_distance(found)
+    assert np.ptp(angle) > 0.02
+    assert np.ptp(distance) > 4e-3
+    off = max(np.abs(x - x[::-1]).max() for x in (angle, distance))
+    assert off < 1e-6 if backwards else off > 5e-3
+
+
 def test_two_balls_that_sink_side_by_side_keep_their_distance():
     """Their mirror image in time is themselves: they fall, faster than one, and turn alike."""
     ball = ms.Swimmer(body=ms.Sphere(radius=1.0), tail=ms.NoTail(), fluid=ms.Fluid(viscosity=1.0))

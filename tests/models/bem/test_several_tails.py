@@ -168,6 +168,49 @@ def test_far_apart_two_tails_feel_one_another_as_oseen_says():
     assert missing[1] == pytest.approx(0.5 * missing[0], rel=0.05)
 
 
+def test_two_tails_on_one_axis_approach_one_long_tail_as_their_gap_closes():
+    """In phase, behind one another: R about the middle and F tend to those of one tail."""
+    each = {"amplitude": 0.1, "radius": 0.05, "ramp": 0.0}
+
+    def about_middle(tail, middle):
+        found = solve(swimmer(tail, ms.NoBody()), level="coarse")
+        moved = np.eye(6)
+        moved[:3, 3:] = [[0, 0, 0], [0, 0, middle], [0, -middle, 0]]
+        return (moved.T @ found.resistance @ moved).diagonal(), found.propulsion[[0, 3]]
+
+    R, F = about_middle(ms.HelicalTail(**each, length=2.0, waves=2), 1.0)
+    off = []
+    for gap in (0.4, 0.2, 0.1):
+        row = [
+            ms.HelicalTail(**each, length=1.0, waves=1, position=(x, 0.0, 0.0))
+            for x in (0.0, 1.0 + gap)
+        ]
+        found, thrust = about_middle(row, 1.0 + 0.5 * gap)
+        off.append(np.abs(np.concatenate([(found / R - 1.0)[:4], thrust / F - 1.0])))
+    assert (off[0] > 1.2 * off[1]).all()
+    assert (off[1] > 1.3 * off[2]).all()
+    assert off[2].max() < 0.035
+
+
+def test_two_tails_side_by_side_drag_between_one_and_the_tube_about_both():
+    """What encloses a body drags more, whatever the rigid motion [Hill Power 1956]."""
+    tail = {"length": 1.0, "amplitude": 0.15, "waves": 1, "ramp": 0.2}
+
+    def R(*places, radius=0.04):
+        each = [ms.HelicalTail(**tail, radius=radius, position=(0.0, y, 0.0)) for y in places]
+        found = swimmer(each if len(each) > 1 else each[0], ms.NoBody())
+        return solve(found, 0.3, level="coarse").resistance
+
+    one, tube, before = R(0.0), R(0.0, radius=0.1), np.inf
+    root = np.sqrt(tube.diagonal())
+    for d in (0.16, 0.12):
+        both, around = R(d / 2, -d / 2), R(0.0, radius=0.04 + d / 2)
+        for more, less in ((both, one), (around, both)):
+            assert np.linalg.eigvalsh((more - less) / np.outer(root, root)).min() > 0.01
+        assert (both.diagonal() < before).all()
+        before = both.diagonal()
+
+
 def test_motors_add_up_whatever_way_they_turn():
     """The same shape with motors at (1, 0), (0, 1) and (1, -1): F is linear in the rates."""
 

@@ -94,6 +94,27 @@ def test_tails_add_up_and_two_at_one_place_drag_twice():
     assert np.allclose(alone[3].propulsion(0.3), sum(g.propulsion(0.3) for g in alone[:2]))
 
 
+def test_equal_tails_behind_one_another_in_phase_are_one_long_tail():
+    """On one axis, a whole number of waves apart: to rounding."""
+    each = WAVE | {"ramp": 0.0}
+    row = [ms.HelicalTail(**each, position=(2.0 * k, 0.0, 0.0)) for k in range(3)]
+    long = ms.HelicalTail(**each | {"length": 6.0, "waves": 9})
+    alike(swimmer(row, ms.NoBody()).gait(), swimmer(long, ms.NoBody()).gait(), 1e-10)
+
+
+@pytest.mark.parametrize("kind", KINDS)
+def test_many_equal_tails_in_phase_approach_one_without_a_body(kind):
+    """They swim as one does whose body weighs 1/n: what is missing halves as they double."""
+    limit = swimmer(kind(**WAVE), ms.NoBody()).gait().mean_velocity
+    missing = []
+    for count in (25, 50, 100):
+        found = swimmer([kind(**WAVE)] * count, ms.Sphere(radius=0.05)).gait().mean_velocity
+        missing.append(np.abs(found - limit).max() / np.abs(limit).max())
+    assert missing[0] / missing[1] == pytest.approx(2.0, rel=0.1)
+    assert missing[1] / missing[2] == pytest.approx(2.0, rel=0.05)
+    assert missing[2] < 0.05
+
+
 def around(count, hand="left", tilt=0.4):
     """Helices alike but for a turn about s, which a helix's own phase takes part in."""
     sign = 1.0 if hand == "left" else -1.0

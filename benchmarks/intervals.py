@@ -10,7 +10,10 @@ a helix from its path alone; ``off``, a planar beat whose model is off by its st
 than the fit's, whose stated error is the difference of the two over 200 other designs. Of tracks
 made by boundary elements, the model's own stated error in the intervals: ``wave-bem``,
 ``helix-bem``, ``path-bem``, fitted by the atlas, and ``calibrated``, a planar beat fitted by a
-surrogate that is calibrated at one design.
+surrogate that is calibrated at one design; ``flagellum``, a sperm of random head, wave and bend
+that circles, fitted by a law of drag drawn at random. Of planar beats whose tail and body are made
+of beads (`beaded`): ``beads``, fitted by a surrogate that is calibrated at one design of them, and
+``beads-law``, by a law whose stated error is the difference of the two over 60 other designs.
 
 Where several designs are listed the one that a value is asked of is chosen by the *other* values:
 that whose other values lie nearest to the truth. Choosing by the value itself would be kind. Column
@@ -28,6 +31,8 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
+from accuracy_flagella import design as flagellum
+from beaded import beaded
 from scipy.stats import beta, norm
 
 import microswim as ms
@@ -53,8 +58,11 @@ COLUMNS: tuple[str, ...] = (
 )
 
 
-def drawn(rng: np.random.Generator, kind: str) -> dict[str, float]:
-    """Return a design out of the range of cells and robots."""
+def drawn(rng: np.random.Generator, kind: str, seed: int = 0) -> dict[str, float]:
+    """Return a design out of the range of cells and robots; a flagellum is that of its seed."""
+    if kind == "flagellum":
+        own = flagellum(np.random.default_rng(seed)).numbers
+        return {name: own[name] for name in (*NAMES, "tail.mean_curvature")}
     values = {
         "tail.amplitude": float(np.exp(rng.uniform(np.log(0.05), np.log(0.25)))),
         "tail.waves": float(rng.uniform(1.0, 4.0)),
@@ -66,33 +74,46 @@ def drawn(rng: np.random.Generator, kind: str) -> dict[str, float]:
 
 
 @cache
-def known_of(kind: str) -> ms.Swimmer:
-    """Return the swimmer as far as it is known."""
+def known_of(kind: str, seed: int = 0) -> ms.Swimmer:
+    """Return the swimmer as far as it is known; of a flagellum its head and a usual wave."""
+    if kind == "flagellum":
+        usual = {"tail.amplitude": 1.1 / (2.0 * np.pi * 1.1), "tail.waves": 1.1}
+        rng = np.random.default_rng([seed, *b"law"])
+        law = (ms.Lighthill(), ms.GrayHancock(), ms.Cox())[int(rng.integers(3))]
+        return replace(flagellum(np.random.default_rng(seed)), coefficients=law).with_(
+            usual | {"tail.mean_curvature": 0.0}
+        )
     helical = kind.startswith(("helix", "path"))
     known = ms.Swimmer.preset("tabak/helix" if helical else "tabak/plane_wave")
     if kind == "curved":
         return known.with_({"tail.mean_curvature": 0.0})
     if kind == "calibrated":
         return ms.calibrate(known, known.gait("bem", level="standard")).swimmer
+    if kind == "beads":
+        return ms.calibrate(known, replace(beaded(known), model="bem")).swimmer
     return replace(known, coefficients=Unchosen()) if kind in ELEMENTS else known
 
 
 def made_by(kind: str, swimmer: ms.Swimmer) -> ms.Gait:
-    """Return the gait that makes the track: of the fit's own law, another law, or elements."""
+    """Return the gait that makes the track: of the fit's own law, another law, elements, beads."""
+    if kind.startswith("beads"):
+        return beaded(swimmer)
+    if kind == "flagellum":
+        return swimmer.gait("bem", level="coarse")
     if kind in (*ELEMENTS, "calibrated"):
         return swimmer.gait("bem", level="standard")
     return (replace(swimmer, coefficients=ms.Cox()) if kind == "law" else swimmer).gait("rft")
 
 
 @cache
-def off_by() -> np.ndarray:
-    """Return how far the law of the tracks is off that of the fit: in 19 of 20 designs."""
+def off_by(kind: str = "law", count: int = 200) -> np.ndarray:
+    """Return how far what makes the tracks is off the fit's law: in 19 of 20 designs."""
     rng, rows = np.random.default_rng(2300), []
-    known = known_of("law")
-    while len(rows) < 200:
+    known = known_of(kind)
+    while len(rows) < count:
         try:
-            one = known.with_(drawn(rng, "law"))
-            fitted, made = one.gait("rft"), made_by("law", one)
+            one = known.with_(drawn(rng, kind))
+            fitted, made = one.gait("rft"), made_by(kind, one)
         except ms.MicroswimError:
             continue
         sizes = [np.r_[g.mean_velocity[0], g.velocity_amplitude[[1, 5]]] for g in (fitted, made)]
@@ -111,10 +132,10 @@ def turned(rng: np.random.Generator, n: int, size: float) -> np.ndarray:
 def planted(kind: str, seed: int) -> tuple[ms.Swimmer, ms.Track, dict[str, float]]:
     """Return what is known of a swimmer, its track, and the truth."""
     rng = np.random.default_rng([seed, *kind.encode()])
-    known = known_of(kind)
+    known = known_of(kind, seed if kind == "flagellum" else 0)
     spatial = known.tail.is_rigid
     while True:
-        values = drawn(rng, kind)
+        values = drawn(rng, kind, seed)
         try:
             swimmer = known.with_(values)
             gait = made_by(kind, swimmer)
@@ -199,7 +220,8 @@ ELEMENTS = ("wave-bem", "helix-bem", "path-bem")
 #: Stated errors of the models that are off: as planted, as counted, or the model's own.
 STATED: dict[str, Any] = {
     "off": lambda own: OFF, "law": lambda own: off_by(),
-    **dict.fromkeys((*ELEMENTS, "calibrated"), honesty.model_errors),
+    "beads-law": lambda own: off_by("beads-law", 60),
+    **dict.fromkeys((*ELEMENTS, "calibrated", "beads", "flagellum"), honesty.model_errors),
 }  # fmt: skip
 
 
@@ -277,7 +299,7 @@ def once(function: Any) -> Any:
 
     def called(swimmer: ms.Swimmer, grid: dict[str, np.ndarray], **options: Any) -> Any:
         sizes = [v.size for v in grid.values()]
-        law = repr((swimmer.coefficients, swimmer.interaction))
+        law = repr((swimmer.coefficients, swimmer.interaction, swimmer.body, swimmer.numbers))
         key = (swimmer.tail.kind, law, "tail.mean_curvature" in swimmer.numbers, *grid, *sizes)
         if max(sizes) < 50:
             return function(swimmer, grid, **options)

@@ -11,7 +11,10 @@ from click.testing import CliRunner
 import microswim as ms
 from microswim.calibration.unknowns import resolve
 from microswim.cli import main
-from microswim.studies.identification.fitting.first_guesses import seen_in
+from microswim.studies.identification.fitting.branches import branch_of
+from microswim.studies.identification.fitting.descent import least
+from microswim.studies.identification.fitting.first_guesses import initial_poses, seen_in
+from microswim.studies.identification.fitting.fit import asked
 from microswim.studies.identification.fitting.problem import PathProblem, quick_gait
 from microswim.studies.identification.paths import path_of
 
@@ -117,16 +120,66 @@ def test_what_a_circling_track_shows_guides_the_first_guesses():
 
 @pytest.mark.slow
 def test_a_circling_sperm_has_its_curvature_found_and_nothing_is_left_over(tmp_path):
-    """250 frames a second, 50 nm of noise; as a symmetric beat it left 23 times the noise."""
-    spec = tmp_path / "bull.toml"
-    spec.write_text(BULL)
-    swimmer = ms.Swimmer.from_toml(spec)
+    """250 frames a second, 50 nm of noise; as a symmetric beat it left 23 times the noise. The law
+    of the spec has made it, so the intervals are those of noise alone.
+    """
+    swimmer = bull(tmp_path)
     track = next(iter(ms.read_tracks(FILM).values()))
     straight = ms.identify_swimmer(swimmer, track)
     assert "mean curvature" in straight.withheld
     assert np.isinf(straight.interval()).all()
-    bent = ms.identify_swimmer(swimmer, track, tuple(TRUE))
+    bent = ms.identify_swimmer(swimmer, track, tuple(TRUE), model_error=False)
     assert bent.withheld == ""
     assert bent.residual == pytest.approx(50e-9, rel=0.05)
     low, high = bent.interval().T
     assert np.all((high - low)[1:] < 0.02 * np.abs(bent.values)[1:])
+
+
+def bull(tmp_path, unit=1e-6):
+    """Return the swimmer of a spec in micrometres, or bare numbers in micrometres over a unit."""
+    text = BULL
+    if unit != 1e-6:
+        text = re.sub(r'"([\d.]+) um"', lambda m: str(float(m[1]) * unit), BULL)
+        text = text.replace('"0.7 mPa s"', "1.0").replace('"31 Hz"', "31.0")
+    spec = tmp_path / "bull.toml"
+    spec.write_text(text)
+    return ms.Swimmer.from_toml(spec)
+
+
+def circled(swimmer, made_by, um=1e-6):
+    """Return what a swimmer's track is of, and 150 frames of it with 50 nm of noise."""
+    truth = dict(zip(TRUE, (10.5 * um, 0.79, 31.0, 0.01 / um)))
+    known, _ = asked(swimmer, truth)
+    t = np.arange(150) / 250.0
+    x, _ = path_of(known, made_by(known.with_(truth)), t, 0.3)
+    noise = 0.05 * um * np.random.default_rng(0).normal(size=(t.size, 2))
+    return known, ms.Track(time=t, position=x[:, :2] + noise), truth
+
+
+@pytest.mark.slow
+def test_a_sperm_by_boundary_elements_lies_in_the_intervals_of_a_law(tmp_path):
+    """Cox's law says a seventh less of the curvature: noise alone would leave a third of a per
+    cent.
+    """
+    known, track, truth = circled(bull(tmp_path), lambda one: one.gait("bem", level="coarse"))
+    found = ms.identify_swimmer(known, track, tuple(truth))
+    low, high = found.interval().T
+    wanted = np.array(list(truth.values()))
+    assert np.all((low < wanted) & (wanted < high)), found.interval()
+    assert np.abs(found.values / wanted - 1.0).max() > 0.1
+    assert low.min() > 0.0
+
+
+def test_the_error_of_the_model_widens_alike_in_all_units(tmp_path):
+    """A micrometre's amplitude beside a curvature of ten thousand per metre, or all near one."""
+    wide = []
+    for um in (1e-6, 0.1):
+        known, track, truth = circled(bull(tmp_path, um), lambda one: one.gait("rft"), um)
+        chosen = resolve(known, tuple(truth))
+        problem = PathProblem(known, track, chosen, 0.02, 0.05 * um)
+        done = least(problem, initial_poses(problem, np.array(list(truth.values())))[0])
+        errors = np.array([0.2, 0.1, 0.0, 0.0, 0.0, 0.1])
+        wide.append(branch_of(problem, done, 1.0, 0.0, errors, tried=False).uncertainty)
+        wide[-1] = wide[-1] / np.array(list(truth.values()))
+    np.testing.assert_allclose(wide[0], wide[1], rtol=1e-3)
+    assert wide[0][3] > 0.05  # of the curvature, as the rate of turning is off

@@ -15,6 +15,7 @@ from scipy.stats import t as student
 
 from microswim.calibration.identifiability import Direction, determined
 from microswim.numerics.array import read_only
+from microswim.studies.identification.fitting.descent import lowest
 from microswim.studies.identification.fitting.first_guesses import Grid
 from microswim.studies.identification.fitting.honesty import covariance_of_model
 from microswim.studies.identification.fitting.problem import PathProblem
@@ -125,6 +126,8 @@ def branch_of(
             i = problem.names.index(name)
             out = np.abs(np.array(ends) - values[i]) / max(half[i], 1e-300)
             stretch[i] = np.maximum(stretch[i], out)
+        room = values - lowest(problem)  # below that no value is tried: what is positive stays so
+        stretch[:, 0] = np.minimum(stretch[:, 0], room / np.maximum(half, 1e-300))
     return Branch(
         values=values,
         covariance=covariance * np.outer(typical, typical),

@@ -9,7 +9,11 @@ import numpy as np
 from scipy.optimize import least_squares
 
 from microswim.errors import MicroswimError
-from microswim.studies.identification.fitting.first_guesses import WAVES
+from microswim.studies.identification.fitting.first_guesses import (
+    WAVES,
+    curvature_guess,
+    initial_poses,
+)
 from microswim.studies.identification.fitting.problem import CURVATURE, FREQUENCY, PathProblem
 
 LEAST = 1e-3  #: of the spec's own value, where what is unknown is a positive number
@@ -96,3 +100,33 @@ def _pinned(problem: PathProblem, i: int, value: float, exactly: float) -> Any:
         return np.vstack([problem.jacobian(z), row])
 
     return residuals, jacobian
+
+
+def fit(
+    problem: PathProblem, guess: dict[str, float], motor: bool = False, phases: int = 2
+) -> list[Any]:
+    """Return the least squares from a guess, with a few initial phases; empty if none works.
+
+    `motor`: the guess holds the motor's frequency, not that of the wobble.
+    """
+    own = problem.swimmer.numbers
+    first = np.array([guess.get(u.name, u.value(own)) for u in problem.unknowns], dtype=float)
+    if problem.wobbles and motor:
+        i = problem.names.index(FREQUENCY)
+        first[i] *= problem.wobble_ratio(first)
+    if CURVATURE in problem.names and CURVATURE not in guess:
+        first[problem.names.index(CURVATURE)] = curvature_guess(problem, first)
+    low, best = lowest(problem), []
+    try:
+        poses = initial_poses(problem, np.maximum(first, 1.01 * low), count=phases)
+    except (MicroswimError, np.linalg.LinAlgError, ValueError):  # a design that no law knows
+        return []
+    for z in poses:
+        best.append(least(problem, z))
+    best = [done for done in best if done is not None]
+    return [min(best, key=cost)] if best else []
+
+
+def cost(done: Any) -> float:
+    """Return the cost of what least squares found."""
+    return float(done.cost)

@@ -155,7 +155,7 @@ class Designs:
     def like(self, frequency: float, speed: float, wobble: float, count: int) -> list[Any]:
         """Return designs of a speed and wobble, minima of the misfit over the grid, best first."""
         misfit = _misfit(*self._seen(frequency), speed, wobble)
-        cells = _minima(misfit.reshape(self.grid.amplitude.size, self.grid.waves.size))
+        cells = minima(misfit.reshape(self.grid.amplitude.size, self.grid.waves.size))
         return [self.design(i, j) | {FREQUENCY: frequency} for i, j in cells[:count]]
 
     def beside(self, found: dict[str, float]) -> list[Any]:
@@ -268,8 +268,8 @@ def _misfit(speeds: np.ndarray, sizes: np.ndarray, speed: float, wobble: float) 
     return np.where(np.isfinite(misfit), misfit, np.inf)
 
 
-def _minima(misfit: np.ndarray) -> list[tuple[int, int]]:
-    """Cells of a map that lie below their neighbours, the lowest first."""
+def minima(misfit: np.ndarray) -> list[tuple[int, int]]:
+    """Return the cells of a map that lie below their neighbours, the lowest first."""
     padded = np.pad(misfit, 1, constant_values=np.inf)
     shifts = [(i, j) for i in (-1, 0, 1) for j in (-1, 0, 1) if (i, j) != (0, 0)]
     rows, columns = misfit.shape

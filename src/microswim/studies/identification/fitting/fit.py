@@ -19,15 +19,13 @@ from microswim.calibration.unknowns import resolve
 from microswim.errors import MicroswimError
 from microswim.numerics.compiling.compiled import settled
 from microswim.studies.identification.films.track import Track
-from microswim.studies.identification.fitting.descent import apart, least, lowest
+from microswim.studies.identification.fitting.descent import apart, cost, fit, least
 from microswim.studies.identification.fitting.first_guesses import (
     AMPLITUDE,
     WAVES,
     Designs,
     Grid,
-    curvature_guess,
     first_guesses,
-    initial_poses,
 )
 from microswim.studies.identification.fitting.honesty import check_shown, left_over
 from microswim.studies.identification.fitting.outcome import outcome
@@ -168,7 +166,7 @@ def identified(
     fits = _followed(problem, designs, start, starts, progress)
     if not fits:
         raise MicroswimError("no first guess led to a path like the track; give start values")
-    fits.sort(key=_cost)
+    fits.sort(key=cost)
     if problem.weighs:
         problem, fits = weighed_anew(problem, fits, sigma, sigma_attitude, model_error)
     return outcome(problem, fits, model_error, grid)
@@ -186,18 +184,18 @@ def _followed(
         fits += fit(problem, guess)
         if progress is not None:
             progress(i + 1, len(guesses))
-        if fits and not left_over(problem, min(fits, key=_cost).fun):
+        if fits and not left_over(problem, min(fits, key=cost).fun):
             break
     if designs is None or not fits:
         return fits
     n = len(problem.unknowns)
     for _ in range(ROUNDS):
-        best = min(fits, key=_cost)
+        best = min(fits, key=cost)
         found = dict(zip(problem.names, map(float, best.x[:n])))
         found.setdefault(FREQUENCY, problem.swimmer.tail.frequency)
         for guess in designs.beside(found):
             fits += fit(problem, guess, phases=1)
-        if _alike(best, min(fits, key=_cost)):
+        if _alike(best, min(fits, key=cost)):
             break
     return fits
 
@@ -205,10 +203,6 @@ def _followed(
 def _alike(one: Any, better: Any) -> bool:
     """Whether a fit that is better is so by chance: what the first was like, it is like."""
     return one.cost - better.cost < better.cost / better.fun.size
-
-
-def _cost(done: Any) -> float:
-    return float(done.cost)
 
 
 def weighed_anew(
@@ -230,29 +224,4 @@ def weighed_anew(
     known = replace(problem, sigma=noise, sigma_attitude=turn)
     near = [done for done in fits if done.cost < FAR * fits[0].cost]
     again = [least(known, done.x) for done in (apart(known, fits) if model_error else near)]
-    return known, sorted((done for done in again if done), key=_cost)
-
-
-def fit(
-    problem: PathProblem, guess: dict[str, float], motor: bool = False, phases: int = 2
-) -> list[Any]:
-    """Return the least squares from a guess, with a few initial phases; empty if none works.
-
-    `motor`: the guess holds the motor's frequency, not that of the wobble.
-    """
-    own = problem.swimmer.numbers
-    first = np.array([guess.get(u.name, u.value(own)) for u in problem.unknowns], dtype=float)
-    if problem.wobbles and motor:
-        i = problem.names.index(FREQUENCY)
-        first[i] *= problem.wobble_ratio(first)
-    if CURVATURE in problem.names and CURVATURE not in guess:
-        first[problem.names.index(CURVATURE)] = curvature_guess(problem, first)
-    low, best = lowest(problem), []
-    try:
-        poses = initial_poses(problem, np.maximum(first, 1.01 * low), count=phases)
-    except (MicroswimError, np.linalg.LinAlgError, ValueError):  # a design that no law knows
-        return []
-    for z in poses:
-        best.append(least(problem, z))
-    best = [done for done in best if done is not None]
-    return [min(best, key=_cost)] if best else []
+    return known, sorted((done for done in again if done), key=cost)

@@ -135,7 +135,9 @@ def covariance_of_model(
     ``-own^+ d``, pose and phase projected out.
     """
     d = moved_by_model(problem, z, spread, errors)
-    moved = np.linalg.lstsq(own, d - nuisance @ (nuisance.T @ d), rcond=1e-6)[0]
+    size = np.maximum(np.linalg.norm(own, axis=0), 1e-300)  # in metres some slopes are 1e9 others
+    moved = np.linalg.lstsq(own / size, d - nuisance @ (nuisance.T @ d), rcond=1e-6)[0]
+    moved = moved / size[:, None]
     return moved @ moved.T
 
 

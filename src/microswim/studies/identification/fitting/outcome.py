@@ -14,6 +14,7 @@ from typing import Any
 import numpy as np
 
 from microswim.calibration.calibrate import lift
+from microswim.errors import MicroswimError
 from microswim.studies.identification.fitting.branches import (
     AS_WELL,
     Branch,
@@ -21,12 +22,15 @@ from microswim.studies.identification.fitting.branches import (
     holds,
     ranked,
 )
-from microswim.studies.identification.fitting.descent import apart
+from microswim.studies.identification.fitting.descent import apart, cost, fit
 from microswim.studies.identification.fitting.first_guesses import Grid
 from microswim.studies.identification.fitting.honesty import left_over, model_errors, unexplained
-from microswim.studies.identification.fitting.problem import PathProblem
+from microswim.studies.identification.fitting.problem import CURVATURE, PathProblem
+from microswim.studies.identification.fitting.within_errors import starts
 from microswim.studies.identification.result import Identification, remarks
 from microswim.swimmer.swimmer import Swimmer
+
+WAY_BACK = (0.0, 0.25, 0.5, 0.75, 1.0)  #: shares of the way from a fit to the spec
 
 
 def _swimmer_of(problem: PathProblem, values: np.ndarray) -> Swimmer:
@@ -34,10 +38,26 @@ def _swimmer_of(problem: PathProblem, values: np.ndarray) -> Swimmer:
 
 
 def _errors(problem: PathProblem, done: Any) -> np.ndarray | None:
-    """Relative errors to expect of the model at the design of a fit."""
+    """Relative errors to expect of the model at the design of a fit, or where nobody measured them
+    there, at the first on the way to the spec's own: what is off may have led beyond what is known.
+    """
+    values = problem.physical(done.x)
+    spec = np.array([u.value(problem.swimmer.numbers) for u in problem.unknowns])
+    back = np.where([name == CURVATURE for name in problem.names], 0.0, spec - values)
+    for share in WAY_BACK:
+        found = _errors_at(problem, values + share * back)
+        if found is not None:
+            return found
+    return None
+
+
+def _errors_at(problem: PathProblem, values: np.ndarray) -> np.ndarray | None:
     with warnings.catch_warnings():
         warnings.simplefilter("ignore")  # of laws beyond their range: that is in the errors
-        return model_errors(_swimmer_of(problem, problem.physical(done.x)).gait("auto"))
+        try:
+            return model_errors(_swimmer_of(problem, values).gait("auto"))
+        except MicroswimError:
+            return None
 
 
 def _about_model(problem: PathProblem, branch: Branch) -> tuple[str, ...]:
@@ -69,7 +89,7 @@ def _compared(
     problem: PathProblem, fits: list[Any], spread: float, model_error: bool
 ) -> list[_Compared]:
     """Fits, the one that explains the track best first; the model's error allowed for."""
-    found = []
+    found: list[_Compared] = []
     for done in apart(problem, fits) if model_error else fits:
         errors = _errors(problem, done) if model_error else None
         found.append(_Compared(done, errors, *unexplained(problem, done, spread, errors)))
@@ -97,6 +117,11 @@ def outcome(
     degrees = best.fun.size - best.x.size
     spread = np.sqrt(2.0 * best.cost / max(degrees, 1)) if problem.sigma is None else 1.0
     spread = max(float(spread), 1e-300)
+    errors = _errors(problem, best) if model_error else None
+    if errors is not None:
+        guesses = starts(problem, grid, best, spread, errors)
+        more = [done for guess in guesses for done in fit(problem, guess, phases=1)]
+        fits = sorted([*fits, *more], key=cost)
     compared = _compared(problem, fits, spread, model_error)
     withheld = left_over(problem, compared[0].residuals)
     branches = (branch_of(problem, best, spread, 0.0, None, tried=False),)

@@ -27,7 +27,13 @@ from scipy.stats import norm
 
 from microswim.errors import MicroswimError
 from microswim.gait.gait import Gait
-from microswim.studies.identification.fitting.first_guesses import AMPLITUDE, WAVES, Grid, shown
+from microswim.studies.identification.fitting.first_guesses import (
+    AMPLITUDE,
+    WAVES,
+    Grid,
+    minima,
+    shown,
+)
 from microswim.studies.identification.fitting.honesty import model_errors
 from microswim.studies.identification.fitting.problem import PathProblem
 from microswim.swimmer.fields import lifted
@@ -40,6 +46,8 @@ COARSER = (4, 5)  #: steps of the grid between designs whose errors are asked fo
 ALL = 1.22  #: times the error within which one lies in 19 of 20: so all three of them do
 LEAST = 0.05  #: share of a velocity of the model that is left of it at the least
 LATER = (1, 5)  #: uq and or, whose phases may be off too
+AS_WELL = 9.0  #: chi-squared that a design may lie behind the best and be looked at
+MOST = 24  #: designs that are looked at
 LOOSE = 2.0  #: deviation of the logarithms and phases that are looked for
 PHASES = 32
 
@@ -62,15 +70,10 @@ def reach(
     errors
         Relative errors to expect of the six velocities there.
     """
-    if grid is None or not problem.planar or not {AMPLITUDE, WAVES} <= set(problem.names):
+    if grid is None or not _both(problem):
         return {}
-    here = [float(done.x[problem.names.index(name)]) for name in (AMPLITUDE, WAVES)]
-    b, n, velocities, off = finely(grid)
-    seen, precision = _seen(problem, done, spread)
-    own = shown(grid.swimmer, {AMPLITUDE: np.array(here[:1]), WAVES: np.array(here[1:])})
-    wanted = np.log(np.abs([own[4][0], own[1][0], own[2][0]])) + seen
-    miss = velocities - wanted[:, None, None]
-    behind = _behind(miss, _deviations(miss, off), precision)
+    b, n, behind = _over(problem, grid, done, spread, errors)
+    here = _shape_of(problem, done)
     alike = behind <= T**2
     i, j = int(np.argmin(np.abs(np.log(b / here[0])))), int(np.argmin(np.abs(n - here[1])))
     alike[i, j] = True
@@ -78,7 +81,48 @@ def reach(
         islands: Any = label(alike, structure=np.ones((3, 3)))
         alike = islands[0] == islands[0][i, j]
     rows, columns = np.nonzero(alike)
+    if rows.size == 1:  # that of the fit alone, and its own curvature knows better than a cell
+        return {}
     return {AMPLITUDE: _ends(b, rows), WAVES: _ends(n, columns)}
+
+
+def starts(
+    problem: PathProblem, grid: Grid | None, done: Any, spread: float, errors: np.ndarray
+) -> list[Any]:
+    """Return the designs that the errors of the model leave, the likeliest first: a fit starts at
+    each lowest place of chi-squared, however far from the one that fits.
+    """
+    if grid is None or not _both(problem):
+        return []
+    b, n, behind = _over(problem, grid, done, spread, errors)
+    cells = [c for c in minima(behind) if behind[c] <= AS_WELL][:MOST]
+    own = {name: float(done.x[i]) for i, name in enumerate(problem.names)}
+    return [own | {AMPLITUDE: float(b[i]), WAVES: float(n[j])} for i, j in cells]
+
+
+def _both(problem: PathProblem) -> bool:
+    """Whether it is a planar beat in the image whose amplitude and waves are looked for."""
+    return problem.planar and {AMPLITUDE, WAVES} <= set(problem.names)
+
+
+def _shape_of(problem: PathProblem, done: Any) -> list[float]:
+    return [float(done.x[problem.names.index(name)]) for name in (AMPLITUDE, WAVES)]
+
+
+def _over(
+    problem: PathProblem, grid: Grid, done: Any, spread: float, errors: np.ndarray
+) -> tuple[np.ndarray, ...]:
+    """Amplitudes, waves and chi-squared behind the best over the grid, finely; the errors are those
+    at the fit where nobody knows them at the grid's designs, as of beats without their bend.
+    """
+    b, n, velocities, off = finely(grid)
+    off = np.where(np.isfinite(off), off, errors[list(SHOWN), None, None])
+    seen, precision = _seen(problem, done, spread)
+    here = _shape_of(problem, done)
+    own = shown(grid.swimmer, {AMPLITUDE: np.array(here[:1]), WAVES: np.array(here[1:])})
+    wanted = np.log(np.abs([own[4][0], own[1][0], own[2][0]])) + seen
+    miss = velocities - wanted[:, None, None]
+    return b, n, _behind(miss, _deviations(miss, off), precision)
 
 
 def _deviations(miss: np.ndarray, off: np.ndarray) -> np.ndarray:
@@ -152,7 +196,9 @@ def finely(grid: Grid) -> tuple[np.ndarray, ...]:
     own[~np.isfinite(own)] = np.nan
     rows, columns = (np.unique([*range(0, v.size, k), v.size - 1]) for v, k in zip((x, n), COARSER))
     off = np.array([[_expected(grid, float(x[i]), float(n[j])) for j in columns] for i in rows])
-    off = np.where(np.isfinite(off), off, np.nanmax(off, axis=(0, 1), initial=0.0))
+    most = np.max(off, axis=(0, 1), initial=0.0, where=np.isfinite(off))
+    if np.isfinite(off).any():
+        off = np.where(np.isfinite(off), off, most)
     fine = [np.interp(np.arange(FINER * (v.size - 1) + 1) / FINER, np.arange(v.size), v)
             for v in (x, n)]  # fmt: skip
     places = np.stack(np.meshgrid(*fine, indexing="ij"), axis=-1)

@@ -9,15 +9,15 @@ V, BEAT, AMPLITUDE, NOISE = 20.0, 12.0, 0.5, 0.03
 LIKE = "seen along its axis"
 
 
-def track(rate, drift=0.0, amplitude=AMPLITUDE, fps=100.0, duration=10.0, seed=0):
+def track(rate, drift=0.0, amplitude=AMPLITUDE, fps=100.0, duration=10.0, seed=0, noise=NOISE):
     """Return a cell on an exact circle whose centre drifts along x, and that beats across its
     heading.
     """
     t = np.arange(int(duration * fps)) / fps
     z = V / (1j * rate) * np.exp(1j * rate * t) + drift * t
     z = z + 1j * np.exp(1j * rate * t) * amplitude * np.sin(2 * np.pi * BEAT * t)
-    noise = NOISE * np.random.default_rng(seed).normal(size=(t.size, 2))
-    return ms.Track(time=t, position=np.stack([z.real, z.imag], -1) + noise)
+    off = noise * np.random.default_rng(seed).normal(size=(t.size, 2))
+    return ms.Track(time=t, position=np.stack([z.real, z.imag], -1) + off)
 
 
 def held(found, name, truth, most):
@@ -38,6 +38,22 @@ def test_a_path_that_winds_keeps_its_speed_and_its_turning(rate):
     assert found.numbers["wobble_frequency"].value == pytest.approx(BEAT, rel=1e-3)
     assert found.numbers["wobble_amplitude"].value == pytest.approx(AMPLITUDE, rel=0.02)
     assert sum(LIKE in note for note in found.notes) == 1
+
+
+@pytest.mark.parametrize("rate", [1.4, -3.3])
+def test_a_beat_much_faster_than_the_cell_is_no_circle_that_it_runs(rate):
+    """Turning splits the line of a beat in two circles; each may be taken for the path."""
+    found = ms.describe_track(track(rate, amplitude=2.5))
+    assert 2 * np.pi * BEAT * 2.5 > 9 * V
+    held(found, "speed", V, 0.1)
+    held(found, "turning_rate", rate, 0.05)
+    assert found.numbers["wobble_frequency"].value == pytest.approx(BEAT, rel=1e-3)
+    assert found.numbers["wobble_amplitude"].value == pytest.approx(2.5, rel=0.02)
+
+
+def test_a_slow_turn_cuts_no_corner():
+    """A third of a radian in five averages: parabolas alone say 1.6 % too little."""
+    held(ms.describe_track(track(1.4 * BEAT / 8.2, noise=0.005)), "speed", V, 0.01)
 
 
 @pytest.mark.parametrize("drift", [3.0, 15.0, 30.0])

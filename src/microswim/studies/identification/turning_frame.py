@@ -1,9 +1,9 @@
 """Local fits of a path that winds: parabolas in a frame that turns along.
 
-Where a path turns by more than a radian within five averages a parabola cuts its loops. In a plane,
-with positions as complex numbers, ``a + b t + (c + d t) exp(i w t)`` is a circle whose rate and
-radius shift slowly around a centre that moves. What averaging over a beat takes off a circle is put
-back.
+Where a path turns by more than a fifth of a radian within five averages a parabola cuts its loops.
+In a plane, with positions as complex numbers, ``a + b t + (c + d t) exp(i w t)`` is a circle whose
+rate and radius shift slowly around a centre that moves. What averaging over a beat takes off a
+circle is put back.
 """
 
 from __future__ import annotations
@@ -14,7 +14,7 @@ import numpy as np
 
 FINER = 8  #: rates per natural one, ``2 pi / duration``
 FASTEST = 0.9 * np.pi  #: rad from one average to the next, beyond which nobody knows the side
-LEAST = 1.0  #: rad within five averages, below which a parabola does
+LEAST = 0.2  #: rad within five averages, below which a parabola does: to .15 % of the speed
 
 
 def rate_of_winding(step: float, mean: np.ndarray, least: float = LEAST) -> float:

@@ -18,7 +18,7 @@ def wobble_and_path(track: Track) -> tuple[Line, AveragePath]:
 
     Such a circle is a line of the spectrum too: both coordinates swing alike, a quarter of a turn
     apart, and without it next to nothing is left of the path. In a plane the wobble is looked for
-    once more in axes that turn with the path, since turning splits its line in two.
+    once more in axes that turn with the path, since turning splits its line in two, a circle each.
 
     Parameters
     ----------
@@ -32,11 +32,28 @@ def wobble_and_path(track: Track) -> tuple[Line, AveragePath]:
         return seen, path
     moved = float(np.linalg.norm(path.velocity, axis=1).mean())
     if is_round(seen) and moved < 0.3 * 2.0 * np.pi * seen.frequency * seen.amplitude:
+        beat = _half_of_a_beat(t, x, seen, path)
+        if beat is not None:
+            return beat
         other = line(t, x, above=2.5 * seen.frequency)
         seen, path = other, average_path(t, x, 1.0 / other.frequency if other.stands_out else None)
-    if not (seen.stands_out and path.swims and path.speed().value > 3.0 * path.noise):
-        return seen, path
-    return (seen, path) if path.turned < STRAIGHT else _in_turning_axes(t, x, seen, path)
+    return _in_turning_axes(t, x, seen, path) if _turns(seen, path) else (seen, path)
+
+
+def _turns(seen: Line, path: AveragePath) -> bool:
+    """Whether there is a wobble on a path whose heading shows and turns."""
+    shows = seen.stands_out and path.swims and path.speed().value > 3.0 * path.noise
+    return bool(shows and path.turned >= STRAIGHT)
+
+
+def _half_of_a_beat(
+    t: np.ndarray, x: np.ndarray, seen: Line, path: AveragePath
+) -> tuple[Line, AveragePath] | None:
+    """Wobble and path, where a circle is half of a beat to and fro in axes that turn; or None."""
+    if not _turns(seen, path):
+        return None
+    found, without = _in_turning_axes(t, x, seen, path)
+    return None if is_round(found) or not found.stands_out else (found, without)
 
 
 def is_round(seen: Line) -> bool:

@@ -37,20 +37,17 @@ def of_beat(beat: Beat) -> dict[str, Any]:
 def of_stroke(beat: Stroke) -> dict[str, Any]:
     """Return the same of a beat in space."""
     shape, rod = np.real(beat.shape), beat.of.rod
-    tips, bends = [], []
-    for time, q in zip(beat.times, shape):
-        now = beat.at(time, q)
-        tips.append(now.at.place[-1] + now.moved.place)
-        bends.append(np.hypot(*(rod.curvatures @ q.reshape(3, -1).T).T[:2]).max())
+    at, _, _, moved = beat.of.seen(beat.times, beat.state(shape))
+    bends = rod.curvatures @ np.swapaxes(shape.reshape(len(shape), 3, -1), -1, -2)
     often = np.linspace(0.0, 2.0 * np.pi, OFTEN)
-    tip = evaluate(series_of(np.array(tips)), often)[:, 1:]
+    tip = evaluate(series_of(at.place[:, -1] + moved.place), often)[:, 1:]
     return {
         "sperm_number": float(np.real(beat.of.drag.normal) ** 0.25),
         "unknowns": int(shape.size + np.size(beat.velocity)),
         "newton_steps": beat.steps,
         **_settling(beat.multiplier),
         "tip_amplitude": float(np.linalg.norm(np.ptp(tip, axis=0))) / 2.0,
-        "largest_curvature": float(max(bends)),
+        "largest_curvature": float(np.hypot(bends[..., 0], bends[..., 1]).max()),
     }
 
 

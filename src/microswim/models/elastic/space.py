@@ -10,7 +10,7 @@ length. Of every velocity the work vanishes,
 
 and with the force ``N`` and moment ``M`` of the drag beyond s its derivative by a coordinate needs
 no other integrals: ``phi_k . (d_i x M) p_i + phi_i . ((phi_k x t) x N) + X_i . df + phi_i . dm``.
-Units are those of `plane`.
+Leading axes of the arrays are poses side by side. Units are those of `plane`.
 """
 
 from __future__ import annotations
@@ -58,7 +58,9 @@ class DragInSpace:
 
 @dataclass(frozen=True, eq=False)
 class Pose:
-    """A rod in space: directors (m, 3, 3) as rows ``d_1, d_2, t``, places from the joint (m, 3)."""
+    """A rod in space: directors (..., m, 3, 3) as rows ``d_1, d_2, t``, places from the joint (...,
+    m, 3).
+    """
 
     directors: np.ndarray
     place: np.ndarray
@@ -74,20 +76,28 @@ class BalanceInSpace:
 
 
 def pose(rod: Filament, q: np.ndarray, base: np.ndarray | None = None) -> Pose:
-    """Return directors and places for the coordinates (3, n); base directors as at rest, or so."""
-    m, strain = len(rod.s), rod.curvatures @ q.T
-    K = np.zeros((m, 3, 3), dtype=strain.dtype)  # rows of directors: D' = K D
-    K[:, 0, 1], K[:, 0, 2], K[:, 1, 2] = strain[:, 2], -strain[:, 1], strain[:, 0]
-    K = K - np.swapaxes(K, 1, 2)
-    system = np.eye(3 * m) - np.einsum("ij,jab->iajb", rod.turns, K).reshape(3 * m, 3 * m)
-    given = np.tile(rod.base if base is None else base, (m, 1))
-    directors = np.linalg.solve(system, given).reshape(m, 3, 3)
+    """Return directors and places for the coordinates (..., 3, n); base directors (..., 3, 3) as at
+    rest, or so.
+    """
+    m, strain = len(rod.s), rod.curvatures @ swap(q)  # (..., m, 3)
+    K = np.zeros((*strain.shape, 3), dtype=strain.dtype)  # rows of directors: D' = K D
+    K[..., 0, 1], K[..., 0, 2] = strain[..., 2], -strain[..., 1]
+    K[..., 1, 2] = strain[..., 0]
+    K = np.swapaxes(K - swap(K), -3, -2)[..., None, :, :, :]  # (..., 1, 3, m, 3)
+    size = 3 * m
+    system = np.eye(size) - (rod.turns[:, None, :, None] * K).reshape(*q.shape[:-2], size, size)
+    given = np.broadcast_to(
+        np.tile(rod.base if base is None else base, (m, 1)), (*q.shape[:-2], size, 3)
+    )
+    directors = np.linalg.solve(system, given).reshape(*q.shape[:-2], m, 3, 3)
     return Pose(directors, rod.along @ heading(rod, directors))
 
 
 def heading(rod: Filament, directors: np.ndarray) -> np.ndarray:
-    """Return where the filament goes on from each node, (m, 3): along its tangent, but an arm."""
-    return np.einsum("mi,mij->mj", rod.heading, directors)
+    """Return where the filament goes on from each node, (..., m, 3): along its tangent, but an
+    arm.
+    """
+    return dots(rod.heading, directors)
 
 
 def balance_in_space(
@@ -114,10 +124,10 @@ def balance_in_space(
     turn, shift = np.concatenate([rigid_phi, phi], 2), np.concatenate([rigid, moved], 2)
 
     whole = V[3:] + rate * AXIS
-    v = V[:3] + np.cross(V[3:], X) + rate * np.cross(AXIS, at.place)
+    v = V[:3] + cross(V[3:], X) + rate * cross(AXIS, at.place)
     W_t, W_n, W_r = drag.along(rod)
     extra = W_t - W_n
-    along, spin = _dot(t, v), t @ whole
+    along, spin = (t * v).sum(axis=1), t @ whole
     f = W_n[:, None] * v + (extra * along)[:, None] * t
     m = (W_r * spin)[:, None] * t
     residual = flat(shift).T @ f.ravel() + flat(turn).T @ m.ravel()
@@ -127,18 +137,18 @@ def balance_in_space(
     residual[:count] += own @ V
     residual[count:] += K * (q - rod.rest).ravel()
 
-    tangent, spun = (_dot(t[..., None], c) for c in (shift, turn))  # (m, f + 3 n)
+    tangent, spun = (dots(t, c) for c in (shift, turn))  # (m, f + 3 n)
     R = flat(shift).T @ flat(W_n[:, None, None] * shift)
     R += tangent.T @ (extra[:, None] * tangent) + spun.T @ (W_r[:, None] * spun)
     R[:count, :count] += own[:, free]
 
     dt = cross_columns(phi, t[..., None])
-    dv = cross_columns(np.broadcast_to(whole[:, None], moved.shape), moved)
-    d_along = _dot(dt, v[..., None]) + _dot(dv, t[..., None])
+    dv = crossed(whole, moved)
+    d_along = dots(v, dt) + dots(t, dv)
     df = W_n[:, None, None] * dv + (
         (extra[:, None] * d_along)[:, None] * t[..., None] + (extra * along)[:, None, None] * dt
     )
-    d_spin = _dot(dt, np.broadcast_to(whole[:, None], dt.shape))
+    d_spin = dots(whole, dt)
     dm = (W_r[:, None] * d_spin)[:, None] * t[..., None] + (W_r * spin)[:, None, None] * dt
     G = flat(shift).T @ flat(df) + flat(turn).T @ flat(dm)
     G += as_it_bends(rod, at, (phi, moved), (f, m), drag.free)
@@ -150,62 +160,91 @@ def as_it_bends(
     rod: Filament, at: Pose, by: tuple[np.ndarray, np.ndarray],
     of: tuple[np.ndarray, np.ndarray], free: tuple[int, ...],
 ) -> np.ndarray:  # fmt: skip
-    """Return how the work of forces that stay changes by the coordinates, (f + 3 n, 3 n).
+    """Return how the work of forces that stay changes by the coordinates, (..., f + 3 n, 3 n).
 
     Parameters
     ----------
     by
-        ``phi_k`` and ``X_k``, (m, 3, 3 n) each.
+        ``phi_k`` and ``X_k``, (..., m, 3, 3 n) each.
     of
-        Force and torque on each node, (m, 3) each.
+        Force and torque on each node, (..., m, 3) each.
     """
     (phi, moved), (f, m), n, count = by, of, rod.count, len(free)
     ahead = heading(rod, at.directors)
-    G = np.zeros((count + 3 * n, 3 * n), dtype=np.result_type(phi, f, m))
+    kind = np.result_type(phi, f, m)
+    G = np.zeros((*phi.shape[:-3], count + 3 * n, 3 * n), dtype=kind)
     N = rod.along.T @ f
-    M = rod.turns.T @ (np.cross(ahead, N) + m)
+    M = rod.turns.T @ (cross(ahead, N) + m)
     d_ahead = cross_columns(phi, ahead[..., None])
-    G[count:] += flat(phi).T @ flat(cross_columns(d_ahead, N[..., None]))
+    G[..., count:, :] += swap(flat(phi)) @ flat(cross_columns(d_ahead, N[..., None]))
     for i in range(3):  # phi_k . (d_i x M) p_i
-        bent = _dot(np.cross(at.directors[:, i], M)[..., None], phi)
-        G[count + i * n : count + (i + 1) * n] += rod.curvatures.T @ bent
-    arms = cross_columns(moved, f[..., None]).sum(axis=0)  # torque as the points move
-    turning = [name >= 3 for name in free]
-    G[:count][turning] += arms[[name - 3 for name in free if name >= 3]]
+        bent = dots(cross(at.directors[..., i, :], M), phi)
+        G[..., count + i * n : count + (i + 1) * n, :] += rod.curvatures.T @ bent
+    arms = cross_columns(moved, f[..., None]).sum(axis=-3)  # torque as the points move
+    turning = [i for i, name in enumerate(free) if name >= 3]
+    G[..., turning, :] += arms[..., [free[i] - 3 for i in turning], :]
     return G
 
 
 def shapes_of(rod: Filament, at: Pose) -> tuple[np.ndarray, np.ndarray]:
-    """Return ``phi_k`` and ``X_k`` of each coordinate at the nodes, (m, 3, 3 n)."""
+    """Return ``phi_k`` and ``X_k`` of each coordinate at the nodes, (..., m, 3, 3 n)."""
     m, n = rod.curvatures.shape
-    directors = np.swapaxes(at.directors, 1, 2)[..., None]  # (m, 3, director, 1)
-    integrand = (directors * rod.curvatures[:, None, None]).reshape(m, 3, 3 * n)
-    phi = (rod.turns @ integrand.reshape(m, -1)).reshape(m, 3, 3 * n)
+    directors = swap(at.directors)[..., None]  # (..., m, 3, director, 1)
+    whole = (*directors.shape[:-4], m, 3, 3 * n)
+    phi = summed(rod.turns, (directors * rod.curvatures[:, None, None]).reshape(whole))
     speed = cross_columns(phi, heading(rod, at.directors)[..., None])
-    return phi, (rod.along @ speed.reshape(m, -1)).reshape(m, 3, 3 * n)
+    return phi, summed(rod.along, speed)
 
 
 def rigid_motions(X: np.ndarray, free: tuple[int, ...]) -> tuple[np.ndarray, np.ndarray]:
-    """Return the same of the body's free velocities, (m, 3, f)."""
-    m = len(X)
-    turn, shift = np.zeros((2, m, 3, 6), dtype=X.dtype)
-    turn[:, :, 3:] = np.eye(3)
-    shift[:, :, :3] = np.eye(3)
-    shift[:, :, 3:] = cross_columns(np.broadcast_to(np.eye(3), (m, 3, 3)), X[..., None])
+    """Return the same of the body's free velocities, (..., m, 3, f)."""
+    turn, shift = np.zeros((2, *X.shape, 6), dtype=X.dtype)
+    turn[..., 3:] = np.eye(3)
+    shift[..., :3] = np.eye(3)
+    shift[..., 3:] = swap(skew(X))
     return turn[..., list(free)], shift[..., list(free)]
 
 
 def flat(a: np.ndarray) -> np.ndarray:
-    """Return nodes and components in one row, (3 m, k)."""
-    return a.reshape(-1, a.shape[-1])
+    """Return nodes and components in one row, (..., 3 m, k)."""
+    return a.reshape(*a.shape[:-3], -1, a.shape[-1])
 
 
-def _dot(a: np.ndarray, b: np.ndarray) -> np.ndarray:
-    """Scalar product over the axis of components, the second."""
-    return (a * b).sum(axis=1)
+def swap(a: np.ndarray) -> np.ndarray:
+    """Return the transpose of the last two axes."""
+    return np.swapaxes(a, -1, -2)
+
+
+def summed(along: np.ndarray, a: np.ndarray) -> np.ndarray:
+    """Return integrals (k, m) over the nodes of columns of vectors (..., m, 3, n)."""
+    m, three, n = a.shape[-3:]
+    return (along @ a.reshape(*a.shape[:-3], m, three * n)).reshape(*a.shape[:-3], -1, three, n)
+
+
+def dots(a: np.ndarray, b: np.ndarray) -> np.ndarray:
+    """Return the scalar products of vectors (..., 3) and columns of vectors (..., 3, k)."""
+    return (a[..., None] * b).sum(axis=-2)
+
+
+def skew(a: np.ndarray) -> np.ndarray:
+    """Return the matrices (..., 3, 3) of ``a x``; transposed, of ``x a``."""
+    x, y, z = a[..., 0], a[..., 1], a[..., 2]
+    o = np.zeros_like(x)
+    return np.stack([o, -z, y, z, o, -x, -y, x, o], axis=-1).reshape(*a.shape, 3)
+
+
+def cross(a: np.ndarray, b: np.ndarray) -> np.ndarray:
+    """Return the vector product over the last axis."""
+    x, y, z, u, v, w = (c[..., i] for c in (a, b) for i in range(3))
+    return np.stack([y * w - z * v, z * u - x * w, x * v - y * u], axis=-1)
 
 
 def cross_columns(a: np.ndarray, b: np.ndarray) -> np.ndarray:
-    """Return the vector product over the axis of components, the second."""
-    x, y, z, u, v, w = a[:, 0], a[:, 1], a[:, 2], b[:, 0], b[:, 1], b[:, 2]
-    return np.stack([y * w - z * v, z * u - x * w, x * v - y * u], axis=1)
+    """Return the vector product over the axis of components, the last but one."""
+    x, y, z, u, v, w = (c[..., i, :] for c in (a, b) for i in range(3))
+    return np.stack([y * w - z * v, z * u - x * w, x * v - y * u], axis=-2)
+
+
+def crossed(a: np.ndarray, b: np.ndarray) -> np.ndarray:
+    """Return the vector products of vectors (..., 3) and columns of vectors (..., 3, k)."""
+    return cross_columns(a[..., None], b)

@@ -16,7 +16,15 @@ from microswim.gait import doors
 from microswim.models.elastic.beat import periodic_derivative
 from microswim.models.elastic.growth import slowest
 from microswim.models.elastic.problem import elastic_tail
-from microswim.models.elastic.space import cross_columns, flat
+from microswim.models.elastic.space import (
+    cross_columns,
+    crossed,
+    dots,
+    flat,
+    heading,
+    summed,
+    swap,
+)
 from microswim.models.elastic.unsteady.march import LOOSEST, at_rest, marched
 from microswim.models.elastic.unsteady.numbers import in_time, units_of
 from microswim.models.elastic.unsteady.swimmer_in_time import InTime, Moment
@@ -63,9 +71,14 @@ class Stroke:
         """Strains at rest, (3 n,)."""
         return self.of.rod.rest.ravel()
 
-    def at(self, time: float, q: np.ndarray) -> Moment:
-        """Return the balance of work at a time with these strains."""
-        return self.of.moment(time, np.concatenate([self.pose, q]))
+    def at(self, time: float | np.ndarray, q: np.ndarray) -> Moment:
+        """Return the balance of work at times (...) with these strains (..., 3 n)."""
+        return self.of.moment(time, self.state(q))
+
+    def state(self, q: np.ndarray) -> np.ndarray:
+        """Return pose and strains."""
+        pose = np.broadcast_to(self.pose, (*q.shape[:-1], len(self.pose)))
+        return np.concatenate([pose, q], axis=-1)
 
     @property
     def multiplier(self) -> complex:
@@ -77,14 +90,10 @@ class Stroke:
     def balances(self) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
         """Return the work left over (T, N), and its derivatives by velocities and strains."""
         rates = periodic_derivative(len(self.shape)) @ self.shape
-        rows = []
-        for time, q, V, dq in zip(self.times, self.shape, self.velocity, rates):
-            y, w = np.concatenate([self.pose, q]), np.concatenate([V, dq])
-            now = self.of.moment(time, y)
-            M, work = now.balance(time, y)
-            rows.append((work + M @ w, M, by_strains(now, w)))
-        residual, M, G = zip(*rows)
-        return np.array(residual), np.array(M), np.array(G)
+        w = np.concatenate([self.velocity, rates], axis=-1)
+        now = self.at(self.times, self.shape)
+        M, work = now.balance(self.times, self.state(self.shape))
+        return work + (M @ w[..., None])[..., 0], M, by_strains(now, w)
 
     @property
     def is_resolved(self) -> tuple[bool, bool]:
@@ -102,37 +111,25 @@ class Stroke:
 
 
 def by_strains(now: Moment, w: np.ndarray) -> np.ndarray:
-    """Return the derivative of the work by the strains at fixed velocities, (f + 3 n, 3 n)."""
+    """Return the derivative of the work by the strains at fixed velocities, (..., f + 3 n, 3 n)."""
     rod, c, f = now.of.rod, now.of.drag, len(now.of.drag.free)
-    m, n = rod.curvatures.shape
     phi, moved, t = now.turn[..., f:], now.shift[..., f:], now.tangent
-    ahead = np.einsum("mi,mij->mj", rod.heading, now.at.directors)
-    speed = np.einsum("mi,mij->mj", rod.curvatures @ w[f:].reshape(3, n).T, now.at.directors)
+    ahead, rates = heading(rod, now.at.directors), w[..., f:].reshape(*w.shape[:-1], 3, -1)
+    speed = dots(rod.curvatures @ swap(rates), now.at.directors)
     spun = rod.turns @ speed  # of each section against the base
-    d_spun = _summed(rod.turns, cross_columns(phi, speed[..., None]))
+    d_spun = summed(rod.turns, cross_columns(phi, speed[..., None]))
     d_ahead = cross_columns(phi, ahead[..., None])
-    d_speed = cross_columns(d_spun, ahead[..., None]) + _crossed(spun, d_ahead)
-    V = np.zeros(6, dtype=w.dtype)
-    V[list(c.free)] = w[:f]
-    turning = np.broadcast_to(now.moved.turning + V[3:], (m, 3))
-    dv = _summed(rod.along, d_speed) + _crossed(turning, moved)
+    d_speed = cross_columns(d_spun, ahead[..., None]) + crossed(spun, d_ahead)
+    V = np.zeros((*w.shape[:-1], 6), dtype=w.dtype)
+    V[..., list(c.free)] = w[..., :f]
+    turning = (now.moved.turning + V[..., 3:])[..., None, :]
+    dv = summed(rod.along, d_speed) + crossed(turning, moved)
     if now.of.loads.slope is not None:
-        dv = dv - np.einsum("ij,mjk->mik", now.Q.T @ now.of.loads.slope @ now.Q, moved)
-    W_t, W_n, W_r = c.along(rod)
-    along, twist = (t[..., None] * dv).sum(axis=1), (t[..., None] * d_spun).sum(axis=1)
-    df = W_n[:, None, None] * dv + ((W_t - W_n)[:, None] * along)[:, None] * t[..., None]
-    dm = (W_r[:, None] * twist)[:, None] * t[..., None]
-    G = now.stiffness(w)[:, f:]
-    return G + flat(now.shift).T @ flat(df) + flat(now.turn).T @ flat(dm)
-
-
-def _crossed(a: np.ndarray, b: np.ndarray) -> np.ndarray:
-    """Vectors (m, 3) times columns (m, 3, k)."""
-    return -cross_columns(b, a[..., None])
-
-
-def _summed(along: np.ndarray, x: np.ndarray) -> np.ndarray:
-    return (along @ x.reshape(len(x), -1)).reshape(x.shape)
+        dv = dv - (swap(now.Q) @ now.of.loads.slope @ now.Q)[..., None, :, :] @ moved
+    force, turned = now.dragged  # the drag of dv does the work that dv does against that of w
+    W_r = c.along(rod)[2]
+    G = now.stiffness(w)[..., f:] + swap(flat(force)) @ flat(dv)
+    return G + swap(turned) @ (W_r[:, None] * dots(t, d_spun))
 
 
 def stroke(swimmer: Swimmer) -> Stroke:

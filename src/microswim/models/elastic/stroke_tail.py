@@ -3,14 +3,14 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
 
 from microswim.gait.quantities import magnitude
 from microswim.models.elastic.rod import integrals
-from microswim.models.elastic.space import flat, rigid_motions
+from microswim.models.elastic.space import flat, swap
 from microswim.models.elastic.stroke import Stroke
 from microswim.numerics.series.fourier import derivative, evaluate, series_of, trimmed
 from microswim.swimmer.geometry.tails.custom_tail import CustomTail
@@ -57,13 +57,11 @@ def stroke_tail(tail: ElasticTail, beat: Stroke) -> CustomTail:
     legendre = np.polynomial.legendre.legvander(2.0 * s - 1.0, count - 1)
     project = (2.0 * np.arange(count) + 1.0)[:, None] * (legendre.T * w)
     often = 4 * len(beat.shape) + 1
-    tangents, roots = [], []
-    for time in sense_of(tail) * 2.0 * np.pi * np.arange(often) / often:
-        now = beat.at(time, evaluate(shape, time))
-        t = now.at.directors[on, 2]
-        tangents.append(project @ t)
-        roots.append(now.at.place[-1] + now.moved.place - w @ t)
-    series = (trimmed(series_of(np.array(x)), 1e-12) for x in (tangents, roots))
+    time = sense_of(tail) * 2.0 * np.pi * np.arange(often) / often
+    at, _, _, moved = beat.of.seen(time, beat.state(evaluate(shape, time)))
+    t = at.directors[:, on, 2]
+    tangents, roots = project @ t, at.place[:, -1] + moved.place - w @ t
+    series = (trimmed(series_of(x), 1e-12) for x in (tangents, roots))
     return CustomTail(
         shape=CentrelineInSpace(tail.length, *series),
         length=tail.length,
@@ -89,10 +87,8 @@ def samples_of(tail: ElasticTail, beat: Stroke) -> Callable[[int], tuple[np.ndar
     lengths = np.array([1.0, 1.0, 1.0, L, L, L])
 
     def at(n: int) -> tuple[np.ndarray, ...]:
-        phase = np.pi * np.arange(2 * n) / n
-        rows = [_sums(beat, *x) for x in zip(sense * phase, evaluate(shape, sense * phase),
-                                             evaluate(rates, sense * phase))]  # fmt: skip
-        R, F, G = (np.array(x) for x in zip(*rows))
+        time = sense * np.pi * np.arange(2 * n) / n
+        R, F, G = _sums(beat, time, evaluate(shape, time), evaluate(rates, time))
         R = R * np.outer(lengths, lengths) * L / size
         return R, sense * F * lengths * L**2 / size, G * L**3 / size
 
@@ -100,19 +96,15 @@ def samples_of(tail: ElasticTail, beat: Stroke) -> Callable[[int], tuple[np.ndar
 
 
 def _sums(
-    beat: Stroke, time: float, q: np.ndarray, rate: np.ndarray
+    beat: Stroke, time: np.ndarray, q: np.ndarray, rate: np.ndarray
 ) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """``B_t``, ``F_p``, G at a time, the tail moving as in still fluid."""
-    now = beat.at(time, q)
-    rod, drag, t, f = now.of.rod, now.of.drag, now.tangent[..., None], len(now.of.drag.free)
-    X = now.at.place + now.moved.place + np.array([drag.offset, 0.0, 0.0])
-    turn, shift = rigid_motions(X, ALL)
-    v = now.moved.velocity + np.cross(now.moved.turning, now.at.place)
-    v, spin = v + now.shift[..., f:] @ rate, now.moved.turning + now.turn[..., f:] @ rate
-    W_t, W_n, W_r = drag.along(rod)
-    along, spun = (t * shift).sum(axis=1), (t * turn).sum(axis=1)
-    R = flat(shift).T @ (np.repeat(W_n, 3)[:, None] * flat(shift))
-    R += along.T @ ((W_t - W_n)[:, None] * along) + spun.T @ (W_r[:, None] * spun)
-    force, torque = now.drag(v, spin)
-    F = flat(shift).T @ force.ravel() + flat(turn).T @ torque.ravel()
-    return R, F, (force * v).sum() + (torque * spin).sum()
+    """``B_t``, ``F_p``, G at times, the tail moving as in still fluid."""
+    still, drag = beat.of.loads.still(held=False), replace(beat.of.drag, free=ALL)
+    now = replace(beat.of, loads=still, drag=drag).moment(time, beat.state(q))
+    w = np.concatenate([np.zeros((len(rate), len(ALL))), rate], axis=-1)
+    v, spin = now.velocity(w)
+    on_fluid = force, torque = now.drag(v, spin)
+    rigid = replace(now, turn=now.turn[..., : len(ALL)], shift=now.shift[..., : len(ALL)])
+    R, moves = rigid.resistance() - drag.body, (rigid.shift, rigid.turn)
+    F = sum(swap(flat(x)) @ flat(f[..., None]) for x, f in zip(moves, on_fluid))
+    return R, F[..., 0], (force * v + torque * spin).sum(axis=(-2, -1))

@@ -17,7 +17,7 @@ from typing import Any
 import numpy as np
 
 from microswim.models.elastic.filament import Filament
-from microswim.models.elastic.space import Pose
+from microswim.models.elastic.space import Pose, cross
 from microswim.swimmer.surroundings.flow import Flow
 
 
@@ -104,18 +104,18 @@ class Loads:
 
 @dataclass(frozen=True, eq=False)
 class Pull:
-    """What the loads do at one moment, body frame, and how it changes as things move.
+    """What the loads do at a moment, body frame, and how it changes as things move.
 
     Parameters
     ----------
     force, torque
-        On each node, (m, 3).
+        On each node, (..., m, 3).
     wrench
-        On the body about its centre, (6,).
+        On the body about its centre, (..., 6).
     shifting, turning
-        Fall of force with the node's place, and of torque with its rotation, (m, 3, 3).
+        Fall of force with the node's place, and of torque with its rotation, (..., m, 3, 3).
     body
-        The same of the wrench, (6, 6).
+        The same of the wrench, (..., 6, 6).
     """
 
     force: np.ndarray
@@ -129,27 +129,26 @@ class Pull:
 def pull(
     loads: Loads, rod: Filament, at: Pose, X: np.ndarray, time: float, x: np.ndarray, Q: np.ndarray
 ) -> Pull:
-    """Return what pulls at the nodes, places X (m, 3) from the body's centre at x (lab).
+    """Return what pulls at the nodes, places X (..., m, 3) from the body's centre at x (lab).
 
-    Q is the rotation matrix from the body to the lab.
+    Q is the rotation matrix from the body to the lab. In a field it is a single pose.
     """
-    m = len(rod.s)
-    force = rod.weight[:, None] * (loads.weight @ Q)
     given = (loads.body_weight, loads.arm, loads.force, loads.torque, loads.push)
-    kind = np.result_type(X, x, Q, force, *given)
-    force, torque, wrench = force.astype(kind), np.zeros((m, 3), kind), np.zeros(6, kind)
-    shifting, turning = np.zeros((2, m, 3, 3), kind)
-    body = np.zeros((6, 6), kind)
+    kind = np.result_type(X, x, Q, loads.weight, *given)
+    force = (rod.weight[:, None] * (loads.weight @ Q)[..., None, :]).astype(kind) + 0.0 * X
+    torque, wrench = np.zeros(X.shape, kind), np.zeros((*X.shape[:-2], 6), kind)
+    shifting, turning = np.zeros((2, *X.shape, 3), kind)
+    body = np.zeros((*X.shape[:-2], 6, 6), kind)
     heavy = loads.body_weight @ Q
-    wrench[:3] = (loads.force @ Q) + heavy
-    wrench[3:] = (loads.torque @ Q) + np.cross(loads.arm, heavy)
+    wrench[..., :3] = (loads.force @ Q) + heavy
+    wrench[..., 3:] = (loads.torque @ Q) + cross(loads.arm, heavy)
     if loads.field is not None:
         B, J = loads.field(time, x)
         B, J = B @ Q, Q.T @ J @ Q
         if loads.magnetic is not None:
             moment = loads.magnetic[:3] + loads.magnetic[3:].reshape(3, 3) @ B
             wrench[:3] += J.T @ moment
-            wrench[3:] += np.cross(moment, B)
+            wrench[3:] += cross(moment, B)
             body[3:, 3:] += _turned(moment, B)
         if loads.moments is not None:
             axes = at.directors[:, [2, 0, 1]]
@@ -159,7 +158,7 @@ def pull(
                 own = loads.soft * np.einsum("mij,mj->mi", axes, here)
                 moment = moment + np.einsum("mi,mij->mj", own, axes)
                 turning += _as_soft_turns(loads.soft, axes, here)
-            torque += np.cross(moment, here)
+            torque += cross(moment, here)
             force += moment @ J
             turning += _turned(moment, here)
     if loads.wall is not None:
@@ -175,7 +174,7 @@ def _turned(moment: np.ndarray, B: np.ndarray) -> np.ndarray:
 
 def _as_soft_turns(soft: np.ndarray, axes: np.ndarray, B: np.ndarray) -> np.ndarray:
     """How ``(C B) x B`` falls beside that as the axes of C turn: ``[B] C [B]``."""
-    across = np.cross(axes, B[:, None])  # rows e_i x B
+    across = cross(axes, B[:, None])  # rows e_i x B
     return -np.einsum("mi,mij,mik->mjk", soft, across, across)
 
 
@@ -183,14 +182,14 @@ def _push(
     wall: Wall, rod: Filament, X: np.ndarray, x: np.ndarray, Q: np.ndarray,
     force: np.ndarray, wrench: np.ndarray, shifting: np.ndarray, body: np.ndarray,
 ) -> None:  # fmt: skip
-    up = Q[2]  # z by the body's axes
-    on, fall = wall.on(x[2] + X @ up - wall.radius)
-    both = np.outer(up, up)
-    force += (rod.weight * on)[:, None] * up
-    shifting += (rod.weight * fall)[:, None, None] * both
-    own, own_fall = wall.on(x[2] - np.sqrt(((wall.girth * up) ** 2).sum()))
-    wrench[:3] += own * up
-    body[:3, :3] += own_fall * both
+    up = Q[..., 2, :]  # z by the body's axes
+    on, fall = wall.on(x[..., 2, None] + (X @ up[..., None])[..., 0] - wall.radius)
+    both = up[..., :, None] * up[..., None, :]
+    force += (rod.weight * on)[..., None] * up[..., None, :]
+    shifting += (rod.weight * fall)[..., None, None] * both[..., None, :, :]
+    own, own_fall = wall.on(x[..., 2] - np.sqrt(((wall.girth * up) ** 2).sum(axis=-1)))
+    wrench[..., :3] += own[..., None] * up
+    body[..., :3, :3] += own_fall[..., None, None] * both
 
 
 def half_curl(flow: Flow) -> np.ndarray:

@@ -6,12 +6,14 @@ body's free velocities and dq/dt. With the shifts ``X_i`` and turns ``phi_i`` of
     sum_j M_ij w_j = -[ X_i . f(v_d - u) + phi_i . m(w_d) + K_i (q_i - q_i^0) - loads_i ],
 
 v_d by the drive and u the fluid's. Nothing stretches, so nothing is stiff but bending: its part of
-the derivative, ``-M^-1 K``, and that of the loads is all that implicit steps need.
+the derivative, ``-M^-1 K``, and that of the loads is all that implicit steps need. Leading axes of
+the arrays are times side by side.
 """
 
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 
@@ -21,12 +23,16 @@ from microswim.models.elastic.space import (
     DragInSpace,
     Pose,
     as_it_bends,
+    cross,
+    cross_columns,
+    dots,
+    flat,
     pose,
     rigid_motions,
     shapes_of,
+    skew,
+    swap,
 )
-from microswim.models.elastic.space import cross_columns as _cross
-from microswim.models.elastic.space import flat as _flat
 from microswim.models.elastic.unsteady.loads import Loads, Pull, pull
 from microswim.numerics.rigid_motion import multiply, rotation_matrix
 from microswim.swimmer.geometry.tails.elastic.elastic_tail import Drive
@@ -36,7 +42,9 @@ POSE = 7  #: numbers of the state before the strains
 
 @dataclass(frozen=True, eq=False)
 class Moved:
-    """How the drive moves the base: place from the joint, directors, velocity, rate of turning."""
+    """How the drive moves the base: place from the joint, directors, velocity, rate of turning;
+    (..., 3) each, directors (..., 3, 3).
+    """
 
     place: np.ndarray
     directors: np.ndarray
@@ -71,55 +79,71 @@ class InTime:
     rate: float
     phase: float
 
-    def base(self, time: float) -> Moved:
+    def base(self, time: float | np.ndarray) -> Moved:
         """Return where the drive holds the base."""
-        angle, rest = self.phase + self.rate * time, np.zeros(3)
+        angle = np.asarray(self.phase + self.rate * time)[..., None]
+        rest = np.zeros((*angle.shape[:-1], 3))
         c, s = np.cos(angle), np.sin(angle)
         D = self.rod.base
         if self.drive == "heave":
             across = self.size * np.array([0.0, 1.0, 0.0])
             return Moved(c * across, D, -self.rate * s * across, rest)
         if self.drive == "pivot":
-            a = self.size * c
-            turn = np.array([[np.cos(a), np.sin(a), 0], [-np.sin(a), np.cos(a), 0], [0, 0, 1.0]])
-            return Moved(rest, D @ turn, rest, np.array([0.0, 0.0, -self.rate * self.size * s]))
+            about_r = np.array([0.0, 0.0, 1.0])
+            turned = D @ _turned(about_r, self.size * c)
+            return Moved(rest, turned, rest, -self.rate * self.size * s * about_r)
         if self.drive == "rotate":
-            turn = np.array([[1.0, 0, 0], [0, c, s], [0, -s, c]])
-            return Moved(rest, D @ turn, rest, self.rate * AXIS)
+            return Moved(rest, D @ _turned(AXIS, angle), rest, rest + self.rate * AXIS)
         return Moved(rest, D, rest, rest)
 
-    def active(self, time: float) -> np.ndarray:
-        """Return the bends (3, n) that inner moments would make of a straight filament."""
-        bends = np.zeros(self.rod.rest.shape, np.result_type(self.size, self.waves, self.rod.rest))
+    def active(self, time: float | np.ndarray) -> np.ndarray:
+        """Return the bends (..., 3, n) that inner moments would make of a straight filament."""
+        angle = np.asarray(self.phase + self.rate * time)[..., None]
+        kind = np.result_type(self.size, self.waves, self.rod.rest)
+        bends = np.zeros((*angle.shape[:-1], *self.rod.rest.shape), kind)
         if self.drive == "moment":
-            angle = self.phase + self.rate * time
             wave = self.size * np.cos(angle - 2.0 * np.pi * self.waves * self.rod.s)
-            bends[1] = (wave * self.rod.weight) @ self.rod.curvatures
+            bends[..., 1, :] = (wave * self.rod.weight) @ self.rod.curvatures
         return bends
 
-    def seen(self, time: float, y: np.ndarray) -> tuple[Pose, np.ndarray, np.ndarray, Moved]:
-        """Return the filament, its nodes from the body's centre (m, 3), and the body's rotation."""
-        Q = rotation_matrix(y[3:POSE] / np.linalg.norm(y[3:POSE]))
-        q = y[POSE : POSE + self.rod.rest.size].reshape(3, -1)
+    def seen(
+        self, time: float | np.ndarray, y: np.ndarray
+    ) -> tuple[Pose, np.ndarray, np.ndarray, Moved]:
+        """Return the filament, its nodes from the body's centre (..., m, 3), and the body's
+        rotation.
+        """
+        turn = y[..., 3:POSE]
+        Q = rotation_matrix(turn / np.linalg.norm(turn, axis=-1, keepdims=True))
+        q = y[..., POSE : POSE + self.rod.rest.size]
         moved = self.base(time)
-        at = pose(self.rod, q, moved.directors)
-        return at, at.place + moved.place + self.drag.offset * AXIS, Q, moved
+        at = pose(self.rod, q.reshape(*q.shape[:-1], 3, -1), moved.directors)
+        X = at.place + moved.place[..., None, :] + self.drag.offset * AXIS
+        return at, X, Q, moved
 
-    def moment(self, time: float, y: np.ndarray) -> Moment:
-        """Return the balance at a time."""
+    def moment(self, time: float | np.ndarray, y: np.ndarray) -> Moment:
+        """Return the balance at times (...) and states (..., 7 + 3 n or more)."""
         at, X, Q, moved = self.seen(time, y)
         rod, drag, loads = self.rod, self.drag, self.loads
         phi, shifted = shapes_of(rod, at)
         rigid_phi, rigid_shift = rigid_motions(X, drag.free)
-        turn, shift = np.concatenate([rigid_phi, phi], 2), np.concatenate([rigid_shift, shifted], 2)
-        spin, still = loads.spin @ Q, np.zeros(6, np.result_type(loads.spin, X))
-        v = moved.velocity + np.cross(moved.turning, at.place)
+        turn = np.concatenate([rigid_phi, phi], -1)
+        shift = np.concatenate([rigid_shift, shifted], -1)
+        spin = loads.spin @ Q
+        still = np.zeros((*X.shape[:-2], 6), np.result_type(loads.spin, X))
+        v = moved.velocity[..., None, :] + cross(moved.turning[..., None, :], at.place)
         if loads.flow is not None:
-            v = v - loads.flow(y[:3] + X @ Q.T) @ Q
-            still[:3] = -loads.flow(y[:3]) @ Q
-        still[3:] = -spin
-        acts = pull(loads, rod, at, X, time, y[:3], Q)
+            v = v - loads.flow(y[..., None, :3] + X @ swap(Q)) @ Q
+            still[..., :3] = -(loads.flow(y[..., None, :3]) @ Q)[..., 0, :]
+        still[..., 3:] = -spin
+        acts = pull(loads, rod, at, X, time, y[..., :3], Q)  # type: ignore[arg-type]
         return Moment(self, at, moved, turn, shift, v, spin, still, acts, Q)
+
+
+def _turned(axis: np.ndarray, angle: np.ndarray) -> np.ndarray:
+    """Matrices that turn rows by angles (..., 1) about one of the axes."""
+    c, s = np.cos(angle)[..., None], np.sin(angle)[..., None]
+    both = np.outer(axis, axis)
+    return both + c * (np.eye(3) - both) - s * skew(axis)
 
 
 @dataclass(frozen=True, eq=False)
@@ -133,7 +157,7 @@ class Moment:
     at, moved
         The filament and its base.
     turn, shift
-        Of each node by each velocity, (m, 3, f + 3 n).
+        Of each node by each velocity, (..., m, 3, f + 3 n).
     v, spin, still
         Velocity of the nodes and twist of the body, against the fluid, were all w zero; half the
         curl of the flow; body frame.
@@ -156,27 +180,38 @@ class Moment:
 
     @property
     def tangent(self) -> np.ndarray:
-        """Unit tangents, (m, 3)."""
-        return self.at.directors[:, 2]
+        """Unit tangents, (..., m, 3)."""
+        return self.at.directors[..., 2, :]
+
+    @property
+    def turning(self) -> np.ndarray:
+        """Rate (..., 1, 3) at which the sections turn against the fluid, were all w zero."""
+        return (self.moved.turning - self.spin)[..., None, :]
 
     def drag(self, v: np.ndarray, w: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-        """Return force and torque (m, 3) on the fluid by velocities and rates of turning."""
+        """Return force and torque (..., m, 3) on the fluid by velocities and rates of turning."""
         rod, c, t = self.of.rod, self.of.drag, self.tangent
         W_t, W_n, W_r = c.along(rod)
-        f = W_n[:, None] * v + ((W_t - W_n) * (t * v).sum(axis=1))[:, None] * t
-        return f, (W_r * (t * w).sum(axis=1))[:, None] * t
+        f = W_n[:, None] * v + ((W_t - W_n) * (t * v).sum(axis=-1))[..., None] * t
+        return f, (W_r * (t * w).sum(axis=-1))[..., None] * t
+
+    @cached_property
+    def dragged(self) -> tuple[np.ndarray, np.ndarray]:
+        """Force on the fluid at each node by each velocity, (..., m, 3, N), and rate at which it
+        spins there, (..., m, N).
+        """
+        t = self.tangent
+        W_t, W_n, _ = self.of.drag.along(self.of.rod)
+        along = (W_t - W_n)[:, None] * dots(t, self.shift)
+        force = W_n[:, None, None] * self.shift + t[..., None] * along[..., None, :]
+        return force, dots(t, self.turn)
 
     def resistance(self) -> np.ndarray:
-        """Return M, (f + 3 n, f + 3 n)."""
-        rod, c, t = self.of.rod, self.of.drag, self.tangent[..., None]
-        W_t, W_n, W_r = c.along(rod)
-        flat = _flat(self.shift)
-        along, spun = (t * self.shift).sum(axis=1), (t * self.turn).sum(axis=1)
-        M = flat.T @ (np.repeat(W_n, 3)[:, None] * flat)
-        M += along.T @ ((W_t - W_n)[:, None] * along)
-        M += spun.T @ (W_r[:, None] * spun)
-        f = len(c.free)
-        M[:f, :f] += c.body[np.ix_(c.free, c.free)]
+        """Return M, (..., f + 3 n, f + 3 n)."""
+        c, (force, spun) = self.of.drag, self.dragged
+        W_r, f = c.along(self.of.rod)[2], len(c.free)
+        M = swap(flat(self.shift)) @ flat(force) + swap(spun) @ (W_r[:, None] * spun)
+        M[..., :f, :f] += c.body[np.ix_(c.free, c.free)]
         return M
 
     def stiffness(self, w: np.ndarray) -> np.ndarray:
@@ -186,40 +221,44 @@ class Moment:
         of, acts, turn, shift = self.of, self.acts, self.turn, self.shift
         c, free, N = of.drag, list(of.drag.free), shift.shape[-1]
         f, t = len(free), self.tangent
-        v, spin = self.v + shift @ w, self.moved.turning - self.spin + turn @ w
+        v, spin = self.velocity(w)
         on, twist = self.drag(v, spin)
         W_t, W_n, W_r = c.along(of.rod)
-        dt = _cross(turn[..., f:], t[..., None])
-        along, turning = (t * v).sum(axis=1), (t * spin).sum(axis=1)
-        df = ((W_t - W_n)[:, None] * (dt * v[..., None]).sum(axis=1))[:, None] * t[..., None]
-        df += ((W_t - W_n) * along)[:, None, None] * dt
-        dm = (W_r[:, None] * (dt * spin[..., None]).sum(axis=1))[:, None] * t[..., None]
-        dm += (W_r * turning)[:, None, None] * dt
+        dt = cross_columns(turn[..., f:], t[..., None])
+        along, turning = (t * v).sum(axis=-1), (t * spin).sum(axis=-1)
+        df = ((W_t - W_n)[:, None] * dots(v, dt))[..., None, :] * t[..., None]
+        df += ((W_t - W_n) * along)[..., None, None] * dt
+        dm = (W_r[:, None] * dots(spin, dt))[..., None, :] * t[..., None]
+        dm += (W_r * turning)[..., None, None] * dt
         df += acts.shifting @ shift[..., f:]
         dm += acts.turning @ turn[..., f:]
-        G = np.zeros((N, N), np.result_type(df, dm, of.rod.stiffness))
-        G[:, f:] = _flat(shift).T @ _flat(df) + _flat(turn).T @ _flat(dm)
+        G = np.zeros((*shift.shape[:-3], N, N), np.result_type(df, dm, of.rod.stiffness))
+        G[..., f:] = swap(flat(shift)) @ flat(df) + swap(flat(turn)) @ flat(dm)
         loads = on - acts.force, twist - acts.torque
-        G[:, f:] += as_it_bends(of.rod, self.at, (turn[..., f:], shift[..., f:]), loads, c.free)
-        G[range(f, N), range(f, N)] += of.rod.stiffness.ravel()
-        G[:, :f] = self._as_the_body_moves()[:, free]
+        G[..., f:] += as_it_bends(of.rod, self.at, (turn[..., f:], shift[..., f:]), loads, c.free)
+        G[..., range(f, N), range(f, N)] += of.rod.stiffness.ravel()
+        G[..., :f] = self._as_the_body_moves()[..., free]
         return G
 
+    def velocity(self, w: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        """Return the velocities against the fluid of each node and its section, (..., m, 3)."""
+        v, spin = (flat(x) @ w[..., None] for x in (self.shift, self.turn))
+        return self.v + v.reshape(self.v.shape), self.turning + spin.reshape(self.v.shape)
+
     def _as_the_body_moves(self) -> np.ndarray:
-        """The same as the body moves along and turns about its axes, (f + 3 n, 6)."""
+        """The same as the body moves along and turns about its axes, (..., f + 3 n, 6)."""
         acts, free = self.acts, list(self.of.drag.free)
         f, N = len(free), self.shift.shape[-1]
-        G = np.zeros((N, 6), acts.force.dtype)
-        shift, turn = _flat(self.shift), _flat(self.turn)
-        G[:, :3] = shift.T @ acts.shifting.reshape(-1, 3)
-        force = np.cross(np.eye(3), acts.force[:, None]).swapaxes(1, 2)  # e x F, of the lab's loads
-        G[:, 3:] = shift.T @ force.reshape(-1, 3)
-        G[:, 3:] += turn.T @ acts.turning.swapaxes(1, 2).reshape(-1, 3)
-        own = np.zeros((6, 6), acts.force.dtype)
-        own[:3, :3] = acts.body[:3, :3]
-        own[:3, 3:] = np.cross(np.eye(3), acts.wrench[:3]).T
-        own[3:, 3:] = acts.body[3:, 3:].T
-        G[:f] += own[free]
+        G = np.zeros((*self.shift.shape[:-3], N, 6), acts.force.dtype)
+        shift, turn = swap(flat(self.shift)), swap(flat(self.turn))
+        G[..., :3] = shift @ flat(acts.shifting)
+        G[..., 3:] = shift @ flat(swap(skew(acts.force)))  # e x F, of the lab's loads
+        G[..., 3:] += turn @ flat(swap(acts.turning))
+        own = np.zeros((*self.shift.shape[:-3], 6, 6), acts.force.dtype)
+        own[..., :3, :3] = acts.body[..., :3, :3]
+        own[..., :3, 3:] = swap(skew(acts.wrench[..., :3]))
+        own[..., 3:, 3:] = swap(acts.body[..., 3:, 3:])
+        G[..., :f, :] += own[..., free, :]
         return G
 
     def velocities(self, time: float, y: np.ndarray) -> np.ndarray:
@@ -227,43 +266,42 @@ class Moment:
         M, work = self.balance(time, y)
         return -np.linalg.solve(M, work)
 
-    def balance(self, time: float, y: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    def balance(self, time: float | np.ndarray, y: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         """Return M, and the work of each velocity were all of them zero."""
         of, c = self.of, self.of.drag
-        f0, m0 = self.drag(self.v, self.moved.turning - self.spin)
-        f0, m0 = f0 - self.acts.force, m0 - self.acts.torque
-        N = self.shift.shape[-1]
-        work = self.shift.reshape(-1, N).T @ f0.ravel() + self.turn.reshape(-1, N).T @ m0.ravel()
-        f, q = len(c.free), y[POSE : POSE + of.rod.rest.size]
-        bent = q - of.rod.rest.ravel() - of.active(time).ravel()
-        work[f:] += of.rod.stiffness.ravel() * bent
-        work[:f] += (c.body @ self.still - self.acts.wrench)[list(c.free)]
+        F, m = self.drag(self.v, self.turning)
+        lost = ((self.shift, F - self.acts.force), (self.turn, m - self.acts.torque))
+        work = sum(swap(flat(x)) @ flat(f[..., None]) for x, f in lost)[..., 0]
+        f, q = len(c.free), y[..., POSE : POSE + of.rod.rest.size]
+        active = of.active(time)
+        bent = q - of.rod.rest.ravel() - active.reshape(*active.shape[:-2], -1)
+        work[..., f:] += of.rod.stiffness.ravel() * bent
+        work[..., :f] += (self.still @ c.body.T - self.acts.wrench)[..., list(c.free)]
         return self.resistance(), work
 
     def powers(self, w: np.ndarray, time: float) -> tuple[float, float]:
         """Return what drive and inner moments give, and what the fluid takes."""
         of, c = self.of, self.of.drag
         f = len(c.free)
-        driven = self.moved.velocity + np.cross(self.moved.turning, self.at.place)
-        F, m = self.drag(self.v + self.shift @ w, self.moved.turning - self.spin + self.turn @ w)
+        driven = self.moved.velocity + cross(self.moved.turning, self.at.place)
+        v, spin = self.velocity(w)
+        F, m = self.drag(v, spin)
         given = ((F - self.acts.force) * driven).sum()
         given += ((m - self.acts.torque) @ self.moved.turning).sum()
         given += (of.rod.stiffness * of.active(time)).ravel() @ w[f:]
         V = self.still.copy()
         V[list(c.free)] += w[:f]
-        took = (F * (self.v + self.shift @ w)).sum() + V @ c.body @ V
-        took += (m * (self.moved.turning - self.spin + self.turn @ w)).sum()
-        return float(given), float(took)
+        return float(given), float((F * v).sum() + V @ c.body @ V + (m * spin).sum())
 
     def power_slopes(self, w: np.ndarray, time: float) -> np.ndarray:
         """Return the derivatives of the two powers by w, (2, f + 3 n)."""
         of, c = self.of, self.of.drag
-        f, shift, turn = len(c.free), _flat(self.shift), _flat(self.turn)
-        driven = self.moved.velocity + np.cross(self.moved.turning, self.at.place)
+        f, shift, turn = len(c.free), flat(self.shift), flat(self.turn)
+        driven = self.moved.velocity + cross(self.moved.turning, self.at.place)
         F, m = self.drag(driven, np.broadcast_to(self.moved.turning, driven.shape))
         given = shift.T @ F.ravel() + turn.T @ m.ravel()
         given[f:] += (of.rod.stiffness * of.active(time)).ravel()
-        F, m = self.drag(self.v + self.shift @ w, self.moved.turning - self.spin + self.turn @ w)
+        F, m = self.drag(*self.velocity(w))
         took = 2.0 * (shift.T @ F.ravel() + turn.T @ m.ravel())
         V = self.still.copy()
         V[list(c.free)] += w[:f]

@@ -14,6 +14,7 @@ from microswim.models.elastic.beat import Beat
 from microswim.numerics.series.fourier import evaluate, series_of
 
 ROOT = np.sqrt(6.0)
+STEPS = 16  #: a period, at least
 #: Radau IIA of three stages, whose last is the end of the step.
 TIMES = np.array([(4.0 - ROOT) / 10.0, (4.0 + ROOT) / 10.0, 1.0])
 STAGES = np.array([
@@ -55,8 +56,8 @@ def _rates(beat: Beat) -> np.ndarray:
 
 
 def _steps(A: np.ndarray, times: int) -> np.ndarray:
-    """Matrices that carry a disturbance over T equal steps, of an A so many times in a period."""
-    T, n, _ = A.shape
+    """Matrices that carry a disturbance over equal steps, of an A so many times in a period."""
+    T, n = max(len(A), STEPS // times), A.shape[-1]
     h = 2.0 * np.pi / (times * T)
     when = h * (np.arange(T)[:, None] + TIMES)
     at_stages = evaluate(series_of(A), times * when)

@@ -223,7 +223,8 @@ def summed(along: np.ndarray, a: np.ndarray) -> np.ndarray:
 
 def dots(a: np.ndarray, b: np.ndarray) -> np.ndarray:
     """Return the scalar products of vectors (..., 3) and columns of vectors (..., 3, k)."""
-    return (a[..., None] * b).sum(axis=-2)
+    x, y, z = (a[..., i, None] * b[..., i, :] for i in range(3))
+    return x + y + z
 
 
 def skew(a: np.ndarray) -> np.ndarray:
@@ -241,8 +242,11 @@ def cross(a: np.ndarray, b: np.ndarray) -> np.ndarray:
 
 def cross_columns(a: np.ndarray, b: np.ndarray) -> np.ndarray:
     """Return the vector product over the axis of components, the last but one."""
+    out = np.empty(np.broadcast_shapes(a.shape, b.shape), np.result_type(a, b))
     x, y, z, u, v, w = (c[..., i, :] for c in (a, b) for i in range(3))
-    return np.stack([y * w - z * v, z * u - x * w, x * v - y * u], axis=-2)
+    out[..., 0, :], out[..., 1, :] = y * w - z * v, z * u - x * w
+    out[..., 2, :] = x * v - y * u
+    return out
 
 
 def crossed(a: np.ndarray, b: np.ndarray) -> np.ndarray:

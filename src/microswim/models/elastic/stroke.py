@@ -31,8 +31,9 @@ from microswim.models.elastic.unsteady.swimmer_in_time import InTime, Moment
 from microswim.numerics.series.fourier import evaluate, series_of
 from microswim.swimmer.swimmer import Swimmer
 
-FIRST, MOST = (17, 8), 1300  #: phases and polynomials a strain; their product, at most
-TOLERANCE = 1e-4  #: largest share that the last harmonics and strains may have
+FIRST, MOST = (11, 12), 1300  #: phases and polynomials a strain; their product, at most
+TOLERANCE = 1e-4  #: largest share that the last harmonics, and strains in the place, may have
+LITTLE = 1e-3  #: share of drive and loads to which a tail answers in proportion
 SETTLING = 4  #: periods from rest on before a beat is sought in time
 CLOSE = 1e-6  #: last step of Newton's method, whose square is left over
 
@@ -98,16 +99,15 @@ class Stroke:
     @property
     def is_resolved(self) -> tuple[bool, bool]:
         """Whether harmonics and strains have decayed."""
-        size = np.abs(self.shape).max(initial=0.0)
-        if size == 0.0:
+        size = np.abs(self.shape - self.rest).max(initial=0.0)
+        if size <= 1e-12 * np.abs(self.rest).max(initial=0.0):
             return True, True
         harmonics = np.abs(np.fft.fft(self.shape, axis=0))
         half = len(harmonics) // 2
         least = max(TOLERANCE * harmonics[1:].max(), 1e-12 * harmonics.max())
         own = (self.shape - self.rest).reshape(len(self.shape), 3, -1)[..., -2:]
-        return bool(harmonics[half - 1 : half + 2].max() <= least), bool(
-            np.abs(own).max() <= TOLERANCE * size
-        )
+        sharp = np.abs(own).max() / self.of.rod.count**2  # the place is twice the integral
+        return bool(harmonics[half - 1 : half + 2].max() <= least), bool(sharp <= TOLERANCE * size)
 
 
 def by_strains(now: Moment, w: np.ndarray) -> np.ndarray:
@@ -154,7 +154,7 @@ def stroke(swimmer: Swimmer) -> Stroke:
         in_phase, along = beat.is_resolved
         if in_phase and along:
             return beat
-        T, n = (T if in_phase else 2 * T - 1), (n if along else n + max(4, n // 3))
+        T, n = (T if in_phase else T + T // 3 // 2 * 2 + 2), (n if along else n + max(4, n // 3))
     raise MicroswimError(
         f"the elastic tail bends too sharply to be resolved (sperm number "
         f"{number:.3g}): stiffen it, drive it less, or slower"
@@ -182,14 +182,16 @@ def _finer(beat: Stroke, start: Stroke) -> Stroke:
 
 
 def _found(start: Stroke) -> Stroke | None:
-    """Newton's method, at a smaller drive and load first where the whole is too far from rest."""
-    beat, done, step = start, 0.0, 1.0
+    """Newton's method, at a smaller drive and load first where the whole is too far from rest.
+
+    Near rest a tail answers in proportion, which is the first guess, unless a wall stands by.
+    """
+    beat, done, step = start if start.of.loads.wall else _in_proportion(start), 0.0, 1.0
     while done < 1.0:
         share = min(1.0, done + step)
-        of = replace(start.of, size=share * start.of.size, loads=start.of.loads.share(share))
-        grown = share / done if done else 0.0
-        near = start.rest + grown * (beat.shape - start.rest)
-        found = newton(replace(beat, of=of, shape=near))
+        grown = share / done if done else share
+        bends, V = grown * (beat.shape - start.rest), grown * beat.velocity
+        found = newton(replace(_part(start, share), shape=start.rest + bends, velocity=V))
         if found is not None:
             done, beat = share, replace(found, steps=found.steps + beat.steps)
             continue
@@ -197,6 +199,17 @@ def _found(start: Stroke) -> Stroke | None:
         if step < (0.02 if start.of.loads.wall is None else 0.2):
             return None
     return beat
+
+
+def _part(start: Stroke, share: float) -> Stroke:
+    of = replace(start.of, size=share * start.of.size, loads=start.of.loads.share(share))
+    return replace(start, of=of)
+
+
+def _in_proportion(start: Stroke) -> Stroke:
+    """What a tail would do that answers to all of drive and load as it does to a little."""
+    dz, f = _correction(_part(start, LITTLE)) / LITTLE, start.velocity.shape[1]
+    return replace(start, shape=start.rest + dz[:, f:], velocity=dz[:, :f], steps=1)
 
 
 def _found_in_time(swimmer: Swimmer, start: Stroke) -> Stroke:
@@ -239,12 +252,15 @@ def newton(beat: Stroke) -> Stroke | None:
 
 
 def _correction(beat: Stroke) -> np.ndarray:
-    """Newton's step of all phases at once, (T, f + 3 n)."""
+    """Newton's step of all phases at once, (T, f + 3 n); velocities are eliminated at each."""
     residual, M, G = beat.balances()
-    T, N = residual.shape
-    f, i = beat.velocity.shape[1], np.arange(T)
-    A = np.zeros((T, N, T, N), dtype=residual.dtype)
-    A[i, :, i, :f] = M[:, :, :f]
-    A[:, :, :, f:] = M[:, :, None, f:] * periodic_derivative(T)[:, None, :, None]
-    A[i, :, i, f:] += G
-    return np.linalg.solve(A.reshape(T * N, T * N), -residual.ravel()).reshape(T, N)
+    f, i, D = beat.velocity.shape[1], np.arange(len(M)), periodic_derivative(len(M))
+    own = np.concatenate([residual[..., None], G, M[..., f:]], axis=-1)
+    own_f = np.linalg.solve(M[:, :f, :f], own[:, :f])  # of the velocities
+    own = own[:, f:] - M[:, f:, :f] @ own_f
+    left, G_q, M_q = own[..., 0], own[..., 1 : 1 + G.shape[-1]], own[..., 1 + G.shape[-1] :]
+    A = M_q[:, :, None] * D[:, None, :, None]
+    A[i, :, i] += G_q
+    dq = np.linalg.solve(A.reshape(left.size, left.size), -left.ravel()).reshape(left.shape)
+    moved = np.concatenate([np.ones((len(dq), 1)), dq, D @ dq], axis=-1)
+    return np.concatenate([-(own_f @ moved[..., None])[..., 0], dq], axis=-1)

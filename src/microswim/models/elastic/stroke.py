@@ -32,10 +32,11 @@ from microswim.numerics.series.fourier import evaluate, series_of
 from microswim.swimmer.swimmer import Swimmer
 
 FIRST, MOST = (11, 12), 1300  #: phases and polynomials a strain; their product, at most
-TOLERANCE = 1e-4  #: largest share that the last harmonics, and strains in the place, may have
+TOLERANCE = 1e-3  #: largest share that the last harmonics, and strains in the place, may have
 LITTLE = 1e-3  #: share of drive and loads to which a tail answers in proportion
 SETTLING = 4  #: periods from rest on before a beat is sought in time
-CLOSE = 1e-6  #: last step of Newton's method, whose square is left over
+CLOSE, NEAR = 1e-4, 1e-2  #: last step of Newton's method, whose square is left over; on the way
+ROUNDING = 1e-10
 
 
 @dataclass(frozen=True, eq=False)
@@ -102,12 +103,33 @@ class Stroke:
         size = np.abs(self.shape - self.rest).max(initial=0.0)
         if size <= 1e-12 * np.abs(self.rest).max(initial=0.0):
             return True, True
-        harmonics = np.abs(np.fft.fft(self.shape, axis=0))
-        half = len(harmonics) // 2
-        least = max(TOLERANCE * harmonics[1:].max(), 1e-12 * harmonics.max())
+        first, last = self.harmonics
         own = (self.shape - self.rest).reshape(len(self.shape), 3, -1)[..., -2:]
         sharp = np.abs(own).max() / self.of.rod.count**2  # the place is twice the integral
-        return bool(harmonics[half - 1 : half + 2].max() <= least), bool(sharp <= TOLERANCE * size)
+        return bool(last <= TOLERANCE * first), bool(sharp <= TOLERANCE * size)
+
+    @property
+    def harmonics(self) -> tuple[float, float]:
+        """The largest of its harmonics, and the largest of its last two above rounding."""
+        sizes = np.abs(np.fft.fft(self.shape, axis=0)).max(axis=1)[: len(self.shape) // 2 + 1]
+        return sizes[1:].max(), max(sizes[-2:].max() - 1e-12 * sizes.max(), 0.0)
+
+    @property
+    def phases_wanted(self) -> int:
+        """More phases, an odd number: as many as harmonics need that go on falling as these do."""
+        (first, last), T = self.harmonics, len(self.shape)
+        enough = np.log(TOLERANCE) / np.log(min(last / first, 0.9)) * (T // 2 - 1)
+        return min(max(2 * int(enough) + 5, T + 4), 2 * T + 1)
+
+    @property
+    def motion(self) -> np.ndarray:
+        """Velocities, and strains about those at rest, (T, f + 3 n)."""
+        return np.concatenate([self.velocity, self.shape - self.rest], axis=-1)
+
+    def moved(self, dz: np.ndarray) -> Stroke:
+        """Return it with another motion: as it is and so much more."""
+        f = self.velocity.shape[1]
+        return replace(self, velocity=self.velocity + dz[:, :f], shape=self.shape + dz[:, f:])
 
 
 def by_strains(now: Moment, w: np.ndarray) -> np.ndarray:
@@ -154,7 +176,7 @@ def stroke(swimmer: Swimmer) -> Stroke:
         in_phase, along = beat.is_resolved
         if in_phase and along:
             return beat
-        T, n = (T if in_phase else T + T // 3 // 2 * 2 + 2), (n if along else n + max(4, n // 3))
+        T, n = (T if in_phase else beat.phases_wanted), (n if along else n + max(4, n // 3))
     raise MicroswimError(
         f"the elastic tail bends too sharply to be resolved (sperm number "
         f"{number:.3g}): stiffen it, drive it less, or slower"
@@ -186,19 +208,20 @@ def _found(start: Stroke) -> Stroke | None:
 
     Near rest a tail answers in proportion, which is the first guess, unless a wall stands by.
     """
-    beat, done, step = start if start.of.loads.wall else _in_proportion(start), 0.0, 1.0
-    while done < 1.0:
+    known, step = [(0.0, start)], 1.0
+    if start.of.loads.wall is None:
+        known.append((LITTLE, start.moved(_correction(_part(start, LITTLE)))))
+    while (done := known[-1][0]) < 1.0:
         share = min(1.0, done + step)
-        grown = share / done if done else share
-        bends, V = grown * (beat.shape - start.rest), grown * beat.velocity
-        found = newton(replace(_part(start, share), shape=start.rest + bends, velocity=V))
+        guess = _part(start, share).moved(_on_from(known, share))
+        found = newton(guess, NEAR if share < 1.0 else CLOSE)
         if found is not None:
-            done, beat = share, replace(found, steps=found.steps + beat.steps)
+            known = [known[-1], (share, found)]
             continue
         step /= 2.0
         if step < (0.02 if start.of.loads.wall is None else 0.2):
             return None
-    return beat
+    return known[-1][1]
 
 
 def _part(start: Stroke, share: float) -> Stroke:
@@ -206,10 +229,11 @@ def _part(start: Stroke, share: float) -> Stroke:
     return replace(start, of=of)
 
 
-def _in_proportion(start: Stroke) -> Stroke:
-    """What a tail would do that answers to all of drive and load as it does to a little."""
-    dz, f = _correction(_part(start, LITTLE)) / LITTLE, start.velocity.shape[1]
-    return replace(start, shape=start.rest + dz[:, f:], velocity=dz[:, :f], steps=1)
+def _on_from(known: list[tuple[float, Stroke]], share: float) -> np.ndarray:
+    """The motion at a share of the drive, on the line through those known at smaller ones."""
+    (low, first), (high, last) = known[0], known[-1]
+    ahead = (share - high) / (high - low) if high > low else 0.0
+    return last.motion + ahead * (last.motion - first.motion)
 
 
 def _found_in_time(swimmer: Swimmer, start: Stroke) -> Stroke:
@@ -233,19 +257,17 @@ def _found_in_time(swimmer: Swimmer, start: Stroke) -> Stroke:
     return found
 
 
-def newton(beat: Stroke) -> Stroke | None:
+def newton(beat: Stroke, close: float = CLOSE) -> Stroke | None:
     """Return the beat with no work left over, or None where Newton's method does not get there."""
-    last = np.inf
+    last, lags = 2.0 * np.abs(beat.motion).max() or np.inf, True
     for step in range(1, 16):
         dz = _correction(beat)
-        size, f = np.abs(dz).max(), beat.velocity.shape[1]
-        shape, velocity = beat.shape + dz[:, f:], beat.velocity + dz[:, :f]
-        beat = replace(beat, shape=shape, velocity=velocity, steps=step)
-        if size <= CLOSE * max(1.0, np.abs(shape).max()):
-            if last <= CLOSE or not np.iscomplexobj(dz):
+        size, beat = np.abs(dz).max(), replace(beat.moved(dz), steps=step)
+        if size <= close * np.abs(beat.motion).max() + ROUNDING:
+            if not (lags and np.iscomplexobj(dz)):
                 return beat
-            size = 0.0  # an imaginary part lags behind by a step
-        if not size < 4.0 * max(last, CLOSE):
+            lags = False  # an imaginary part is a step behind
+        elif not size < last:
             return None
         last = size
     return None

@@ -17,6 +17,7 @@ from typing import Any
 import numpy as np
 
 from microswim.errors import MicroswimError
+from microswim.models.elastic.growing import grown
 from microswim.models.elastic.plane import Balance, Base, Loads, balance
 from microswim.models.elastic.problem import Problem
 from microswim.models.elastic.rod import Rod
@@ -24,8 +25,10 @@ from microswim.numerics.series.fourier import evaluate, series_of
 
 #: Phases over half a period and curvatures of the rod, to begin with; their product, at most.
 FIRST, MOST = (8, 12), 2500
-#: Largest share that the last harmonics and curvatures may have.
+#: Largest share that the last harmonics, and curvatures in the tail's place, may have.
 TOLERANCE = 1e-5
+CLOSE, NEAR = 1e-6, 1e-2  #: last step of Newton's method, whose square is left over; on the way
+ROUNDING = 1e-10
 
 
 @dataclass(frozen=True, eq=False)
@@ -70,18 +73,40 @@ class Beat:
         return balance(self.rod, self.problem.drag, base, q, w, Loads(), rest)
 
     @property
+    def motion(self) -> np.ndarray:
+        """Velocities, and coordinates about those at rest, (T, f + n)."""
+        return np.concatenate([self.velocity, self.shape - self.rod.rest], axis=-1)
+
+    def moved(self, dz: np.ndarray) -> Beat:
+        """Return it with another motion: as it is and so much more."""
+        f = self.velocity.shape[1]
+        return replace(self, velocity=self.velocity + dz[:, :f], shape=self.shape + dz[:, f:])
+
+    @property
     def is_resolved(self) -> tuple[bool, bool]:
         """Whether harmonics and curvatures have decayed."""
-        size = np.abs(self.shape).max(initial=0.0)
-        if size == 0.0:
+        bends = np.abs(self.shape - self.rod.rest)
+        if bends.max(initial=0.0) <= 1e-12 * np.abs(self.shape).max(initial=0.0):
             return True, True
-        harmonics = np.abs(np.fft.fft(self.over_period(self.shape), axis=0))
-        half = len(harmonics) // 2
-        last = harmonics[half // 2 * 2 - 1 : half + 1].max()
-        curved = np.abs((self.shape - self.rod.rest)[:, -2:]).max()
-        least = 1e-12 * harmonics.max()  # of a bent tail that hardly beats
-        enough = last <= max(TOLERANCE * harmonics[1:].max(), least)
-        return bool(enough), bool(curved <= TOLERANCE * size)
+        first, last, _ = self.harmonics
+        sharp = bends[:, -2:].max() / self.rod.count**2  # the place is twice the integral
+        return bool(last <= TOLERANCE * first), bool(sharp <= TOLERANCE * bends.max())
+
+    @property
+    def harmonics(self) -> tuple[float, float, int]:
+        """The largest of its harmonics, the last ones above rounding, and how many it has."""
+        sizes = np.abs(np.fft.fft(self.over_period(self.shape), axis=0)).max(axis=1)
+        half = len(sizes) // 2
+        last = sizes[half // 2 * 2 - 1 : half + 1].max() - 1e-12 * sizes.max()
+        return sizes[1 : half + 1].max(), max(last, 0.0), half // 2 * 2
+
+    @property
+    def phases_wanted(self) -> int:
+        """More phases than it has, enough for harmonics that go on falling as these do."""
+        T, H = len(self.shape), harmonics_wanted(*self.harmonics, TOLERANCE)
+        if self.problem.mirrors:
+            return min(max(H + 1, T + 4), 2 * T)
+        return min(max(2 * H + 1, T + 4), 2 * T - 1)  # odd
 
     def over_period(self, samples: np.ndarray, sense: Any = -1.0) -> np.ndarray:
         """Return samples at its phases over a whole period, of what gets `sense` half of it on."""
@@ -158,12 +183,19 @@ def settled(problem: Problem) -> Beat:
         in_time, along = beat.is_resolved
         if in_time and along:
             return beat
-        more = 2 * T if problem.mirrors else 2 * T - 1  # odd again
-        T, n = (T if in_time else more), (n if along else n + max(6, n // 3))
+        T, n = (T if in_time else beat.phases_wanted), (n if along else n + max(6, n // 3))
     raise MicroswimError(
         f"the elastic tail bends too sharply to be resolved (sperm number "
         f"{problem.sperm_number:.3g}): stiffen it, drive it less, or slower"
     )
+
+
+def harmonics_wanted(first: float, last: float, count: int, tolerance: float) -> int:
+    """Return at which of harmonics that go on falling as from the first to the last of so many one
+    is no larger than a part of the first.
+    """
+    fall = np.log(min(last / first, 0.9)) / (count - 1)
+    return 1 + int(np.ceil(np.log(tolerance) / fall))
 
 
 def _finer(beat: Beat, T: int, n: int) -> Beat:
@@ -188,42 +220,32 @@ def _still(problem: Problem) -> Beat:
 
 def found(problem: Problem, T: int, n: int) -> Beat:
     """Return Newton's method, at a smaller drive first where the whole is too far from rest."""
-    shapes, f = problem.rod(n), len(problem.drag.free)
-    beat = Beat(problem, shapes, np.tile(shapes.rest, (T, 1)), np.zeros((T, f)), 0)
-    done, step = 0.0, 1.0
-    while done < 1.0:
-        share = min(1.0, done + step)
-        grown = share / done if done else 0.0
-        near = shapes.rest + grown * (beat.shape - shapes.rest)
-        start = replace(beat, problem=problem.share(share), shape=near)
-        found = _newton(start)
-        if found is None:
-            step /= 2.0
-            if step < 0.01:
-                raise MicroswimError(
-                    f"no periodic beat of the elastic tail was found beyond {done:.0%} of its "
-                    "drive: drive it less or stiffen it"
-                )
-            continue
-        done, beat = share, replace(found, steps=found.steps + beat.steps)
+    shapes = problem.rod(n)
+    still = np.tile(shapes.rest, (T, 1)), np.zeros((T, len(problem.drag.free)))
+
+    def at(share: float) -> Beat:
+        return Beat(problem.share(share), shapes, *still, 0)
+
+    beat, done = grown(at, lambda x, whole: _newton(x, CLOSE if whole else NEAR), _correction, 0.01)
+    if done < 1.0:
+        raise MicroswimError(
+            f"no periodic beat of the elastic tail was found beyond {done:.0%} of its "
+            "drive: drive it less or stiffen it"
+        )
     return beat
 
 
-def _newton(beat: Beat) -> Beat | None:
+def _newton(beat: Beat, close: float = CLOSE) -> Beat | None:
     """Return the beat with no work left over, or None where Newton's method does not get there."""
-    last = np.inf
+    last, lags = 2.0 * np.abs(beat.motion).max() or np.inf, True
     for step in range(1, 16):
         dz = _correction(beat)
-        size = np.abs(dz).max()
-        f = beat.velocity.shape[1]
-        beat = replace(
-            beat, shape=beat.shape + dz[:, f:], velocity=beat.velocity + dz[:, :f], steps=step
-        )
-        if size <= 1e-10 * max(1.0, np.abs(beat.shape).max()):
-            if last <= 1e-10 or not np.iscomplexobj(dz):
+        size, beat = np.abs(dz).max(), replace(beat.moved(dz), steps=step)
+        if size <= close * np.abs(beat.motion).max() + ROUNDING:
+            if not (lags and np.iscomplexobj(dz)):
                 return beat
-            size = 0.0  # an imaginary part lags behind by a step
-        if not size < 4.0 * max(last, 1e-10):
+            lags = False  # an imaginary part is a step behind
+        elif not size < last:
             return None
         last = size
     return None

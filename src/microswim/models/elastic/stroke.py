@@ -13,7 +13,8 @@ import numpy as np
 
 from microswim.errors import MicroswimError
 from microswim.gait import doors
-from microswim.models.elastic.beat import periodic_derivative
+from microswim.models.elastic.beat import harmonics_wanted, periodic_derivative
+from microswim.models.elastic.growing import grown
 from microswim.models.elastic.growth import slowest
 from microswim.models.elastic.problem import elastic_tail
 from microswim.models.elastic.space import (
@@ -33,7 +34,6 @@ from microswim.swimmer.swimmer import Swimmer
 
 FIRST, MOST = (11, 12), 1300  #: phases and polynomials a strain; their product, at most
 TOLERANCE = 1e-3  #: largest share that the last harmonics, and strains in the place, may have
-LITTLE = 1e-3  #: share of drive and loads to which a tail answers in proportion
 SETTLING = 4  #: periods from rest on before a beat is sought in time
 CLOSE, NEAR = 1e-4, 1e-2  #: last step of Newton's method, whose square is left over; on the way
 ROUNDING = 1e-10
@@ -116,10 +116,10 @@ class Stroke:
 
     @property
     def phases_wanted(self) -> int:
-        """More phases, an odd number: as many as harmonics need that go on falling as these do."""
-        (first, last), T = self.harmonics, len(self.shape)
-        enough = np.log(TOLERANCE) / np.log(min(last / first, 0.9)) * (T // 2 - 1)
-        return min(max(2 * int(enough) + 5, T + 4), 2 * T + 1)
+        """More phases than it has, enough for harmonics that go on falling as these do."""
+        T = len(self.shape)
+        H = harmonics_wanted(*self.harmonics, T // 2, TOLERANCE)
+        return min(max(2 * H + 1, T + 4), 2 * T + 1)
 
     @property
     def motion(self) -> np.ndarray:
@@ -204,36 +204,16 @@ def _finer(beat: Stroke, start: Stroke) -> Stroke:
 
 
 def _found(start: Stroke) -> Stroke | None:
-    """Newton's method, at a smaller drive and load first where the whole is too far from rest.
+    """Newton's method, at a smaller drive and load first where the whole is too far from rest."""
+    walled = start.of.loads.wall is not None
 
-    Near rest a tail answers in proportion, which is the first guess, unless a wall stands by.
-    """
-    known, step = [(0.0, start)], 1.0
-    if start.of.loads.wall is None:
-        known.append((LITTLE, start.moved(_correction(_part(start, LITTLE)))))
-    while (done := known[-1][0]) < 1.0:
-        share = min(1.0, done + step)
-        guess = _part(start, share).moved(_on_from(known, share))
-        found = newton(guess, NEAR if share < 1.0 else CLOSE)
-        if found is not None:
-            known = [known[-1], (share, found)]
-            continue
-        step /= 2.0
-        if step < (0.02 if start.of.loads.wall is None else 0.2):
-            return None
-    return known[-1][1]
+    def at(share: float) -> Stroke:
+        of = replace(start.of, size=share * start.of.size, loads=start.of.loads.share(share))
+        return replace(start, of=of)
 
-
-def _part(start: Stroke, share: float) -> Stroke:
-    of = replace(start.of, size=share * start.of.size, loads=start.of.loads.share(share))
-    return replace(start, of=of)
-
-
-def _on_from(known: list[tuple[float, Stroke]], share: float) -> np.ndarray:
-    """The motion at a share of the drive, on the line through those known at smaller ones."""
-    (low, first), (high, last) = known[0], known[-1]
-    ahead = (share - high) / (high - low) if high > low else 0.0
-    return last.motion + ahead * (last.motion - first.motion)
+    first, least = (None, 0.2) if walled else (_correction, 0.02)
+    beat, done = grown(at, lambda x, whole: newton(x, CLOSE if whole else NEAR), first, least)
+    return beat if done == 1.0 else None
 
 
 def _found_in_time(swimmer: Swimmer, start: Stroke) -> Stroke:

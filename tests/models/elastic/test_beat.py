@@ -175,7 +175,8 @@ def test_the_mirror_image_of_a_bent_tail_swims_as_the_mirror_image():
     image = [(s, -q, r) for s, q, r in AWRY]
     parts = {"body": ms.Sphere(radius=0.2), "motion": ms.Motion()}
     one, other = (swimmer(3.0, 0.3, rest=rest, **parts).gait() for rest in (AWRY, image))
-    np.testing.assert_allclose(other.velocity(np.pi), one.velocity(0.0) * MIRROR_Q, atol=1e-9)
+    # sampled half a step apart, so to what the phases resolve (1e-5), not to rounding
+    np.testing.assert_allclose(other.velocity(np.pi), one.velocity(0.0) * MIRROR_Q, atol=1e-6)
     assert abs(one.mean_velocity[5]) > 1e-3  # it swims in circles
 
 

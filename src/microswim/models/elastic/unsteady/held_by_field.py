@@ -141,8 +141,8 @@ def held_by_field(swimmer: Swimmer, near: Held | None = None) -> Held | None:
         found = (near and held(at, LONG)) or sped_up(at)
         if found is None:
             return None
-        bent = np.abs((found.strains - found.of.rod.rest)[:, -2:]).max()
-        if bent / n**2 <= SHARP * max(np.abs(found.strains).max(), 1e-6):  # in the tail's place
+        bends = np.abs(found.strains - found.of.rod.rest)
+        if bends[:, -2:].max() / n**2 <= SHARP * max(bends.max(), 1e-6):  # in the tail's place
             return found if found.growth <= GROWS else None
         near, n = found, n + max(4, n // 3)
     raise MicroswimError(

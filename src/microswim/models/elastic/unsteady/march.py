@@ -20,7 +20,7 @@ from microswim.models.elastic.whirl import elastic_tail
 from microswim.swimmer.swimmer import Swimmer
 
 FIRST, MOST = 8, 40  #: polynomials a strain
-SHARP = 1e-4  #: largest share that the last two of them may have in the tail's place
+SHARP = 3e-4  #: largest share that the last two of them may have in the tail's place
 LOOSEST = 3e-5  #: tolerance; with a looser one the steps of BDF fail more often than they save
 POINTS = 33  #: of the filament, in what is handed on
 
@@ -99,12 +99,10 @@ def marched(
     tolerance = min(tolerance, LOOSEST)
     while True:
         of = in_time(swimmer, n, start.phase, **more)
-        found = _integrated(
+        found, sharp = _integrated(
             of, units, _packed(of, units, start), times - times[0], begun, tolerance
         )
-        strains = found[:, POSE : POSE + of.rod.rest.size].reshape(len(times), 3, -1)
-        last = np.sqrt(((strains - of.rod.rest)[1:, :, -2:] ** 2).mean(axis=0)).max()
-        if last / n**2 <= SHARP * max(np.abs(strains).max(), 1e-6):
+        if sharp <= SHARP:
             break
         n += max(4, n // 3)
         if n > MOST:
@@ -156,7 +154,8 @@ def places(of: InTime, units: Units, y: np.ndarray, time: float) -> np.ndarray:
 
 def _integrated(
     of: InTime, units: Units, y0: np.ndarray, times: np.ndarray, begun: float, tolerance: float
-) -> np.ndarray:
+) -> tuple[np.ndarray, float]:
+    """States at the times, and how sharply the filament was bent on the way."""
     from scipy.integrate import solve_ivp
 
     shift = begun / units.time
@@ -167,10 +166,19 @@ def _integrated(
     t = times / units.time
     scale = np.ones(len(y0))
     scale[-2:] = max(1.0, abs(of.drag.normal))
+    tolerance = tolerance / 4.0  # so that work and heat agree to it
     found = solve_ivp(
-        lambda when, y: rates(of, when, y), (0.0, t[-1]), y0, "BDF", t, rtol=tolerance,
-        atol=tolerance * scale, jac=lambda when, y: derivative(of, when, y),
+        lambda when, y: rates(of, when, y), (0.0, t[-1]), y0, "BDF", rtol=tolerance,
+        atol=tolerance * scale, jac=lambda when, y: derivative(of, when, y), dense_output=True,
     )  # fmt: skip
     if not found.success or not np.isfinite(found.y).all():
         raise MicroswimError("the elastic tail cannot be followed: its loads change too fast")
-    return found.y.T
+    return found.sol(t).T, _sharpness(of, found.t, found.y.T)
+
+
+def _sharpness(of: InTime, t: np.ndarray, y: np.ndarray) -> float:
+    """Share of the last two polynomials in the tail's place, of the bends, in the mean of time."""
+    bends = y[:, POSE : POSE + of.rod.rest.size].reshape(len(t), 3, -1) - of.rod.rest
+    dt, square = np.diff(t)[:, None, None], bends**2
+    mean = np.sqrt((dt * (square[1:] + square[:-1]) / 2.0).sum(axis=0) / t[-1])
+    return mean[:, -2:].max() / of.rod.count**2 / max(mean.max(), 1e-6)

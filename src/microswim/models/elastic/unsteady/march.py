@@ -19,7 +19,7 @@ from microswim.models.elastic.unsteady.swimmer_in_time import POSE, InTime, deri
 from microswim.models.elastic.whirl import elastic_tail
 from microswim.swimmer.swimmer import Swimmer
 
-FIRST, BENT, MOST = 8, 12, 40  #: polynomials a strain; of a tail that is bent at rest
+FIRST, BENT, MOST = 8, 12, 40  #: polynomials a strain; of a tail bent at rest, or from within
 SHARP = 3e-4  #: largest share that the last two of them may have in the tail's place
 LOOSEST = 3e-5  #: tolerance; with a looser one the steps of BDF fail more often than they save
 POINTS = 33  #: of the filament, in what is handed on
@@ -51,8 +51,9 @@ class Shape:
 
 def at_rest(swimmer: Swimmer, position: Any, quaternion: Any, phase: float) -> Shape:
     """Return the swimmer at a pose with its filament as it is where nothing pulls."""
-    rest = elastic_tail(swimmer).rest_shape
-    modes = FIRST if rest is None else max(BENT, rest.modes() + 2)
+    tail = elastic_tail(swimmer)
+    rest, modes = tail.rest_shape, BENT if tail.is_bent or tail.drive == "moment" else FIRST
+    modes = modes if rest is None else max(modes, rest.modes() + 2)
     rod = in_time(swimmer, modes).rod
     pose = np.array(position, float), np.array(quaternion, float), float(phase)
     return Shape(*pose, np.array(rod.rest[:, rod.hooks :], float), np.zeros(3), np.zeros(2))

@@ -205,6 +205,11 @@ def rigid_motions(X: np.ndarray, free: tuple[int, ...]) -> tuple[np.ndarray, np.
     return turn[..., list(free)], shift[..., list(free)]
 
 
+def worked(moves: np.ndarray, force: np.ndarray) -> np.ndarray:
+    """Return the work (..., k) of forces (..., m, 3) by each column of moves (..., m, 3, k)."""
+    return (swap(flat(moves)) @ flat(force[..., None]))[..., 0]
+
+
 def flat(a: np.ndarray) -> np.ndarray:
     """Return nodes and components in one row, (..., 3 m, k)."""
     return a.reshape(*a.shape[:-3], -1, a.shape[-1])

@@ -10,7 +10,7 @@ import numpy as np
 
 from microswim.gait.quantities import magnitude
 from microswim.models.elastic.rod import integrals
-from microswim.models.elastic.space import flat, swap
+from microswim.models.elastic.space import worked
 from microswim.models.elastic.stroke import Stroke
 from microswim.numerics.series.fourier import derivative, evaluate, series_of, trimmed
 from microswim.swimmer.geometry.tails.custom_tail import CustomTail
@@ -103,8 +103,7 @@ def _sums(
     now = replace(beat.of, loads=still, drag=drag).moment(time, beat.state(q))
     w = np.concatenate([np.zeros((len(rate), len(ALL))), rate], axis=-1)
     v, spin = now.velocity(w)
-    on_fluid = force, torque = now.drag(v, spin)
+    force, torque = now.drag(v, spin)
     rigid = replace(now, turn=now.turn[..., : len(ALL)], shift=now.shift[..., : len(ALL)])
-    R, moves = rigid.resistance() - drag.body, (rigid.shift, rigid.turn)
-    F = sum(swap(flat(x)) @ flat(f[..., None]) for x, f in zip(moves, on_fluid))
-    return R, F[..., 0], (force * v + torque * spin).sum(axis=(-2, -1))
+    R, F = rigid.resistance() - drag.body, worked(rigid.shift, force) + worked(rigid.turn, torque)
+    return R, F, (force * v + torque * spin).sum(axis=(-2, -1))

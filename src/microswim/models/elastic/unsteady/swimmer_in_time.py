@@ -32,6 +32,7 @@ from microswim.models.elastic.space import (
     shapes_of,
     skew,
     swap,
+    worked,
 )
 from microswim.models.elastic.unsteady.loads import Loads, Pull, pull
 from microswim.numerics.rigid_motion import multiply, rotation_matrix
@@ -270,8 +271,7 @@ class Moment:
         """Return M, and the work of each velocity were all of them zero."""
         of, c = self.of, self.of.drag
         F, m = self.drag(self.v, self.turning)
-        lost = ((self.shift, F - self.acts.force), (self.turn, m - self.acts.torque))
-        work = sum(swap(flat(x)) @ flat(f[..., None]) for x, f in lost)[..., 0]
+        work = worked(self.shift, F - self.acts.force) + worked(self.turn, m - self.acts.torque)
         f, q = len(c.free), y[..., POSE : POSE + of.rod.rest.size]
         active = of.active(time)
         bent = q - of.rod.rest.ravel() - active.reshape(*active.shape[:-2], -1)

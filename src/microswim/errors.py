@@ -6,10 +6,13 @@ Every message is one sentence: the field and its value, what is allowed, how to 
 from __future__ import annotations
 
 import warnings
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable, Iterator, Mapping
+from contextlib import contextmanager
+from contextvars import ContextVar
 from typing import Any
 
 MOST_OFFERED = 10  #: names that an error lists; a longer list helps nobody
+_notes: ContextVar[list[str] | None] = ContextVar("notes", default=None)
 
 
 class MicroswimError(Exception):
@@ -91,10 +94,34 @@ class RenamedWarning(FutureWarning):
     """
 
 
+@contextmanager
+def noted() -> Iterator[list[str]]:
+    """Yield the list to which `warn` writes meanwhile, of this thread alone.
+
+    What `warnings.catch_warnings` changes holds for all threads: a server that answers two at once
+    would tell one what was warned of the other.
+    """
+    notes: list[str] = []
+    token = _notes.set(notes)
+    try:
+        yield notes
+    finally:
+        _notes.reset(token)
+
+
+def warn(message: str, category: type[Warning], stacklevel: int = 2) -> None:
+    """Warn, or write down what would be warned where somebody notes it."""
+    notes = _notes.get()
+    if notes is None:
+        warnings.warn(message, category, stacklevel=stacklevel + 1)
+    else:
+        notes.append(" ".join(message.split()))
+
+
 def renamed(old: str, new: str, level: int = 3) -> None:
     """Warn that a name was replaced."""
     text = f"{old} is now called {new}; the old name works for one release more"
-    warnings.warn(text, RenamedWarning, stacklevel=level)
+    warn(text, RenamedWarning, stacklevel=level)
 
 
 def _shown(value: Any) -> str:

@@ -2,11 +2,11 @@
 
 from __future__ import annotations
 
-import warnings
 from typing import Any
 
 import numpy as np
 
+from microswim.errors import warn
 from microswim.gait.gait import DEGREES_OF_FREEDOM, Gait
 
 
@@ -18,7 +18,7 @@ def warn_if_held(gait: Gait, moment: Any) -> None:
     """Warn where a magnetic moment acts on a swimmer that cannot turn about all axes."""
     held = [name for name, free in zip(DEGREES_OF_FREEDOM[3:], gait.free[3:]) if not free]
     if held and np.any(moment):
-        warnings.warn(
+        warn(
             f"motion.free holds {', '.join(held)}: the field turns the magnet, and the swimmer "
             'cannot tilt as a real one does; motion.free = "all" lets it',
             HeldWarning,

@@ -7,13 +7,13 @@ series, 21 columns for the lower triangle of R and 6 for F_p, as `gait.stepping`
 from __future__ import annotations
 
 import time
-import warnings
 from typing import Any
 
 import numpy as np
 
 from microswim.calibration.atlas import choice
 from microswim.calibration.atlas.expected import expected_error
+from microswim.errors import noted
 from microswim.gait.gait import Gait
 from microswim.gait.quantities import NUMBERS, numbers
 from microswim.gait.screw import is_misled, leading_end
@@ -55,8 +55,7 @@ def solve(tables: Any, name: str = "design") -> dict[str, Any]:
     start = time.perf_counter()
     swimmer = swimmer_of(tables)
     clearance.check(swimmer)
-    with warnings.catch_warnings(record=True) as caught:
-        warnings.simplefilter("always")
+    with noted() as notes:
         gait = surrogate(swimmer)
         answer = describe(swimmer, gait)
     answer["tables"] = canonical(swimmer)
@@ -64,8 +63,7 @@ def solve(tables: Any, name: str = "design") -> dict[str, Any]:
         answer["tables"]["region"] = tables["region"]
     own = dropped.beside(answer["tables"])
     answer["toml"] = to_toml(own, f"{name}, from the microswim studio")
-    ours = [w for w in caught if w.category.__module__.startswith("microswim")]
-    answer["notes"] = list(dict.fromkeys(" ".join(str(w.message).split()) for w in ours))
+    answer["notes"] = list(dict.fromkeys(notes))
     answer["milliseconds"] = 1e3 * (time.perf_counter() - start)
     return answer
 

@@ -6,7 +6,6 @@ corrected R and F_p; a gait also the expected error, and says when the design li
 
 from __future__ import annotations
 
-import warnings
 from dataclasses import dataclass, field
 from functools import cached_property
 from typing import Any
@@ -17,7 +16,7 @@ from microswim.calibration.region import body_flow as shaded
 from microswim.calibration.region.beats import finer
 from microswim.calibration.region.evaluate import matrices, twists
 from microswim.calibration.region.surfaces import Surfaces
-from microswim.errors import SpecError
+from microswim.errors import SpecError, warn
 from microswim.gait.gait import Gait
 from microswim.gait.poses.one_pose import remark
 from microswim.numerics.array import read_only
@@ -209,7 +208,7 @@ class Correction:
         R, F, G, extra = matrices(swimmer, *inputs, self.surfaces)
         missing = self.outside(swimmer)
         if missing:
-            warnings.warn(
+            warn(
                 f"outside the calibrated region, expect larger errors: {'; '.join(missing)}",
                 RegionWarning,
                 stacklevel=3,

@@ -6,7 +6,6 @@ and torque), and the closed form (20). All formulas accept arrays and complex nu
 
 from __future__ import annotations
 
-import warnings
 from abc import ABC, abstractmethod
 from dataclasses import dataclass
 from functools import partial
@@ -15,7 +14,7 @@ from typing import Any, ClassVar
 import numpy as np
 
 from microswim import checks
-from microswim.errors import SpecError
+from microswim.errors import SpecError, warn
 from microswim.swimmer.drag.lighthill import lighthill_integrals
 from microswim.swimmer.geometry.tails.kinds import Tail, as_wave
 
@@ -158,7 +157,7 @@ def _warn_lighthill(epsilon: Any, meaningless: Any) -> None:
         )
     if np.any(np.real(epsilon) > 0.5):
         worst = float(np.max(np.real(epsilon)))
-        warnings.warn(
+        warn(
             f"Lighthill's coefficients are beyond their range (epsilon = {worst:.2g} > 0.5): the "
             f"filament is thick for its wavelength; {mend}",
             ValidityWarning,

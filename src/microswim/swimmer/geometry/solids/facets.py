@@ -76,7 +76,9 @@ def graded(edges: Array, wanted: Array, at: Array) -> Array:
     at
         Increasing, from the first to the last edge.
     """
-    h = np.min(wanted[:, None] + GROWTH * np.abs(at[:, None] - at), axis=0)
+    after = np.minimum.accumulate(wanted - GROWTH * at) + GROWTH * at
+    before = np.minimum.accumulate((wanted + GROWTH * at)[::-1])[::-1] - GROWTH * at
+    h = np.minimum(after, before)
     share = np.concatenate([[0.0], np.cumsum(0.5 * (1 / h[1:] + 1 / h[:-1]) * np.diff(at))])
     pieces = np.interp(edges, at, share)
     cuts = [np.zeros(1)]

@@ -163,7 +163,7 @@ function caption(): Caption {
   const shown = (["forces", "magnet"] as const).filter((key) => !legends[key].hidden).flatMap((key) => texts[key]);
   const ends = flowEnds();
   return {
-    designs: store.designs.map((d, i) => ({ colour: look(i).tail, ...answers.told(d, driver.magnetic ? driver.told : null) })),
+    designs: store.designs.map((d, i) => ({ colour: look(i).tail, ...answers.told(d, !driver.magnetic ? null : d === store.design ? driver.told : "driven by the same field") })),
     arrows: shown.map((text) => ({ colour: ARROWS[text], text })),
     bar: transport.bar,
     flow: ends && { colours: speeds(40), low: `flow ${ends[0]}`, high: ends[1] },

@@ -181,6 +181,10 @@ def test_the_judge_is_asked_and_the_surrogate_calibrated(page):
     )
     page.keyboard.press("Control+z")
     settled(page)
+    page.select_option("#presets", "tabak/helix-sbt")
+    page.wait_for_selector("#verdict", state="detached")  # that was of another design
+    page.select_option("#presets", "tabak/helix")
+    page.wait_for_function("() => studio.store.design.name === 'tabak/helix'")
     page.click("#tab-map")
 
 

@@ -254,23 +254,36 @@ def test_the_page_goes_along_the_path_and_comes_back(page):
 
 @pytest.mark.browser
 def test_a_scene_of_the_menu_puts_two_swimmers_where_it_says(page):
-    """The solve is made up: where the page puts what is answered is what is asked here."""
+    """The solve is made up: where the page puts what is answered is what is asked here.
+
+    A path of one is on show before.
+    """
     asked = []
     rows = {"x": [0.0] * 6, "q": [1.0, 0, 0, 0] * 2, "phase": [0.0, 6.28]}
     other = {**rows, "x": [0.0, 0, -3.5, 0.5, 0, -3.5]}
     numbers = {"turns": 20, "speeds": [0.03, 0.031], "alone": [0.03, 0.03], "apart": 3.5}
     made = {"time": [0.0, 1.0], "swimmers": [rows, other], "numbers": numbers,
             "expected_error": {"us": 0.07}}  # fmt: skip
-    done = {"state": "done", "done": 1, "total": 1, "seconds": 1.0, "answer": made}
+    one = {"time": [0.0, 1.0], "swimmers": [rows], "numbers": {"turns": 20, "speed": 0.03},
+           "expected_error": {}}  # fmt: skip
 
     def start(route):
         asked.append(json.loads(route.request.post_data))
         route.fulfill(json={"token": "made-up"})
 
+    def done(route):
+        answer = made if asked[-1]["kind"] == "together" else one
+        told = {"state": "done", "done": 1, "total": 1, "seconds": 1.0, "answer": answer}
+        route.fulfill(json=told)
+
     page.route("**/api/jobs", start)
-    page.route("**/api/jobs/made-up", lambda route: route.fulfill(json=done))
+    page.route("**/api/jobs/made-up", done)
+    page.click("#tab-path")
+    page.click("#ask-path")
+    page.wait_for_selector("[data-went=speed]")
     page.select_option("#presets", value="together/two-robots")
-    page.wait_for_selector("#went")
+    page.wait_for_selector("[data-went=speed-0]")
+    assert page.locator(".notice.error").count() == 0
     assert asked[-1]["members"][1]["position"] == pytest.approx([0.0, 0.0, -3.5])
     assert "7.0 %" in page.inner_text("[data-went=speed-0]")
     page.evaluate("() => { studio.view.paused = true; studio.replay().time = 0.5; }")

@@ -58,6 +58,7 @@ def test_the_scene_comes_first_and_the_number_with_its_trust_is_in_sight(phone):
     n = phone.text_content(".figure span")
     assert phone.is_visible("#glance")
     assert n in phone.text_content("#glance b")
+    assert "swimming speed" in phone.text_content("#glance")
     assert phone.text_content("#glance .trust") == phone.text_content("#trust")
     assert phone.evaluate(ASTRAY) == []
 
@@ -117,6 +118,7 @@ def test_the_header_folds_and_all_of_it_is_reached(phone):
     phone.tap("#compare")
     assert not phone.is_visible("#compare")  # nor does it lie over the two numbers
     assert phone.evaluate("() => studio.store.designs.length") == 2
+    assert phone.locator("#glance .trust").count() == phone.locator("#glance b").count() == 2
     phone.tap("#more")
     phone.tap("#compare")
 

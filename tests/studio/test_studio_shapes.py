@@ -98,9 +98,20 @@ def test_a_surface_dropped_is_the_robot(page, tmp_path):
     put(page, "tabak/helix-sbt")
     robot = ms.Swimmer(body=ms.Sphere(radius=0.5), tail=ms.NoTail(), fluid=ms.Fluid(viscosity=1.0))
     content = write_stl(tmp_path / "x.stl", robot, fineness=0.5).read_bytes()
+    held = []
+    page.route("**/api/solve", lambda route: held.append(route))
+    dropped(page, tmp_path, "ball.stl", content)
+    page.click("#card-do")
+    page.wait_for_selector("dialog .busy")  # while it is solved no other design can be chosen
+    page.click("#card-close")
+    page.wait_for_selector("dialog", state="detached")
+    assert page.evaluate("() => studio.store.design.name") == "tabak/helix-sbt"
+    assert len(held) == 1
+    page.unroute("**/api/solve")
     dropped(page, tmp_path, "ball.stl", content)
     page.click("#card-do")
     page.wait_for_function("() => studio.store.design.name === 'ball'")
+    page.wait_for_selector("dialog", state="detached")
     assert page.evaluate("() => studio.store.design.answer.shape.mesh.faces.length") > 1000
     page.click("#undo")
     page.wait_for_function("() => studio.store.design.answer.shape.body === 'sphere'")
@@ -144,7 +155,23 @@ def test_each_of_two_designs_says_how_sure_it_is(page):
     page.click("[role=tablist] >> text=Drive")
     page.click("#drive-field")
     assert page.inner_text("#drive-trust .trust")
+    page.click("#compare")
+    assert page.inner_text(".drive .caption").startswith("B: ")
+    page.click("#compare")
     page.click("#drive-motor")
+
+
+def test_the_atlas_answers_in_place_of_a_law_at_one_click(page):
+    put(page, "tabak/helix")
+    assert "55 %" in page.inner_text("#trust")
+    page.click("#by-atlas")
+    page.wait_for_selector("#trust.good:has-text('Atlas, inside its range')")
+    assert page.locator("#by-atlas").count() == 0
+    law = page.locator('[data-field="coefficients.law"]')
+    assert law.evaluate("e => e.selectedOptions[0].textContent") == "As it comes"
+    page.click("#undo")
+    page.wait_for_selector("#by-atlas")
+    assert law.input_value() == "lighthill"
 
 
 def test_a_picture_has_its_scale_and_what_it_shows(page, tmp_path):

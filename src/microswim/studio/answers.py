@@ -11,8 +11,8 @@ from typing import Any
 
 import numpy as np
 
-from microswim.calibration.atlas import choice
-from microswim.calibration.atlas.expected import expected_error
+from microswim.calibration.atlas import atlas, choice, coordinates
+from microswim.calibration.atlas.expected import expected_error, of_reference
 from microswim.errors import noted
 from microswim.gait.gait import Gait
 from microswim.gait.quantities import NUMBERS, numbers
@@ -121,14 +121,23 @@ def trust(swimmer: Swimmer, gait: Gait) -> dict[str, Any]:
     if made is not None:
         here = not (made.away(swimmer) or made.changed(swimmer))
         told = {"here": here, "lines": made.lines(swimmer), "missed": made.missed}
-        left = {**made.unmatched, **made.matched}
-        beside |= {n: abs(left[of]) for n, of in COSTS.items() if here and of in left}
+        left, own = {**made.unmatched, **made.matched}, of_reference(made)[0]
+        beside |= {n: abs(left[of]) + own for n, of in COSTS.items() if here and of in left}
     return {
         "expected_error": plain(errors["us"]),
         "errors": plain(beside),
         "how": str(errors["how"]),
         "calibration": told,
+        "atlas_knows": gait.model == "rft" and is_known_to_atlas(swimmer),
     }
+
+
+def is_known_to_atlas(swimmer: Swimmer) -> bool:
+    """Whether the atlas would answer, had nobody chosen a law or coefficients."""
+    free = swimmer.wall is None and swimmer.channel is None and not swimmer.tail.settles
+    if not free or swimmer.is_open or swimmer.region is not None or swimmer.tail.is_absent:
+        return False
+    return not coordinates.outside(swimmer) and atlas.of(swimmer) is not None
 
 
 def readings(swimmer: Swimmer, gait: Gait) -> dict[str, Any]:

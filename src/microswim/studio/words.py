@@ -57,6 +57,7 @@ def _field(field: Field) -> dict[str, Any]:
         "entries": about.entries,
         "usual": about.usual,
         "choices": [(word, field.said(word)) for word in field.choices if word not in NOT_CHOSEN],
+        "called": {word: field.said(word) for word in field.choices if word in NOT_CHOSEN},
     }
 
 

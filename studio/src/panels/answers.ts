@@ -32,6 +32,7 @@ export class Answers {
         this.trust(d, i === this.store.active ? "trust" : undefined, many ? `${"AB"[i]}: ` : ""), ...this.missed(d, many ? `${"AB"[i]}: ` : ""),
       ]),
       ...(this.went ? [this.line(this.answered(this.store.design), "gait-trust", "Its gait, below. ")] : []),
+      ...this.better(),
       this.remarks(),
       el("dl", { class: many ? "list two" : "list" }, ...this.listed(many).flatMap((n) => this.row(n))),
     );
@@ -61,6 +62,9 @@ export class Answers {
     const [n, unit] = reading(first, r[first], answer.dimensional);
     const [l] = reading("body_lengths_per_time", r.body_lengths_per_time, answer.dimensional);
     const caption = el("div", { class: "caption" }, called(first).label);
+    if (answer.shape.length === 0) {
+      return el("div", { class: "hero" }, el("div", { class: "caption" }, "Nothing propels it: a field can, in Drive"));
+    }
     const figure = el("div", { class: "figure" },
       el("span", { "data-reading": first, "data-value": String(r[first]) }, n),
       el("small", {}, unit, answer === this.store.design.answer ? this.off(answer, first) : null));
@@ -113,13 +117,15 @@ export class Answers {
   /** Speed and trust in a line, for a screen that has no room for more. */
   glance(): HTMLElement[] {
     const { store } = this;
-    const speeds = this.went ? [el("b", {}, this.speed(this.went).join(" "))] : store.designs.map((d) => {
+    if (this.went) return [el("b", {}, this.speed(this.went).join(" ")), this.trust(store.design)];
+    const many = store.designs.length > 1;
+    return store.designs.flatMap((d, i) => {
       const answer = store.shown(d);
       const first = leading(answer);
       const [n, unit] = reading(first, answer.readings[first], answer.dimensional);
-      return el("b", {}, n, unit ? el("small", {}, ` ${unit}`) : null);
-    });
-    return [...speeds, this.trust(store.design)];
+      const name = many ? "" : called(first).label.toLowerCase();
+      return [el("b", {}, many ? el("small", {}, `${"AB"[i]} `) : null, n, unit ? el("small", {}, ` ${unit}`) : null), name ? el("small", {}, name) : null, this.trust(d)];
+    }).filter((e) => e !== null);
   }
 
   /** Which model answered a design, how far off it is and whether it is asked where it holds, in colour. */
@@ -140,6 +146,18 @@ export class Answers {
     const said = off.map(([what, by]) => `${what} ${by < 0 ? "−" : "+"}${digits(Math.abs(100 * by), 2)} %`);
     const worst = Math.max(...off.map(([, by]) => Math.abs(by)));
     return [el("div", { class: `trust ${worst < 0.2 ? "fair" : "poor"}`, id: before ? undefined : "missed" }, el("i"), `${before}Not matched: ${said.join(", ")}`)];
+  }
+
+  /** The atlas, one click away, where a law or coefficients of the spec answer what it knows. */
+  private better(): HTMLElement[] {
+    const { store } = this;
+    const { answer } = store.design;
+    if (!answer.atlas_knows || store.model === "bem" || store.snapshot || this.went) return [];
+    const take = (): void => {
+      const { coefficients, interaction, calibration, ...bare } = store.design.tables;
+      store.replace(bare);
+    };
+    return [el("button", { class: "wide", id: "by-atlas", title: "Takes the law and the coefficients out of this design; undo puts them back", onclick: take }, "Answer by the atlas instead")];
   }
 
   /** A design in two lines: how fast by what, by its motor or as a field drives it, and how sure that is. */

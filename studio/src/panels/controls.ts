@@ -53,7 +53,8 @@ export class Controls {
   private fields(part: string): HTMLElement[] {
     const table = tableOf(this.store.design.tables, part);
     const first = FIRST[part.replace(/\[.*/, "")] ?? [];
-    const names = [...first.filter((n) => n in table), ...Object.keys(table).filter((n) => !first.includes(n))];
+    const open = part === "coefficients" && !("law" in table) ? ["law"] : []; // it can be chosen where none is
+    const names = [...open, ...first.filter((n) => n in table), ...Object.keys(table).filter((n) => !first.includes(n))];
     return names.flatMap((name) => this.field(`${part}.${name}`, table[name]));
   }
 
@@ -164,11 +165,11 @@ export class Controls {
   }
 
   private choice(path: string): HTMLElement {
-    const none: [string, string][] = path === "coefficients.law" ? [["", "none chosen"]] : [];
+    const none: [string, string][] = path === "coefficients.law" ? [["", "As it comes"]] : [];
     const { store } = this;
     const options = [...none, ...field(path)!.choices];
     const now = read(store.design.tables, path);
-    if (typeof now === "string" && !options.some(([value]) => value === now)) options.push([now, now]);
+    if (typeof now === "string" && !options.some(([value]) => value === now)) options.push([now, field(path)!.called[now] ?? now]);
     const set = (value: string): void => this.choose(path, value);
     if (options.length > 2) {
       const select = el("select", { "data-field": path, "aria-label": label(path) }, ...options.map(([v, t]) => el("option", { value: v }, t)));

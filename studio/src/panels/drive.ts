@@ -24,6 +24,7 @@ export class Driver {
   private chart = el("canvas", { width: 536, height: 170, id: "stepout" });
   private state = el("div", { class: "trust open", id: "step" }, el("i"), "");
   private figure = el("div", { class: "figure", id: "driven-speed" });
+  private caption = el("div", { class: "caption" });
   private sure = el("div", { id: "drive-trust" });
   /** the speed, for a screen that has no room for more */
   readonly glance = el("b", {}, "–");
@@ -40,7 +41,12 @@ export class Driver {
   constructor(private store: Store, private changed: () => void, private trust: () => HTMLElement) {
     store.on("structure", () => this.renew(true));
     store.on("answer", () => this.renew(false));
-    for (const event of ["answer", "designs"] as const) store.on(event, () => this.sure.replaceChildren(this.trust()));
+    for (const event of ["answer", "designs"] as const) {
+      store.on(event, () => {
+        this.sure.replaceChildren(this.trust());
+        this.entitle();
+      });
+    }
     this.build();
   }
 
@@ -191,8 +197,9 @@ export class Driver {
     const buttons = modes.map(([mode, text]) =>
       el("button", { id: `drive-${mode}`, "aria-pressed": String((mode === "field") === this.magnetic), onclick: () => this.choose(mode === "field") }, text));
     this.built = this.bySpec;
+    this.entitle();
     const sliders = el("div", { hidden: !this.magnetic },
-      el("div", { class: "hero" }, el("div", { class: "caption" }, this.built ? "Speed" : "Speed along the field's axis"), this.figure),
+      el("div", { class: "hero" }, this.caption, this.figure),
       this.state, this.sure, ...(this.built ? [] : [this.chart, this.slider("Field frequency", "share", 0, 2, () => this.frequency(this.rate))]),
       this.slider(this.built ? "Field, times" : "Field strength", "strength", -1, 1, () => this.built ? digits(10 ** this.strength, 2) : this.said(this.B, "T")),
       this.slider(this.built ? "Magnet, times" : "Moment of the magnet", "size", -1, 1, () => this.built ? digits(10 ** this.size, 2) : this.said(Math.hypot(...this.moment), "A m²")),
@@ -326,12 +333,21 @@ export class Driver {
   /** The speed, in the panel and where it stays in sight. */
   private tell(n: string, unit = ""): void {
     this.figure.replaceChildren(n, el("small", {}, unit));
-    this.glance.replaceChildren(n, el("small", {}, ` ${unit}`));
+    this.glance.replaceChildren(this.whose, n, el("small", {}, ` ${unit}`));
+  }
+
+  private entitle(): void {
+    this.caption.textContent = `${this.whose}${this.built ? "Speed" : "Speed along the field's axis"}`;
+  }
+
+  /** Which of two designs the numbers are of. */
+  private get whose(): string {
+    return this.store.designs.length > 1 ? `${"AB"[this.store.active]}: ` : "";
   }
 
   /** How a field drives it, in words. */
   get told(): string {
-    return `${this.built ? "speed in its field" : "speed along the field's axis"} ${this.glance.textContent}`;
+    return `${this.built ? "speed in its field" : "speed along the field's axis"} ${this.figure.textContent}`;
   }
 
   /** Speed in the field of the spec, and what the field is and does where the swimmer is. */

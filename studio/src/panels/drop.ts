@@ -60,20 +60,19 @@ export class Drop {
     const alone = el("select", { id: "drop-as" },
       el("option", { value: "alone" }, "the whole robot, without a tail"), el("option", { value: "body" }, "the body of this design"));
     const sides = made.size.map((x) => digits(x, 3)).join(" × ");
-    const use = async (): Promise<void> => {
+    const use = async (signal: AbortSignal): Promise<void> => {
       const tables = structuredClone(this.store.design.tables);
       tables.body = { shape: "mesh", file: made.file, scale: dimensional ? `1 ${unit.value}` : 1 };
       if (alone.value === "alone") tables.tail = { kind: "none" };
       if (alone.value === "alone" && tables.motion) Object.assign(tables.motion, { free: "all", frequency_frame: "body" });
-      notice("Its resistance is being solved; that takes seconds.");
-      await attempt(() => this.store.take(file.name.replace(/\.\w+$/, ""), tables));
+      await attempt(() => this.store.take(file.name.replace(/\.\w+$/, ""), tables, signal));
     };
     card(file.name, [
       el("p", {}, `${made.faces} triangles, ${sides} of the file's units.`),
       ...made.notes.map((n) => el("p", { class: "fine" }, n)),
       dimensional ? el("label", {}, "One unit of the file is 1", unit) : el("p", { class: "fine" }, "This design has no units: one unit of the file is its unit of length."),
       el("label", {}, "Take it as", alone),
-    ], "Take it", use);
+    ], "Take it", use, "Its resistance is being solved: some seconds …");
   }
 
   private async film(file: File, known: Record<string, string>): Promise<void> {
@@ -100,17 +99,26 @@ export class Drop {
   }
 }
 
-/** A dialog over the page with one thing to do; Escape closes it. */
-export function card(title: string, inside: HTMLElement[], does: string, act: (() => unknown) | null): HTMLDialogElement {
+/** A dialog over the page with one thing to do; Escape closes it. Work that takes long is said meanwhile, and can be left. */
+export function card(title: string, inside: HTMLElement[], does: string, act: ((signal: AbortSignal) => unknown) | null, long = ""): HTMLDialogElement {
+  const stop = new AbortController();
   const close = el("button", { type: "button", id: "card-close" }, act ? "Cancel" : does);
   const go = act ? el("button", { type: "button", class: "primary", id: "card-do" }, does) : null;
   const box = el("dialog", { class: "card", "aria-label": title }, el("h2", {}, title), ...inside, el("div", { class: "does" }, close, go));
   close.onclick = () => box.close();
-  if (go) go.onclick = () => {
+  if (go) go.onclick = async () => {
+    if (!long) box.close();
+    else {
+      go.disabled = true;
+      box.lastElementChild!.before(el("p", { class: "busy", role: "status" }, el("i"), long));
+    }
+    await act!(stop.signal);
     box.close();
-    void act!();
   };
-  box.addEventListener("close", () => box.remove());
+  box.addEventListener("close", () => {
+    stop.abort();
+    box.remove();
+  });
   document.body.append(box);
   box.showModal();
   return box;

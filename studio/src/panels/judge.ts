@@ -3,7 +3,7 @@
 import { Refusal, call } from "../state/api";
 import { digits, el, reading, withPrefix } from "../state/dom";
 import { called, words } from "../state/words";
-import { METHODS, attempt, notice, type Store } from "../state/store";
+import { METHODS, attempt, notice, type Design, type Store } from "../state/store";
 import type { Circle, FlowAnswer, JudgeAnswer, Row } from "../state/types";
 
 export interface Status {
@@ -36,7 +36,7 @@ export class Judge {
   readonly node = el("div", { class: "judge" });
   private stop: AbortController | null = null;
   private level = "standard";
-  private result: { of: string; made: JudgeAnswer } | null = null;
+  private results = new WeakMap<Design, { of: string; made: JudgeAnswer }>();
   private progress = el("div", { class: "progress" }, el("i"));
   private says = el("span");
   private waiting = 0;
@@ -44,6 +44,11 @@ export class Judge {
   constructor(private store: Store) {
     for (const event of ["structure", "answer", "designs"] as const) store.on(event, () => this.build());
     store.on("rest", () => this.again());
+  }
+
+  /** What was said of the active design, or of what it was before it changed. */
+  private get result(): { of: string; made: JudgeAnswer } | undefined {
+    return this.results.get(this.store.design);
   }
 
   private get here(): string {
@@ -95,7 +100,7 @@ export class Judge {
     if (this.stop !== stop) return;
     this.stop = null;
     if (made) {
-      this.result = { of, made };
+      this.results.set(design, { of, made });
       design.reference = { answer: made.answer, of, circle: made.circle };
     } else if (stop.signal.aborted) notice("The judge was sent away.");
     this.store.tell("answer");
@@ -153,7 +158,7 @@ export class Judge {
     store.replace(made.calibration.tables);
     const marked = store.design;
     const of = JSON.stringify(made.calibration.tables);
-    this.result = { of, made: { ...made, rows: made.calibration.rows } };
+    this.results.set(marked, { of, made: { ...made, rows: made.calibration.rows } });
     marked.reference = { answer: made.answer, of, circle: made.circle };
     notice("Calibrated at this design; the table says what agrees with the judge and what does not.");
   }

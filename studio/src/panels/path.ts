@@ -28,11 +28,11 @@ export class Paths {
   private waiting = 0;
 
   constructor(private store: Store, private show: (made: PathAnswer | null) => void) {
-    for (const event of ["structure", "designs"] as const) store.on(event, () => this.build());
-    store.on("designs", () => {
+    store.on("designs", () => { // first, since what is on show is of other designs
       this.stop?.abort();
       this.leave();
     });
+    for (const event of ["structure", "designs"] as const) store.on(event, () => this.build());
     store.on("answer", () => this.changed());
     store.on("rest", () => this.again());
   }

@@ -36,7 +36,7 @@ export class Tracks {
     const { cells, notes } = this.made;
     const head = el("tr", {}, el("th", {}, "cell"), ...COLUMNS.map(([, text, unit, title]) => el("th", { title }, text, unit ? el("small", {}, unit === "m/s" ? " µm/s" : ` ${unit}`) : null)));
     const rows = cells.map((cell, i) => el("tr", {}, el("td", {}, el("i", { style: `background: ${hue(i)}` }), cell.name),
-      ...COLUMNS.map(([key, , unit]) => el("td", {}, said(cell.numbers[key], unit === "m/s" ? 1e-6 : 1)))));
+      ...COLUMNS.map(([key, , unit]) => el("td", {}, ...said(cell.numbers[key], unit === "m/s" ? 1e-6 : 1)))));
     card(`${this.name}: ${cells.length} ${cells.length === 1 ? "cell" : "cells"}`, [
       this.canvas,
       el("div", { class: "cells", tabindex: 0 }, el("table", { id: "tracks" }, el("thead", {}, head), el("tbody", {}, ...rows))),
@@ -85,8 +85,8 @@ export class Tracks {
 
 const hue = (i: number): string => `hsl(${(170 + (360 / HUES) * (i % HUES)) % 360} 60% ${i % (2 * HUES) < HUES ? 66 : 52}%)`;
 
-function said(found: [number, number, number] | null, unit: number): string {
-  if (!found) return "–";
+function said(found: [number, number, number] | null, unit: number): (string | HTMLElement)[] {
+  if (!found) return ["–"];
   const [value, low, high] = found.map((v) => v / unit);
-  return `${digits(value)} ± ${digits((high - low) / 2, 2)}`;
+  return [digits(value), el("span", { class: "off" }, ` ± ${digits((high - low) / 2, 2)}`)];
 }

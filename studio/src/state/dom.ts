@@ -61,7 +61,7 @@ export function reading(name: string, value: number | null | undefined, dimensio
 }
 
 export function pretty(unit: string): string {
-  return unit.replace("um", "µm").replace("deg", "°").replace("kg/m^3", "kg/m³");
+  return unit.replace("um", "µm").replace("deg", "°").replace(/\^(-?\d+)/g, (_, n) => superscript(Number(n)));
 }
 
 export const clone = <T>(value: T): T => structuredClone(value);

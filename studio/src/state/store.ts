@@ -156,8 +156,12 @@ export class Store {
   }
 
   /** Another design in place of the active one, once it is solved; whether it can be is told by the promise. */
-  async take(name: string, tables: Tables): Promise<true> {
-    const made = await call<Answer>("/api/solve", { tables, name });
+  async take(name: string, tables: Tables, signal?: AbortSignal): Promise<boolean> {
+    const made = await call<Answer>("/api/solve", { tables, name }, undefined, signal).catch((error: Error) => {
+      if (signal?.aborted) return null;
+      throw error;
+    });
+    if (!made) return false;
     const old = this.design;
     this.open(name, made);
     this.design.past.push(old.committed);

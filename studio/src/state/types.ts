@@ -103,6 +103,8 @@ export interface Answer {
   errors: Record<string, number | null>;
   how: string;
   /** where the coefficients come from, whether this is the design they were found at, and what they miss there */
+  /** whether the atlas would answer, had the spec chosen no law and no coefficients */
+  atlas_knows: boolean;
   calibration: { here: boolean; lines: string[]; missed: Record<string, number> } | null;
   /** whether the spec holds a region calibration */
   region: boolean;

@@ -10,6 +10,8 @@ export interface Field {
   usual: [number, number] | null;
   /** the words that are allowed, and what they are called */
   choices: [string, string][];
+  /** what words are called that one cannot choose here */
+  called: Record<string, string>;
 }
 
 export interface Quantity {

@@ -131,7 +131,7 @@ def _of_surrogate(swimmer: Swimmer, gait: Gait) -> tuple[list[Any], str]:
     made = swimmer.calibration
     if calibrated:
         known = {"mean.us": "us", "mean.os": "os", "amplitude.uq": "uq", "amplitude.or": "or"}
-        own, by = _of_reference(made) if made else (0.0, "")
+        own, by = of_reference(made) if made else (0.0, "")
         if gait.info.get("outside"):
             return [None] * 6, "not known outside its calibrated region; compare with model bem"
         errors = {known[n]: 2.0 * value + own for n, value in calibrated.items() if n in known}
@@ -204,7 +204,7 @@ def _promised(made: Provenance, swimmer: Swimmer) -> tuple[list[Any], str]:
     if made.reference == "measurements":
         return [None] * 6, "not known: that of the measurements it was calibrated on"
     left = {**made.unmatched, **made.matched}
-    own, _ = _of_reference(made)
+    own, _ = of_reference(made)
     names = {"us": "mean.us", "uq": "amplitude.uq", "os": "mean.os", "or": "amplitude.or"}
     errors = {n: abs(left[q]) + own for n, q in names.items() if q in left}
     if swimmer.tail.is_rigid:  # both lateral directions turn with the tail
@@ -213,7 +213,7 @@ def _promised(made: Provenance, swimmer: Swimmer) -> tuple[list[Any], str]:
     return [errors.get(n) for n in DEGREES_OF_FREEDOM], how
 
 
-def _of_reference(made: Provenance) -> tuple[float, str]:
+def of_reference(made: Provenance) -> tuple[float, str]:
     """Return how wrong the reference itself was that a calibration was made by, and its name."""
     own = {"bem": LEVELS.get(made.level, LEVELS["coarse"]), "fem": CHANNEL}.get(made.reference, 0.0)
     return own, f", and that of {made.by} itself" if own else ""

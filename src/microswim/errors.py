@@ -110,7 +110,7 @@ def noted() -> Iterator[list[str]]:
 
 
 def warn(message: str, category: type[Warning], stacklevel: int = 2) -> None:
-    """Warn, or write down what would be warned where somebody notes it."""
+    """Tell a warning, or write it down where somebody notes them."""
     notes = _notes.get()
     if notes is None:
         warnings.warn(message, category, stacklevel=stacklevel + 1)

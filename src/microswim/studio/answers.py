@@ -133,7 +133,7 @@ def trust(swimmer: Swimmer, gait: Gait) -> dict[str, Any]:
 
 
 def is_known_to_atlas(swimmer: Swimmer) -> bool:
-    """Whether the atlas would answer, had nobody chosen a law or coefficients."""
+    """Tell whether the atlas would answer, had nobody chosen a law or coefficients."""
     free = swimmer.wall is None and swimmer.channel is None and not swimmer.tail.settles
     if not free or swimmer.is_open or swimmer.region is not None or swimmer.tail.is_absent:
         return False

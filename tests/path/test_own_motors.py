@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 import microswim as ms
-from microswim.path.own_motors import motors_of
+from microswim.path.motors import motors_of
 
 WAVE = {"length": 2.0, "amplitude": 0.1, "waves": 3, "radius": 0.05}
 TIMES = np.linspace(0.0, 3.0, 7)
@@ -60,7 +60,7 @@ def test_the_work_of_the_motors_goes_into_the_fluid():
             own = phase - tail.ahead
             power += at_joint @ gait.resistance(own) @ at_joint + w * w * gait.activity(own)
             power += 2.0 * w * (at_joint @ gait.propulsion(own))
-        torque = motors.torque * (1.0 - rate / motors.no_load)
+        torque = motors.law.torque * (1.0 - rate / motors.law.no_load)
         assert motors.given(rate) == pytest.approx(torque, rel=1e-12)
         assert torque @ rate == pytest.approx(power, rel=1e-10)
 
@@ -184,7 +184,7 @@ def test_what_does_not_act_beside_torques_is_refused():
         with pytest.raises(ms.SpecError, match=next(iter(around))):
             ms.path(replace(robot, **around), 1.0)
     with pytest.raises(ms.SpecError, match="model"):
-        ms.path(robot, 1.0, model="bem")
+        ms.path(robot, 1.0, model="fem")
     with pytest.raises(ms.SpecError, match="force"):
         ms.path(robot, 1.0, force=(1.0, 0.0, 0.0))
     with pytest.raises(ms.SpecError, match="motor"):

@@ -12,6 +12,7 @@ if TYPE_CHECKING:
     from microswim.output.report.html import Table
 
 UNJUDGED = "not measured for a tail followed in time; its drag is local"
+_LINEAR, _ANGULAR = ("us", "uq", "ur"), ("os", "oq", "or")
 BY_TORQUE = "not measured for motors that give a torque; every tail drags as if alone"
 
 
@@ -59,12 +60,14 @@ def report(
         said["dissipated"] = float(found.dissipated[-1])
     if "tail" in found.dims:
         said |= by_motor(found)
-    velocity = (
-        expected_error(given.swimmer, gait)
-        if gait is not None
-        else dict.fromkeys(DEGREES_OF_FREEDOM)
-        | {"how": UNJUDGED if given.swimmer.motor is None else BY_TORQUE}
-    )
+    if gait is not None:
+        velocity = expected_error(given.swimmer, gait)
+    elif "velocity_error" in about:
+        each = dict(zip(DEGREES_OF_FREEDOM, about["velocity_error"], strict=True))
+        velocity = each | {"rates": about["rate_error"], "how": about["how"]}
+    else:
+        how = UNJUDGED if given.swimmer.motor is None else BY_TORQUE
+        velocity = dict.fromkeys(DEGREES_OF_FREEDOM) | {"how": how}
     position = about["position_error"]
     return said | {
         "expected_error": {
@@ -124,6 +127,10 @@ def table(who: str, report: dict[str, Any]) -> Table:
     )
     if "motor_frequency" in report:
         model = f"how wrong the model may be is {BY_TORQUE}"
+        if "rates" in off["velocity"]:
+            most = [max(off["velocity"][k] for k in names) for names in (_LINEAR, _ANGULAR)]
+            shares = [f"{100.0 * x:.2g} %" for x in (*most, max(off["velocity"]["rates"]))]
+            model = f"velocity within {shares[0]}, turning {shares[1]}, motors' rates {shares[2]}"
         turns = [q(f, "frequency") for f in report["motor_frequency"]]
         rows.append(("motors turn at, on average", ", ".join(turns)))
         if len(turns) > 1:

@@ -173,9 +173,9 @@ def _gait(given: Given, model: str, level: str | None, from_rest: bool) -> dict[
     if from_rest or remembers(given.swimmer):
         return {"memory": True}
     if given.swimmer.motor is not None:
-        if level is not None:
-            raise SpecError("--level", level, "left out with [motor]", "it is followed by rft")
-        return {"model": model}
+        if level is not None and model != "bem":
+            raise SpecError("--level", level, "left out with [motor]", "or take --model bem")
+        return {"model": model, "level": level}
     boundary = "beside the wall" if given.swimmer.wall is not None else "in the tube"
     if given.swimmer.wall is not None or given.swimmer.channel is not None:
         from microswim.calibration.poses.around import around

@@ -13,7 +13,8 @@ from microswim.errors import SpecError
 from microswim.numerics.array import Array
 from microswim.numerics.rigid_motion import multiply, rotation_matrix
 from microswim.path import keeping, outcome
-from microswim.path.own_motors import Motors, at_origin, followed, motors_of, told
+from microswim.path.motors import Motors, motors_of
+from microswim.path.own_motors import at_origin, followed, told
 from microswim.swimmer.parts import with_part
 from microswim.swimmer.swimmer import Swimmer
 
@@ -26,7 +27,7 @@ MOST_TURNS = 20_000  #: of the fastest motor: some minutes
 _AROUND = ("wall", "channel", "magnet", "field", "gravity", "flow", "noise")
 
 
-def check_alone(swimmer: Swimmer, model: str, pushed: bool, **others: Any) -> None:
+def check_alone(swimmer: Swimmer, model: str, pushed: Any, **others: Any) -> None:
     """Refuse what does not act on a path by the torque of motors, `others` by their names.
 
     Raises
@@ -45,41 +46,46 @@ def check_alone(swimmer: Swimmer, model: str, pushed: bool, **others: Any) -> No
     for name, value in others.items():
         if value is not None:
             raise SpecError(name, value, "left out with [motor]", "its steps are adaptive")
-    if model not in ("auto", "rft"):
-        raise SpecError("model", model, "auto or rft with [motor]", "or leave out [motor]")
+    if model not in ("auto", "rft", "bem"):
+        raise SpecError("model", model, "auto, rft or bem with [motor]", "or leave out [motor]")
 
 
-def fastest(swimmer: Swimmer) -> float:
+def fastest(swimmer: Swimmer, motors: Motors) -> float:
     """Return the period of the fastest motor at the start."""
-    motors = motors_of(swimmer)
     rate = motors.turning(np.array([float(t.ahead) for t in swimmer.tail.each]))[1]
     return float(2.0 * np.pi / np.abs(rate).max())
 
 
 def follow_motors(
     swimmer: Swimmer,
-    times: Array,
+    times_at: Callable[[float], Array],
     start: tuple[Array, Array],
     phase: float,
+    *,
     tolerance: float,
+    model: str = "rft",
+    level: str | None = None,
     keep: Path | None = None,
     progress: Callable[[int, int], None] | None = None,
 ) -> Any:
-    """Return the path at the times as `microswim.path` does, from a pose; ``phase`` (time, tail).
+    """Return the path at times as `microswim.path` does, from a pose; ``phase`` (time, tail).
 
-    Beside it the rate, torque and phase of each motor, and their work. What a killed process kept
-    in the file `keep` is gone on from.
+    Beside it the rate, torque and phase of each motor, and their work. `times_at` says the times at
+    the period of the fastest motor; what a killed process kept in the file `keep` is gone on from.
 
     Raises
     ------
     SpecError
         If it would take too many turns, or `keep` holds another path.
     """
-    turns = float(times[-1] - times[0]) / fastest(swimmer)
+    how = {"level": level or "standard", "progress": progress} if model == "bem" else {}
+    motors = motors_of(swimmer, model="bem" if model == "bem" else "rft", **how)
+    period = fastest(swimmer, motors)
+    times = times_at(period)
+    turns = float(times[-1] - times[0]) / period
     if not turns <= MOST_TURNS:
         most = f"at most {MOST_TURNS:,} turns of the motors, here {turns:.3g}"
         raise SpecError("time", float(times[-1]), most, "ask for a shorter path")
-    motors = motors_of(swimmer)
     first = at_origin(np.array([float(tail.ahead) + phase for tail in swimmer.tail.each]))
     y = _grown(swimmer, motors, times, first, tolerance, keep, progress)
     found = told(swimmer, motors, times, y)
@@ -99,7 +105,8 @@ def _grown(
     keep: Path | None, progress: Callable[[int, int], None] | None,
 ) -> Array:  # fmt: skip
     """States at the times, chunk by chunk, each from the last state of the one before."""
-    digest = sha256(repr((swimmer, times.tolist(), first.tolist(), tolerance)).encode()).hexdigest()
+    asked = (swimmer, times.tolist(), first.tolist(), tolerance, *_solved(motors))
+    digest = sha256(repr(asked).encode()).hexdigest()
     cuts = np.unique(np.linspace(0, times.size - 1, CHUNKS + 1).astype(int))
     y, size = first[None], float(np.real(swimmer.body_length))
     if keep is not None and keep.exists():
@@ -112,6 +119,11 @@ def _grown(
         if progress is not None:
             progress(i + 1, cuts.size - 1)
     return y
+
+
+def _solved(motors: Motors) -> tuple[Any, ...]:
+    """Return what of a model that was solved tells it from others."""
+    return () if motors.error is None else (motors.model, motors.error)
 
 
 def _off(swimmer: Swimmer, motors: Motors, found: xr.Dataset, tolerance: float) -> float:

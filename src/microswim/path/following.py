@@ -6,7 +6,7 @@ from collections.abc import Callable
 from dataclasses import replace
 from os import PathLike
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, Literal
 
 import numpy as np
 
@@ -20,7 +20,7 @@ from microswim.gait.poses.table import FREE, TUBE
 from microswim.gait.stepping import length_of
 from microswim.numerics.array import Array
 from microswim.path import in_tube, outcome
-from microswim.path.by_torque import check_alone, fastest, follow_motors
+from microswim.path.by_torque import check_alone, follow_motors
 from microswim.path.contact import REACH
 from microswim.path.course import Course, Followed, follow
 from microswim.path.loads import loads_of
@@ -51,6 +51,7 @@ def at_every_pose(name: str, value: Any) -> None:
     swimmer=checks.swimmer,
     time=checks.above_zero("time"),
     model=checks.text,
+    level=checks.one_of("coarse", "standard", "fine"),
     gait=checks.gait,
     poses=at_every_pose,
     position=checks.series,
@@ -74,6 +75,7 @@ def path(
     time: float,
     *,
     model: doors.Model = "auto",
+    level: Literal["coarse", "standard", "fine"] | None = None,
     gait: Gait | None = None,
     poses: Poses | None = None,
     position: Any = None,
@@ -103,6 +105,8 @@ def path(
     model, gait
         Model of the gait, or the gait itself. Beside a wall and in a tube poses are solved by
         boundary elements, whatever the model, and kept in the user's cache: minutes, once.
+    level
+        Of boundary and finite elements, and of poses; by default that of each.
     poses
         A gait at every pose, as beside a wall or in a tube, in place of `gait`.
     position, quaternion, phase
@@ -144,7 +148,7 @@ def path(
     -------
     xarray.Dataset
         With a `Motor` that gives a torque: what `own_motors` gives, ``phase`` (time, tail) among
-        it, in still free fluid and by resistive force theory; otherwise
+        it, in still free fluid, by resistive force theory or boundary elements; otherwise
         ``position`` (time, axis), ``quaternion`` (time, wxyz) and ``phase`` as of `trajectory`;
         ``gap`` to the boundary; with memory ``filament`` (time, point, axis), points along the
         filament in the lab; without noise ``motor_work`` and ``dissipated`` since the start;
@@ -180,17 +184,17 @@ def path(
             keep=None if keep is None else Path(keep), progress=progress, **pushes,
         )  # fmt: skip
     if poses is None and gait is None and swimmer.motor is not None:
-        pushed = bool(np.any(force) or np.any(torque))
-        check_alone(swimmer, model, pushed, step=step, contact=contact)
+        check_alone(swimmer, model, np.any(force) or np.any(torque), step=step, contact=contact)
         if paths > 1:
             raise SpecError("paths", paths, "1 with [motor]", "all paths would be the same")
         begin = pose_at_start(swimmer, rest_start(swimmer), position, quaternion, tilt)
-        times = _times(fastest(swimmer), time, samples)
-        place = None if keep is None else Path(keep)
-        return follow_motors(swimmer, times, begin, float(phase), float(tolerance), place, progress)
+        more: Any = {"model": model, "level": level, "tolerance": float(tolerance)}
+        more |= {"keep": None if keep is None else Path(keep), "progress": progress}
+        return follow_motors(swimmer, lambda T: _times(T, time, samples), begin, phase, **more)
     if poses is None and gait is None:
         in_tube.check(swimmer)
-    poses = _poses(swimmer, model, gait, progress) if poses is None else poses
+    if poses is None:
+        poses = _poses(swimmer, model, gait, level, progress)
     check_bounds(poses, swimmer)
     made = poses.gait
     if swimmer.field is not None and swimmer.magnet is not None:
@@ -233,12 +237,15 @@ def _in_space(swimmer: Swimmer) -> AppliedField | None:
     return field
 
 
-def _poses(swimmer: Swimmer, model: str, gait: Gait | None, progress: Any) -> Poses:
+def _poses(
+    swimmer: Swimmer, model: str, gait: Gait | None, level: str | None, progress: Any
+) -> Poses:
     """Return the gait at every pose: solved by a wall or in a tube, the same in free fluid."""
     if gait is None and (swimmer.wall is not None or swimmer.channel is not None):
-        around: Poses = doors.go(doors.AT_POSES, swimmer, progress=progress)
+        around: Poses = doors.go(doors.AT_POSES, swimmer, level=level, progress=progress)
         return around
-    free: Any = FreePoses(swimmer.gait(model) if gait is None else gait)  # type: ignore[arg-type]
+    how: Any = {} if level is None else {"level": level}
+    free: Any = FreePoses(swimmer.gait(model, **how) if gait is None else gait)  # type: ignore[arg-type]
     return free
 
 

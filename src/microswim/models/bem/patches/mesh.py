@@ -122,5 +122,5 @@ def swimmer_surface(body: Body, tail: Tail, phase: float, r: Resolution) -> Surf
         rows, patches = row + len(t.inner), first + len(t.controls)
         inner[row:rows, first:patches] = t.inner
         row, first = rows, patches
-    on_tail = np.arange(len(X)) >= bare
-    return Surface(np.ascontiguousarray(X), np.ascontiguousarray(motion), on_tail, r.order, inner)
+    of_tail = np.repeat(np.arange(len(tails) + 1), [bare, *(len(t.controls) for t in tails)])
+    return Surface(np.ascontiguousarray(X), np.ascontiguousarray(motion), of_tail, r.order, inner)

@@ -55,7 +55,7 @@ def chosen(surface: Surface, which: NDArray[np.bool_]) -> Surface:
         surface,
         controls=surface.controls[which],
         motion=surface.motion[which],
-        on_tail=surface.on_tail[which],
+        of_tail=surface.of_tail[which],
         inner=None if surface.inner is None else surface.inner[:, which],
     )
 
@@ -67,7 +67,7 @@ def together(parts: list[Surface]) -> Surface:
         parts[0],
         controls=np.ascontiguousarray(np.concatenate([p.controls for p in parts])),
         motion=np.ascontiguousarray(np.concatenate([p.motion for p in parts])),
-        on_tail=np.concatenate([p.on_tail for p in parts]),
+        of_tail=np.concatenate([p.of_tail for p in parts]),
         inner=np.concatenate(inner, axis=1) if inner else None,
     )
 
@@ -103,7 +103,7 @@ def halved(surface: Surface, across_u: NDArray[np.bool_], across_v: NDArray[np.b
             parts.append(np.einsum("nj,eijc->einc", half, values[across_v], optimize=True))
         return np.concatenate(parts)
 
-    tail = surface.on_tail
+    tail = surface.of_tail
     both = [tail[across_u], tail[across_v]]
     inner = surface.inner
     if inner is not None and len(inner):
@@ -112,6 +112,6 @@ def halved(surface: Surface, across_u: NDArray[np.bool_], across_v: NDArray[np.b
         surface,
         controls=np.ascontiguousarray(cut(surface.controls)),
         motion=np.ascontiguousarray(cut(surface.motion)),
-        on_tail=np.concatenate([tail[whole], *both, *both]),
+        of_tail=np.concatenate([tail[whole], *both, *both]),
         inner=inner,
     )

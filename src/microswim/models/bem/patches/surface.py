@@ -35,8 +35,8 @@ class Surface:
         Positions at the geometry nodes.
     motion : (e, q, q, 3)
         Velocity of the tail's surface per unit phase rate at the same nodes; zero on the body.
-    on_tail : (e,) bool
-        Which patches belong to the tail.
+    of_tail : (e,) int
+        Which tail each patch belongs to, counted from 1; 0 on the body.
     order : int
         p, density nodes a side.
     inner : (m, e, q, q), optional
@@ -49,11 +49,16 @@ class Surface:
 
     controls: Array
     motion: Array
-    on_tail: NDArray[np.bool_]
+    of_tail: NDArray[np.int64]
     order: int = 2
     inner: Array | None = None
     vessel: NDArray[np.bool_] | None = None
     closed: bool = False
+
+    @property
+    def on_tail(self) -> NDArray[np.bool_]:
+        """Which patches belong to a tail, (e,)."""
+        return self.of_tail > 0
 
     @property
     def on_swimmer(self) -> NDArray[np.bool_]:
@@ -256,7 +261,7 @@ def sampled(facets: Iterable[Facet]) -> Array:
 
 def still(controls: Array, order: int = 2) -> Surface:
     """Return the closed surface of patches (e, q, q, 3) that does not move by itself."""
-    none = np.zeros(len(controls), bool)
+    none = np.zeros(len(controls), int)
     return Surface(np.ascontiguousarray(controls), np.zeros_like(controls), none, order)
 
 

@@ -75,7 +75,7 @@ def joined(swimmer: Surface, tube: Surface, closed: bool) -> Surface:
         swimmer,
         controls=np.concatenate([swimmer.controls, tube.controls]),
         motion=np.concatenate([swimmer.motion, tube.motion]),
-        on_tail=np.concatenate([swimmer.on_tail, tube.on_tail]),
+        of_tail=np.concatenate([swimmer.of_tail, tube.of_tail]),
         inner=inner,
         vessel=vessel,
         closed=closed,

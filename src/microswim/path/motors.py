@@ -1,0 +1,271 @@
+"""Motors that give a torque: how fast each turns, and how the swimmer moves.
+
+    R(phi) V + sum_i F_i(phi) w_i = 0                 on the free axes
+    F_i . V + sum_j G_ij(phi) w_j = tau_i(w_i)
+
+the second the torque that motor i gives: constant T, or T up to a knee K and from there in a
+straight line to none at its rate without load W (`Motor`). By resistive force theory R is the
+body's and the sum of the tails', each at its own phase, and G is diagonal: what phases do to one
+another goes through the motion of the body. By boundary elements tails feel one another's flow too.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any, Protocol
+
+import numpy as np
+from numpy.typing import NDArray
+
+from microswim import checks
+from microswim.errors import MicroswimError, SpecError
+from microswim.gait import doors
+from microswim.gait.gait import DEGREES_OF_FREEDOM
+from microswim.models.rft.gait import body_resistance, tail_series
+from microswim.models.rft.placed import at_own_rates, moved
+from microswim.numerics.array import Array
+from microswim.numerics.series.fourier import evaluate
+from microswim.swimmer.parts import replaced
+from microswim.swimmer.physical_sense import require_drag, require_tail
+from microswim.swimmer.swimmer import Swimmer
+
+#: Trials of which motors turn beyond their knee.
+MOST_TRIALS = 50
+
+
+class AtPhases(Protocol):
+    """What motors ask of a model."""
+
+    def at(self, phase: Array) -> tuple[Array, Array, Array]:
+        """Return R (6, 6), F (6, n) and G (n, n) at the phases (n,)."""
+        ...
+
+
+@dataclass(frozen=True, eq=False)
+class TailsApart:
+    """Tails that do not feel one another's flow.
+
+    Parameters
+    ----------
+    body
+        Resistance of the body (6, 6).
+    tails
+        Of each tail the series of ``B_t``, ``F_p`` and G in its own phase.
+    """
+
+    body: Array
+    tails: tuple[tuple[Array, ...], ...]
+
+    def at(self, phase: Array) -> tuple[Array, Array, Array]:
+        """Return R (6, 6), F (6, n) and G (n, n) at the phases (n,)."""
+        each = [[evaluate(s, p) for s in tail] for tail, p in zip(self.tails, phase)]
+        R, F, G = zip(*each)
+        return self.body + np.sum(R, axis=0), np.array(F).T, np.diag(G)
+
+
+@dataclass(frozen=True, eq=False)
+class TorqueLaw:
+    """The torques of n motors, and which motions of their swimmer are free.
+
+    Parameters
+    ----------
+    free
+        Which of the six motions are free, (6,).
+    torque
+        T of each motor, (n,).
+    no_load
+        Rate of each motor without load (rad per time), (n,); infinite for a constant torque.
+    knee
+        Rate up to which the torque does not fall, (n,); not a number where it falls from rest on.
+    """
+
+    free: NDArray[np.bool_]
+    torque: Array
+    no_load: Array
+    knee: Array
+
+    def given(self, rate: Array) -> Array:
+        """Return the torque of each motor at its rate, (n,)."""
+        level, slope = self._line
+        line = level - slope * rate
+        sign = np.sign(self.torque)
+        return np.where(
+            np.isnan(self.knee), line, sign * np.minimum(sign * self.torque, sign * line)
+        )
+
+    @property
+    def _line(self) -> tuple[Array, Array]:
+        """Torque at rest and slope of each line that falls to none at W; flat without W."""
+        constant = np.isinf(self.no_load)
+        low = np.where(np.isnan(self.knee), 0.0, self.knee)
+        high = np.where(constant, 1.0, self.no_load)
+        slope = np.where(constant, 0.0, self.torque / (high - np.where(constant, 0.0, low)))
+        return np.where(constant, self.torque, slope * high), slope
+
+    def turning(self, R: Array, F: Array, G: Array) -> tuple[Array, Array]:
+        """Return twist V (6,) and rates (n,) with R (6, 6), F (6, n) and G (n, n).
+
+        Motors beyond their knee are those that turn faster than it: found by trying, since each
+        that weakens slows them all, a few times at most.
+
+        Raises
+        ------
+        MicroswimError
+            If that does not end.
+        """
+        R, F = R[np.ix_(self.free, self.free)], F[self.free]
+        level, slope = self._line
+        falls = np.isnan(self.knee)
+        for _ in range(MOST_TRIALS):
+            both: Any = np.linalg.solve(
+                np.block([[R, F], [F.T, G + np.diag(np.where(falls, slope, 0.0))]]),
+                np.concatenate([np.zeros(len(R)), np.where(falls, level, self.torque)]),
+            )
+            rate = both[len(R) :]
+            beyond = np.isnan(self.knee) | (np.sign(self.torque) * (rate - self.knee) > 0.0)
+            if (beyond == falls).all():
+                V = np.zeros(6)
+                V[self.free] = both[: len(R)]
+                return V, rate
+            falls = beyond
+        raise MicroswimError(
+            "the rates of the motors were not found at their knees; move the knees"
+        )
+
+    def missed(self, guess: tuple[Array, ...], true: tuple[Array, ...]) -> Array:
+        """Return by how much R, F and G miss the true ones in V and the rates, (6 + n,).
+
+        Of the speed, of the rate of turning, of each motor's rate.
+        """
+        (V, w), (known, rate) = self.turning(*guess), self.turning(*true)
+        size = np.repeat([np.linalg.norm(known[:3]), np.linalg.norm(known[3:])], 3)
+        off = np.abs(np.concatenate([V - known, w - rate]))
+        scale = np.concatenate([size, np.abs(rate)])
+        return np.divide(off, scale, out=np.zeros_like(off), where=scale > 0.0)
+
+
+@dataclass(frozen=True, eq=False)
+class Motors:
+    """A swimmer of n tails, each with its own motor and phase.
+
+    Parameters
+    ----------
+    law
+        The torques.
+    tails
+        What the model says at the phases of the tails.
+    model
+        ``"rft"`` or ``"bem"``.
+    error
+        Of each velocity, ``us`` to ``or``, and of the ``rates``, and how it is known.
+    """
+
+    law: TorqueLaw
+    tails: AtPhases
+    model: str
+    error: dict[str, Any] | None = None
+
+    def given(self, rate: Array) -> Array:
+        """Return the torque of each motor at its rate, (n,)."""
+        return self.law.given(rate)
+
+    def turning(self, phases: Array) -> tuple[Array, Array]:
+        """Return twist V (6,) and rates (n,) at the phases (n,).
+
+        Raises
+        ------
+        MicroswimError
+            As `TorqueLaw.turning`.
+        """
+        return self.law.turning(*self.tails.at(phases))
+
+
+def motors_of(
+    swimmer: Swimmer,
+    torque: Any = None,
+    no_load: Any = None,
+    knee: Any = None,
+    **by: Any,
+) -> Motors:
+    """Return the motors of a swimmer; its own `Motor` without a torque.
+
+    Parameters
+    ----------
+    swimmer, torque, no_load, knee
+        As of `own_motors`.
+    by
+        ``model``, ``"rft"`` (default) or ``"bem"``; of the latter ``level``, ``workers`` and
+        ``progress``.
+
+    Raises
+    ------
+    SpecError
+        If torques or rates are not one number, or one for each tail.
+    MicroswimError
+        If boundary elements cannot solve the tails at all their phases.
+    """
+    require_tail(swimmer, "motors of their own")
+    if swimmer.tail.settles or swimmer.region is not None:
+        raise SpecError(
+            "tail: motors of given torque turn tails of a given shape, by the surrogate without a "
+            "region calibration; leave [region] out, or take another kind of tail"
+        )
+    free = np.array(swimmer.motion.mask)
+    law = TorqueLaw(free, *_laws(swimmer, len(swimmer.tail.each), torque, no_load, knee))
+    if by.pop("model", "rft") == "rft":
+        return Motors(law, _apart(swimmer), "rft")
+    found = doors.go(doors.MOTOR_PHASES, swimmer, law.missed, **by)
+    return Motors(law, found, "bem", _error_of(found))
+
+
+def _apart(swimmer: Swimmer) -> TailsApart:
+    """Return the tails by resistive force theory."""
+    require_drag(swimmer)
+    series = tuple(
+        moved(tail_series(replaced(swimmer, "tail", t.own)), swimmer, t, ahead=0.0)
+        for t in at_own_rates(swimmer.tail)
+    )
+    return TailsApart(body_resistance(swimmer), series)
+
+
+def _error_of(found: Any) -> dict[str, Any]:
+    """Return the errors of velocities and rates by boundary elements, and how they are known."""
+    off = found.missed.max(axis=0) + found.rough.max(axis=0)
+    how = (
+        f"largest at {len(found.missed)} phases that had no part in the fit, and "
+        f"the difference from the next coarser level at {len(found.rough)}; of speed, rate of "
+        "turning, and each motor's rate"
+    )
+    known = dict(zip(DEGREES_OF_FREEDOM, off[:6].tolist(), strict=True))
+    return {**known, "rates": off[6:].tolist(), "how": how}
+
+
+def _laws(
+    swimmer: Swimmer, count: int, torque: Any, no_load: Any, knee: Any
+) -> tuple[Array, Array, Array]:
+    """T, W and K of each motor: as given, else those of the swimmer's motor."""
+    if torque is None:
+        if swimmer.motor is None:
+            raise SpecError("torque: missing; give it, or the swimmer a motor ([motor])")
+        if no_load is not None or knee is not None:
+            raise SpecError("no_load, knee: those of a torque that is given; give torque too")
+        return swimmer.motor.of_each(count)
+    T = one_for_each("torque", torque, count, "a torque, or one for each tail")
+    W, K = np.full(count, np.inf), np.full(count, np.nan)
+    allowed = "a rate other than zero (rad per time), or one for each tail"
+    if no_load is not None:
+        W = one_for_each("no_load", no_load, count, allowed)
+        if not (W * T > 0.0).all():
+            raise SpecError("no_load", no_load, "of the sign of the torque", allowed)
+    if knee is not None:
+        K = one_for_each("knee", knee, count, allowed)
+        if not ((K * T > 0.0) & (np.abs(K) < np.abs(W)) & np.isfinite(W)).all():
+            raise SpecError("knee", knee, "of the sign of the torque, and below no_load")
+    return T, W, K
+
+
+def one_for_each(name: str, value: Any, count: int, allowed: str) -> Array:
+    """Return one number for each of n, given as one for all or one each."""
+    each = list(value) if np.ndim(value) == 1 else [value] * count
+    checks.numbers(name, each, count, allowed)
+    return np.array(each, float)

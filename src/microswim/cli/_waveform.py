@@ -45,6 +45,8 @@ def _write(path: Path, found: Any, out: Path) -> None:
         "kind": "waveform", "modes": found.modes.tolist(), "length": f"{found.length!r} m",
         "frequency": f"{found.frequency!r} Hz",
     }  # fmt: skip
+    if found.modes_out is not None:
+        tail["modes_out"] = found.modes_out.tolist()
     write(out / MODES, to_toml({"tail": tail}, f"the beat of {path.name}; add a radius"))
 
 
@@ -56,6 +58,7 @@ def _show(found: Any, result: dict[str, Any], as_json: bool) -> None:
     numbers = result["waveform"]
     relative = 1.96 * found.frequency_error / abs(found.frequency)
     rows, harmonics = found.modes.shape[0], found.modes.shape[1] // 2
+    plane = "" if found.modes_out is not None else " and in a plane"
     unit = "rad" if found.beat.angle is not None else "m"
     for name, text in (
         ("frequency", with_error(found.frequency, relative, "Hz") + "   (95 %)"),
@@ -65,7 +68,7 @@ def _show(found: Any, result: dict[str, Any], as_json: bool) -> None:
         ("mean curvature", f"{found.mean_curvature / 1e3:.4g} rad/mm"),
         ("modes", f"{rows} along the filament, {harmonics} harmonics, by cross-validation"),
         ("misfit", quantity(found.misfit, unit) + ", per coordinate"),
-        ("noise", quantity(found.noise, unit) + ", if the beat is periodic and in a plane"),
+        ("noise", quantity(found.noise, unit) + ", if the beat is periodic" + plane),
     ):
         click.echo(f"{name:16s} {text}")
     return None

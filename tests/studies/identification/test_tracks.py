@@ -222,3 +222,24 @@ def test_the_command_gives_a_table_of_cells_with_pictures(tmp_path):
     shown = CliRunner().invoke(main, call[:2])
     assert "µm/s" in shown.stdout
     assert "25.00 Hz" in shown.stdout  # half the frame rate
+
+
+def test_a_time_that_is_wrong_by_far_is_one_sentence(tmp_path):
+    t = np.arange(60) / 25.0
+    t[-1] = 1e20
+    x = np.stack([t[::-1] * 0 + np.arange(60), np.sin(np.arange(60))], -1)
+    with pytest.raises(ms.SpecError, match="is a time wrong"):
+        ms.Track(time=t, position=x)
+    table = np.column_stack([t, x])
+    header = "time (s),x (um),y (um)"
+    np.savetxt(tmp_path / "far.csv", table, delimiter=",", header=header, comments="")
+    with pytest.raises(ms.SpecError, match=r"far\.csv: 60 positions in .* is a time wrong"):
+        ms.read_tracks(tmp_path / "far.csv")
+
+
+def test_a_cell_that_stands_still_exactly_does_not_swim():
+    for place in ((1e-6, 1e-6), (10.3, 7.7), (0.0, 0.0)):
+        track = ms.Track(time=np.arange(60) / 25.0, position=np.tile(place, (60, 1)))
+        found = ms.describe_track(track)
+        assert found.numbers["speed"] is None
+        assert "does not swim" in found.notes[0]

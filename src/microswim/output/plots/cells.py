@@ -56,14 +56,20 @@ def beat(found: Any, unit: str) -> Figure:
         Up to ten frames: points as filmed, lines as fitted.
     """
     with look():
+        seen = ("q", "r") if found.modes_out is not None else ("q",)
         figure = blank(WIDE, 3.0)
-        left, right = figure.subplots(1, 2)
-        _frames(left, found, unit)
+        *views, right = figure.subplots(1, 1 + len(seen))
+        for i, axes in enumerate(views):
+            _frames(axes, found, unit, (seen[i], 1 + i))
+            title = "points as filmed, lines as fitted" if len(seen) == 1 else f"s and {seen[i]}"
+            axes.set_title(title, loc="left")
         _angles(right, found, unit)
         return figure
 
 
-def _frames(axes: Axes, found: Any, unit: str) -> None:
+def _frames(axes: Axes, found: Any, unit: str, across: tuple[str, int]) -> None:
+    """Frames along the head and across it; the name and number of that coordinate."""
+    name, column = across
     points, angle = found.beat, found.beat.angle is not None
     factor, shown = prefixed(found.length, unit)
     frames = points.frames
@@ -72,27 +78,37 @@ def _frames(axes: Axes, found: Any, unit: str) -> None:
         here = here[np.argsort(points.s[here])]
         s = factor * points.s[here]
         filmed, fitted = found.filmed[here], found.fitted[here]
-        x, y = (s, filmed[:, 0]) if angle else (factor * filmed).T
+        x, y = (s, filmed[:, 0]) if angle else (factor * filmed[:, [0, column]]).T
         axes.plot(x, y, ".", color=GREY, ms=2.0)
-        x, y = (s, fitted[:, 0]) if angle else (factor * fitted).T
+        x, y = (s, fitted[:, 0]) if angle else (factor * fitted[:, [0, column]]).T
         axes.plot(x, y, color=ORANGE, lw=0.9)
     if angle:
         axes.set(xlabel=label("s", shown), ylabel="tangent angle (rad)")
     else:
-        axes.set(aspect="equal", xlabel=label("s, along the head", shown), ylabel=label("q", shown))
-    axes.set_title("points as filmed, lines as fitted", loc="left")
+        axes.set(aspect="equal", xlabel=label("s, along the head", shown))
+        axes.set(ylabel=label(name, shown))
 
 
 def _angles(axes: Axes, found: Any, unit: str) -> None:
+    """Mean and harmonics of the tangent angle along the filament, dotted out of the plane."""
     factor, shown = prefixed(found.length, unit)
-    s = np.linspace(0.0, found.length, 200)
-    angle = found.tail(radius=0.01 * found.length).angle(s[:, None], np.arange(64) * np.pi / 32)
-    power = np.fft.rfft(angle, axis=1) / 64
-    axes.plot(factor * s, power[:, 0].real, color=GREY, lw=1.2, ls="--", label="mean")
-    for h in range(1, found.modes.shape[1] // 2 + 1):
-        axes.plot(factor * s, 2.0 * np.abs(power[:, h]), label=f"harmonic {h}")
+    y = np.linspace(-1.0, 1.0, 200)
+    s = factor * found.length * (y + 1.0) / 2.0
+    for modes, line in ((found.modes, "-"), (found.modes_out, ":")):
+        if modes is None:
+            continue
+        axes.set_prop_cycle(None)
+        mean = np.polynomial.legendre.legval(y, modes[:, 0])
+        axes.plot(s, mean, color=GREY, lw=1.2, ls="--" if line == "-" else line, label="mean")
+        for h in range(1, modes.shape[1] // 2 + 1):
+            wave = np.polynomial.legendre.legval(y, modes[:, 2 * h - 1] - 1j * modes[:, 2 * h])
+            axes.plot(s, np.abs(wave), ls=line, label=f"harmonic {h}")
     axes.set(xlabel=label("s", shown), ylabel="amplitude of the tangent angle (rad)")
-    axes.legend()
+    if found.modes_out is not None:
+        axes.set_title("dotted: out of the plane", loc="left")
+    handles, names = axes.get_legend_handles_labels()
+    few = len(handles) if found.modes_out is None else len(handles) // 2
+    axes.legend(handles[:few], names[:few])
 
 
 def _path(axes: Axes, track: np.ndarray, path: np.ndarray, unit: str) -> None:
@@ -120,6 +136,7 @@ def _displacement(axes: Axes, found: Any, unit: str, time: str) -> None:
         label="95 %",
     )
     axes.plot(lag, factor**2 * value, "o-", color=BLUE, ms=2.5, lw=0.8)
-    axes.set(xscale="log", yscale="log", xlabel=label("time apart", time))
+    scale = "log" if (value > 0).any() else "linear"  # of a cell that stands still
+    axes.set(xscale="log", yscale=scale, xlabel=label("time apart", time))
     axes.set(ylabel=label("mean squared displacement", f"{shown}²" if shown else ""))
     axes.legend(loc="upper left")

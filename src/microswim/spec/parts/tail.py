@@ -120,7 +120,7 @@ class WaveformTable(_PlacedTable):
     length: Annotated[Length | None, About("Length", "along the filament")] = None  # type: ignore[assignment]
     frequency: Annotated[Frequency | None, About("Frequency", "beats; found in the file")] = None  # type: ignore[assignment]
     file: Annotated[
-        str | None, About("File", "table of the beat: t or frame, s, x, y, or t, s, angle")
+        str | None, About("File", "table of the beat: t or frame, s, x, y[, z], or t, s, angle")
     ] = None
     pixel: Annotated[Length | None, About("Pixel", "its size, where the file has pixels")] = None
     fps: Annotated[Frequency | None, About("Frame rate", "where the file counts frames")] = None
@@ -133,6 +133,10 @@ class WaveformTable(_PlacedTable):
     modes: Annotated[
         list[list[Number]] | None,
         About("Modes", "in place of file: a row for each, mean, cosine, sine, ... of the angle"),
+    ] = None
+    modes_out: Annotated[
+        list[list[Number]] | None,
+        About("Modes out of the plane", "of the angle out of the plane, for a beat in space"),
     ] = None
     tolerance: Annotated[Number, About("Tolerance", "how exactly the centreline is followed")] = (
         1e-7

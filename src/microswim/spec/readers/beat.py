@@ -106,10 +106,10 @@ def _beat(table: Table, time: np.ndarray, s: np.ndarray, units: str, size: float
         _check_arc(table, s[whole])
         return Beat(time[whole], s[whole], angle=angle[whole])
     x = np.stack([film.lengths(table, name, units, size) for name in ("x", "y")], axis=-1)
+    x = _from_head(table, x, units, size)
     depth = table.numbers.get("z")
     if depth is not None and np.nanstd(depth) > 0:
-        raise SpecError(f"{table.path}: a beat in space; only one in a plane is read, without z")
-    x = _from_head(table, x, units, size)
+        x = np.column_stack([x, film.lengths(table, "z", units, size)])
     whole = np.isfinite(time) & np.isfinite(s) & np.isfinite(x).all(axis=1)
     _check_arc(table, s[whole])
     return _based(table, Beat(time[whole], s[whole], position=x[whole]))
@@ -140,7 +140,7 @@ def _based(table: Table, beat: Beat) -> Beat:
     near = beat.s <= beat.s.min() + 1e-9 * L
     base = beat.position[near]
     spread = float(np.linalg.norm(base - np.median(base, axis=0), axis=1).mean())
-    start = np.median(base, axis=0) if beat.s.min() < STILL * L else np.zeros(2)
+    start = np.median(base, axis=0) if beat.s.min() < STILL * L else 0.0 * base[0]
     if spread > STILL * L and len(base) > 1 and beat.s.min() < STILL * L:
         raise SpecError(
             f"{table.path}: the base moves by {spread / L:.2g} of the length: give the head's "
@@ -176,6 +176,7 @@ def tail_fields(table: dict[str, Any], units: str) -> dict[str, Any]:
         modes=_count("tail.mode_count", setting), harmonics=_count("tail.harmonics", setting),
     )  # fmt: skip
     known = {"modes": found.modes, "length": found.length, "frequency": found.frequency}
+    known |= {} if found.modes_out is None else {"modes_out": found.modes_out}
     return {**known, **table}
 
 

@@ -24,6 +24,9 @@ TURNS = 0.8  #: of the error of a parabola, that a turning one must foretell bet
 WINDOWS = (5, 7, 11, 15, 23, 31, 47, 63, 95, 127, 191, 255, 511, 1023)
 
 
+ROUNDING = 1e-13  #: of a position, below which it does not move
+
+
 AS_IT_IS = Averaging()
 
 
@@ -206,7 +209,8 @@ def _straight(time: np.ndarray, mean: np.ndarray) -> AveragePath:
     v = centred @ mean / (centred @ centred)
     line = mean.mean(axis=0) + centred[:, None] * v
     s2 = float(((mean - line) ** 2).sum() / max(d * (m - 2), 1))
-    noise = float(np.sqrt(s2 / (centred @ centred)))
+    least = ROUNDING * float(np.abs(mean).max())
+    noise = max(float(np.sqrt(s2)), least) / float(np.sqrt(centred @ centred))
     swims = bool(v @ v > noise**2 * chi2.ppf(0.999, d))
     return AveragePath(time, mean, line, np.tile(v, (m, 1)), noise, m, swims)
 
@@ -236,7 +240,7 @@ def smoothed(
         off, h = (mean - smooth)[window // 2 : m - window // 2], _own(window)
         spread = float(np.sqrt(np.sum(savgol_coeffs(window, 2, deriv=1, delta=dt) ** 2)))
     s2 = float(np.mean(off**2) / (1.0 - h))
-    noise = float(np.sqrt(s2)) * spread
+    noise = max(float(np.sqrt(s2)), ROUNDING * float(np.abs(mean).max())) * spread
     some = v[window // 2 : m - window // 2][::window]
     total = float((some**2).sum())
     swims = total > noise**2 * chi2.ppf(0.999, some.size) and total > 0

@@ -82,6 +82,10 @@ def _tracks(tracks: Tracks) -> dict[str, Any]:
     return plain({"kind": "tracks", "cells": rows, "notes": said})
 
 
+def _short(modes: Any) -> list[list[float]]:
+    return [[float(f"{v:.5g}") for v in row] for row in modes]
+
+
 def _estimate(found: Any) -> list[float] | None:
     return None if found is None else [found.value, found.low, found.high]
 
@@ -102,14 +106,16 @@ def _beat(found: Waveform, tables: Any) -> dict[str, Any]:
         said.append("the head is a guess: a table of a tail holds none")
     tail = {
         "kind": "waveform",
-        "modes": [[float(f"{v:.5g}") for v in row] for row in found.modes],
+        "modes": _short(found.modes),
+        **({} if found.modes_out is None else {"modes_out": _short(found.modes_out)}),
         "length": f"{1e6 * length!r} um",
         "frequency": f"{float(found.frequency)!r} Hz",
         "radius": f"{float(f'{1e6 * length / SLENDER:.3g}')} um",
     }
     said.append("so is the filament's radius")
     made = {"fluid": own.get("fluid", WATER), "body": own["body"], "tail": tail}
-    made["motion"] = {"free": ["us", "uq", "or"]}
+    if found.modes_out is None:
+        made["motion"] = {"free": ["us", "uq", "or"]}
     try:
         full = canonical(swimmer_of(made))
     except MicroswimError as error:

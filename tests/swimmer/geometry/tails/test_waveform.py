@@ -188,3 +188,12 @@ def test_a_custom_tail_of_splines_is_followed_to_its_tolerance():
     tail = ms.CustomTail(shape=shape, length=2.0, radius=0.02, wavelength=2.0, tolerance=1e-5)
     s = np.linspace(0, 2, 41)
     assert tail.centreline(s, 0.3)[0] == pytest.approx(shape(s, 0.3), abs=2e-4)
+
+
+@pytest.mark.parametrize(("column", "words"), [(0, "is a time wrong"), (2, "is a number wrong")])
+def test_one_number_that_is_wrong_by_far_is_named(column, words):
+    t, s, x = film(FILMS["one beat"], points=15)
+    table = np.column_stack([t, s, x])
+    table[t == t.max(), column] = 1e15
+    with pytest.raises(ms.SpecError, match=words):
+        fit(Beat(table[:, 0], table[:, 1], position=table[:, 2:]))

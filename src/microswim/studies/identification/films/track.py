@@ -16,6 +16,7 @@ from microswim.numerics.array import kept, read_only
 from microswim.studies.identification.spectrum import power
 
 FEWEST = 12
+EMPTY = 1000  #: frames for each position, at which something is wrong
 
 
 @checks.by_name
@@ -63,6 +64,8 @@ class Track:
         n = self.time.size
         if self.time.ndim != 1 or n < FEWEST or (np.diff(self.time) <= 0).any():
             raise SpecError("track.time", f"{n} times", f"at least {FEWEST} increasing times")
+        if scattered(self.time):
+            raise SpecError(f"track.time: {scattered(self.time)}")
         if self.position.shape not in ((n, 2), (n, 3)):
             raise SpecError("track.position", self.position.shape, f"of shape ({n}, 2) or ({n}, 3)")
         if self.quaternion is not None:
@@ -125,3 +128,11 @@ class Track:
         left = self.position - self.smooth
         amplitude = np.sqrt(2.0 * share[i] * np.sum(left**2) / len(left))
         return float(peak), float(amplitude), float(share[i])
+
+
+def scattered(time: np.ndarray) -> str:
+    """Return why times are too far apart for a film, as by a wrong number; or nothing."""
+    frames = float((time[-1] - time[0]) / np.median(np.diff(time)))
+    if frames < EMPTY * time.size:
+        return ""
+    return f"{time.size} positions in {frames:.3g} frames' time: is a time wrong?"

@@ -19,7 +19,7 @@ from microswim.errors import SpecError, nearest
 from microswim.spec.readers import film, measured
 from microswim.spec.readers.measured import Table
 from microswim.spec.readers.text import LARGEST_TABLE, read_text
-from microswim.studies.identification.films.track import FEWEST, Track
+from microswim.studies.identification.films.track import FEWEST, Track, scattered
 from microswim.studies.identification.films.track_mdf import table_of_mdf
 from microswim.studies.identification.films.track_xml import table_of_xml
 
@@ -212,7 +212,7 @@ def _no_track(time: np.ndarray) -> str:
             f"two positions at time {time[again[0]]:g}: it splits or merges, or is several tracks "
             "without their names"
         )
-    return ""
+    return scattered(time)
 
 
 def _name(label: str) -> str:

@@ -19,7 +19,7 @@ class Beat:
     time, s
         Time and arc length of each point, shapes (n,).
     position
-        Positions (n, 2), or None where the film was read as angles.
+        Positions (n, 2) or (n, 3), or None where the film was read as angles.
     angle
         Tangent angles (n,) in rad, or None.
     """
@@ -35,8 +35,13 @@ class Beat:
         return np.unique(self.time)
 
     @property
+    def in_space(self) -> bool:
+        """Whether the points leave a plane."""
+        return self.position is not None and self.position.shape[1] == 3
+
+    @property
     def filmed(self) -> np.ndarray:
-        """What was filmed: positions (n, 2), or angles (n, 1)."""
+        """What was filmed: positions (n, 2) or (n, 3), or angles (n, 1)."""
         found = self.angle[:, None] if self.angle is not None else self.position
         assert found is not None
         return found
@@ -48,7 +53,7 @@ class Waveform:
 
     Parameters
     ----------
-    modes, length, frequency
+    modes, modes_out, length, frequency
         As `WaveformTail` takes them.
     frequency_error
         Standard uncertainty of the frequency; zero where it was given.
@@ -80,6 +85,7 @@ class Waveform:
     noise: float
     fitted: np.ndarray
     beat: Beat
+    modes_out: np.ndarray | None = None
 
     @property
     def filmed(self) -> np.ndarray:
@@ -96,6 +102,7 @@ class Waveform:
             "wavelength": self.tail(radius=0.01 * self.length).wavelength,
             "mean_curvature": self.mean_curvature,
             "modes": self.modes.tolist(),
+            **({} if self.modes_out is None else {"modes_out": self.modes_out.tolist()}),
             "misfit": self.misfit,
             "noise": self.noise,
             "of": "tangent angle (rad)" if self.beat.angle is not None else "position",
@@ -106,7 +113,8 @@ class Waveform:
     def tail(self, *, radius: float, **fields: Any) -> WaveformTail:
         """Return the tail with this beat; fields as `WaveformTail` takes them."""
         own: dict[str, Any] = {"length": self.length, "frequency": self.frequency}
-        return WaveformTail(modes=self.modes, radius=radius, **{**own, **fields})
+        own |= {"modes": self.modes, "modes_out": self.modes_out}
+        return WaveformTail(radius=radius, **{**own, **fields})
 
     @property
     def mean_curvature(self) -> float:

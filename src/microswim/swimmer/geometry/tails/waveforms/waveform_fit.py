@@ -21,6 +21,7 @@ RIDGE = 1e-6  #: on the modes, relative to the largest entry of the normal equat
 CHUNK = 4000
 FEWEST_FRAMES = 8
 LEAST_BEATS = 0.75
+EMPTY, FAR = 1000, 3.0  #: frames for each that is there, and lengths from the base: beyond is wrong
 
 
 def fit(
@@ -58,6 +59,7 @@ def fit(
             f"tail.file: {frames.size} frames of {per_frame:.0f} points; a beat needs at least "
             f"{FEWEST_FRAMES} frames with six points along the filament"
         )
+    _check_sizes(beat, L)
     if frames.size <= 2 * high + 1:
         raise SpecError("tail.harmonics", high, f"{(frames.size - 2) // 2} at most")
     found = _frequency(beat, L, most) if frequency is None else frequency
@@ -70,7 +72,7 @@ def fit(
     for _ in range(2):
         start = _gauss_newton(beat, L, found, _first(beat, L, found, most, high), 3)
         M, H = _chosen(beat, L, found, start, modes, harmonics)
-        c = _gauss_newton(beat, L, found, start[:M, : 1 + 2 * H], 4)
+        c = _gauss_newton(beat, L, found, start[:, :M, : 1 + 2 * H], 4)
         moved, error = (0.0, 0.0) if frequency else _shift(beat, L, found, c)
         found += moved
         if abs(moved) < 0.01 / T:
@@ -79,7 +81,8 @@ def fit(
     off = _model(beat, L, found, c)[0] - beat.filmed
     count = max(off.size - c.size, 1)
     return Waveform(
-        modes=c,
+        modes=c[0],
+        modes_out=c[1] if beat.in_space else None,
         length=L,
         frequency=float(found),
         frequency_error=float(error),
@@ -90,10 +93,25 @@ def fit(
     )
 
 
+def _check_sizes(beat: Beat, L: float) -> None:
+    """Refuse numbers that are wrong by far, one of which would rule all others."""
+    frames = beat.frames
+    span = float((frames[-1] - frames[0]) / np.median(np.diff(frames)))
+    if span > EMPTY * frames.size:
+        raise SpecError(
+            f"tail.file: {frames.size} frames in {span:.3g} frames' time; is a time wrong?"
+        )
+    far = 0.0 if beat.position is None else float(np.abs(beat.position).max()) / L
+    if far > FAR:
+        raise SpecError(f"tail.file: a point {far:.3g} lengths from the base; is a number wrong?")
+
+
 def pieces(beat: Beat) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]:
-    """Return time, arc length, tangent angle and weight of the pieces between points of a frame."""
+    """Return time, arc length, tangent angles (n, 1), or (n, 2) in space, and weight of the pieces
+    between points of a frame.
+    """
     if beat.angle is not None:
-        return beat.time, beat.s, beat.angle, np.ones_like(beat.s)
+        return beat.time, beat.s, beat.angle[:, None], np.ones_like(beat.s)
     assert beat.position is not None
     order = np.lexsort((beat.s, beat.time))
     t, s, x = beat.time[order], beat.s[order], beat.position[order]
@@ -105,7 +123,10 @@ def pieces(beat: Beat) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]:
     for i in range(1, raw.size):
         if not first[i]:
             angle[i] = angle[i - 1] + (raw[i] - angle[i - 1] + np.pi) % (2 * np.pi) - np.pi
-    return t[1:][same], (s[1:] + s[:-1])[same] / 2.0, angle, ds / ds.max()
+    both = [angle]
+    if beat.in_space:
+        both.append(np.arctan2(step[:, 2], np.hypot(step[:, 0], step[:, 1])))
+    return t[1:][same], (s[1:] + s[:-1])[same] / 2.0, np.stack(both, axis=-1), ds / ds.max()
 
 
 def _basis(L: float, s: np.ndarray, phase: np.ndarray, M: int, H: int) -> np.ndarray:
@@ -116,29 +137,29 @@ def _basis(L: float, s: np.ndarray, phase: np.ndarray, M: int, H: int) -> np.nda
 
 
 def _first(beat: Beat, L: float, f: float, M: int, H: int) -> np.ndarray:
-    """Modes from the angles of the pieces, linear least squares."""
-    t, s, angle, weight = pieces(beat)
+    """Modes of each angle from those of the pieces, linear least squares."""
+    t, s, angles, weight = pieces(beat)
     B = _basis(L, s, 2.0 * np.pi * f * t, M, H) * weight[:, None]
-    gram = B.T @ B
-    c = np.linalg.solve(_with_ridge(gram, M, H), B.T @ (weight * angle))
-    return c.reshape(M, 1 + 2 * H)
+    c = np.linalg.solve(_with_ridge(B.T @ B, 1, M, H), B.T @ (weight[:, None] * angles))
+    return c.T.reshape(-1, M, 1 + 2 * H)
 
 
-def _with_ridge(gram: np.ndarray, M: int, H: int) -> np.ndarray:
+def _with_ridge(gram: np.ndarray, angles: int, M: int, H: int) -> np.ndarray:
     """Normal equations that hold back high modes and harmonics where the film says nothing."""
     order = np.arange(M)[:, None] ** 2 + ((np.arange(1 + 2 * H) + 1) // 2)[None, :] ** 2
-    return gram + RIDGE * gram.diagonal().max() * np.diag(0.1 + order.ravel())
+    ridge = np.tile(0.1 + order.ravel(), angles)
+    return gram + RIDGE * gram.diagonal().max() * np.diag(ridge)
 
 
 def _frequency(beat: Beat, L: float, M: int) -> float:
     """Frequency whose mean, cosine and sine explain the angles best."""
-    t, s, angle, weight = pieces(beat)
+    t, s, angles, weight = pieces(beat)
     frames, which = np.unique(t, return_inverse=True)
     P = legendre.legvander(2.0 * s / L - 1.0, min(M, 4) - 1) * weight[:, None]
-    A = np.zeros((frames.size, P.shape[1]))
+    A = np.zeros((frames.size, P.shape[1] * angles.shape[1]))
     for j in range(frames.size):
         here = which == j
-        A[j] = np.linalg.lstsq(P[here], (weight * angle)[here], rcond=1e-3)[0]
+        A[j] = np.linalg.lstsq(P[here], (weight[:, None] * angles)[here], rcond=1e-3)[0].ravel()
     T, dt = float(frames[-1] - frames[0]), float(np.median(np.diff(frames)))
 
     def left(f: float) -> float:
@@ -160,22 +181,34 @@ def _model(
 ) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     """Return what the modes say of the data (n, d), its derivatives by modes and by frequency."""
     s, t = beat.s[part], beat.time[part]
-    phase, M, H = 2.0 * np.pi * f * t, len(c), c.shape[1] // 2
+    phase, M, H = 2.0 * np.pi * f * t, c.shape[1], c.shape[2] // 2
     if beat.angle is not None:
         B = _basis(L, s, phase, M, H)
-        return (
-            (B @ c.ravel())[:, None],
-            B[:, None, :],
-            _by_phase(L, s, phase, c)[:, None] * t[:, None],
-        )
+        turning = _by_phase(L, s, phase, c[0])[:, None] * t[:, None]
+        return (B @ c.ravel())[:, None], B[:, None, :], turning
     xi, w = np.polynomial.legendre.leggauss(NODES)
     inner, later = s[:, None] * (xi + 1.0) / 2.0, np.broadcast_to(phase[:, None], (s.size, NODES))
-    psi = tangent_angle(c, L, inner, later)
-    across = np.stack([-np.sin(psi), np.cos(psi)], axis=1) * (s[:, None] / 2.0 * w)[:, None, :]
-    x = np.stack([np.cos(psi) @ w, np.sin(psi) @ w], axis=-1) * s[:, None] / 2.0
-    J = across @ _basis(L, inner, later, M, H)
-    by_f = np.einsum("ndq,nq->nd", across, _by_phase(L, inner, later, c)) * t[:, None]
-    return x, J, by_f
+    tangent, across = _tangent([tangent_angle(one, L, inner, later) for one in c])
+    half, basis = s[:, None] / 2.0 * w, _basis(L, inner, later, M, H)
+    x = np.einsum("ndq,nq->nd", tangent, half)
+    J = np.concatenate([(one * half[:, None, :]) @ basis for one in across], axis=-1)
+    by_f = sum(
+        np.einsum("ndq,nq->nd", one, half * _by_phase(L, inner, later, modes))
+        for one, modes in zip(across, c)
+    )
+    return x, J, by_f * t[:, None]
+
+
+def _tangent(angles: list[np.ndarray]) -> tuple[np.ndarray, list[np.ndarray]]:
+    """Tangent (n, d, q) and its derivatives by each of the angles: in a plane, or in space."""
+    c, d = np.cos(angles[0]), np.sin(angles[0])
+    if len(angles) == 1:
+        return np.stack([c, d], axis=1), [np.stack([-d, c], axis=1)]
+    flat, up = np.cos(angles[1]), np.sin(angles[1])
+    return np.stack([flat * c, flat * d, up], axis=1), [
+        np.stack([-flat * d, flat * c, 0.0 * up], axis=1),
+        np.stack([-up * c, -up * d, flat], axis=1),
+    ]
 
 
 def _by_phase(L: float, s: np.ndarray, phase: np.ndarray, c: np.ndarray) -> np.ndarray:
@@ -205,10 +238,10 @@ def _normal(
 
 
 def _gauss_newton(beat: Beat, L: float, f: float, c: np.ndarray, steps: int) -> np.ndarray:
-    M, H = len(c), c.shape[1] // 2
+    angles, M, H = c.shape[0], c.shape[1], c.shape[2] // 2
     for _ in range(steps if beat.angle is None else 1):
         gram, right, _total = _normal(beat, L, f, c, slice(None))
-        c = np.linalg.solve(_with_ridge(gram, M, H), right).reshape(c.shape)
+        c = np.linalg.solve(_with_ridge(gram, angles, M, H), right).reshape(c.shape)
     return c
 
 
@@ -216,7 +249,7 @@ def _chosen(
     beat: Beat, L: float, f: float, c: np.ndarray, modes: int | None, high: int | None
 ) -> tuple[int, int]:
     """Numbers of modes and harmonics that foretell frames left out best, the smaller if alike."""
-    M, K = c.shape
+    angles, M, K = c.shape
     fold = np.unique(beat.time, return_inverse=True)[1] % FOLDS
     parts = [_normal(beat, L, f, c, fold == k) for k in range(FOLDS)]
     gram = sum(p[0] for p in parts)
@@ -224,12 +257,12 @@ def _chosen(
     tried = {}
     for m in range(1, M + 1) if modes is None else [M]:
         for h in range(1, K // 2 + 1) if high is None else [K // 2]:
-            keep = np.zeros((M, K), dtype=bool)
-            keep[:m, : 1 + 2 * h] = True
+            keep = np.zeros((angles, M, K), dtype=bool)
+            keep[:, :m, : 1 + 2 * h] = True
             i = np.flatnonzero(keep.ravel())
             errors = []
             for g, r, total in parts:
-                rest = _with_ridge((gram - g)[np.ix_(i, i)], m, h)
+                rest = _with_ridge((gram - g)[np.ix_(i, i)], angles, m, h)
                 x = np.linalg.solve(rest, (right - r)[i])
                 errors.append(total - 2.0 * x @ r[i] + x @ g[np.ix_(i, i)] @ x)
             tried[m, h] = np.array(errors)

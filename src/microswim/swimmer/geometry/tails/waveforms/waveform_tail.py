@@ -2,6 +2,8 @@
 
 ``psi(s, phase) = sum_m P_m(2 s / L - 1) (c_m0 + sum_h c_mh cos h phase + d_mh sin h phase)``, the
 centreline ``int_0^s (cos psi, sin psi) ds'``: the filament keeps its length, and s is arc length.
+Out of the plane an angle theta of the same form leads it, the tangent is then
+``(cos theta cos psi, cos theta sin psi, sin theta)``.
 """
 
 from __future__ import annotations
@@ -25,13 +27,15 @@ NODES = 32  #: along the filament up to a point, far more than its modes
 @checks.by_name
 @dataclass(frozen=True, kw_only=True)
 class WaveformTail(SampledTail):
-    """Tail in a plane with any periodic beat, by its tangent angle; see `read_waveform`.
+    """Tail with any periodic beat, by its tangent angles; see `read_waveform`.
 
     Parameters
     ----------
     modes
         A row for each Legendre polynomial along the filament: mean, cosine, sine of the phase,
         cosine and sine of twice the phase, ... of the tangent angle to s (rad).
+    modes_out
+        The same of its angle out of the plane of x and y, for a beat in space.
     length
         Length along the filament.
     radius
@@ -62,6 +66,7 @@ class WaveformTail(SampledTail):
     length: float
     radius: float
     frequency: float = 1.0
+    modes_out: Any = None
     wavelength: float | None = None
     tolerance: float = 1e-7
     sections: Sections = "perpendicular"
@@ -75,12 +80,19 @@ class WaveformTail(SampledTail):
         self._check_place()
         if self.surface_motion == "rigid":
             raise SpecError("tail.surface_motion", "rigid", "translating or bending", "it bends")
-        rows = _rows(self.modes)
+        rows = _rows(self.modes, "tail.modes")
         object.__setattr__(self, "modes", rows)
+        if self.modes_out is not None:
+            out = _rows(self.modes_out, "tail.modes_out")
+            object.__setattr__(self, "modes_out", out if np.any(out) else None)
         checks.number("tail.tolerance", self.tolerance, "1e-12 to 0.01", least=1e-12, most=0.01)
         if self.wavelength is None:
             object.__setattr__(self, "wavelength", wavelength(np.array(rows), float(self.length)))
         checks.positive("tail.wavelength", self.wavelength, "length")
+
+    @property
+    def is_planar(self) -> bool:
+        return self.modes_out is None and super().is_planar
 
     @property
     def sign(self) -> float:
@@ -101,6 +113,9 @@ class WaveformTail(SampledTail):
 
     @property
     def bend(self) -> float:
+        """Mean curvature of a beat in a plane; one in space has none that a path could follow."""
+        if self.modes_out is not None:
+            return 0.0
         return mean_curvature(np.array(self.modes), float(np.real(self.length)))
 
     @property
@@ -110,23 +125,24 @@ class WaveformTail(SampledTail):
 
     @cached_property
     def centre(self) -> Callable[[Any, Any], np.ndarray]:
-        return partial(_position, np.array(self.modes), float(np.real(self.length)))
+        out = None if self.modes_out is None else np.array(self.modes_out)
+        return partial(_position, np.array(self.modes), out, float(np.real(self.length)))
 
     def angle(self, s: Any, phase: Any) -> np.ndarray:
         """Return the tangent angle to s (rad), of shape broadcast(s, phase)."""
         return tangent_angle(np.array(self.modes), float(np.real(self.length)), s, phase)
 
 
-def _rows(modes: Any) -> tuple[tuple[float, ...], ...]:
+def _rows(modes: Any, name: str) -> tuple[tuple[float, ...], ...]:
     allowed = "a table: rows alike of a mean, and a cosine and a sine for each harmonic"
     try:
         table = np.array(modes, dtype=float)
     except (TypeError, ValueError):
-        raise SpecError("tail.modes", modes, allowed) from None
+        raise SpecError(name, modes, allowed) from None
     if table.ndim != 2 or table.size == 0 or table.shape[1] % 2 == 0:
-        raise SpecError("tail.modes", f"of shape {table.shape}", allowed)
+        raise SpecError(name, f"of shape {table.shape}", allowed)
     if not np.isfinite(table).all():
-        raise SpecError("tail.modes", "not finite", allowed)
+        raise SpecError(name, "not finite", allowed)
     return tuple(tuple(float(v) for v in row) for row in table)
 
 
@@ -148,15 +164,19 @@ def tangent_angle(modes: np.ndarray, length: float, s: Any, phase: Any) -> np.nd
     return np.einsum("...m,mk,...k->...", P, modes, harmonics(phase, modes.shape[1]), optimize=True)
 
 
-def _position(modes: np.ndarray, length: float, s: Any, phase: Any) -> np.ndarray:
-    """``int_0^s (cos psi, sin psi, 0) ds'`` by Gauss-Legendre."""
+def _position(
+    modes: np.ndarray, out: np.ndarray | None, length: float, s: Any, phase: Any
+) -> np.ndarray:
+    """``int_0^s (cos theta cos psi, cos theta sin psi, sin theta) ds'`` by Gauss-Legendre."""
     xi, w = np.polynomial.legendre.leggauss(NODES)
     s, phase = np.asarray(s, dtype=float), np.asarray(phase, dtype=float)
-    inner = s[..., None] * (xi + 1.0) / 2.0
+    inner, half = s[..., None] * (xi + 1.0) / 2.0, s / 2.0
     psi = tangent_angle(modes, length, inner, phase[..., None])
-    half = s / 2.0
-    x, y = half * (np.cos(psi) @ w), half * (np.sin(psi) @ w)
-    return np.stack([x, y, np.zeros_like(x)], axis=-1)
+    theta = 0.0 if out is None else tangent_angle(out, length, inner, phase[..., None])
+    flat = np.cos(theta)
+    x, y = half * ((flat * np.cos(psi)) @ w), half * ((flat * np.sin(psi)) @ w)
+    z = np.zeros_like(x) if out is None else half * (np.sin(theta) @ w)
+    return np.stack([x, y, z], axis=-1)
 
 
 def wavelength(modes: np.ndarray, length: float) -> float:

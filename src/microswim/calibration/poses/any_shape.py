@@ -165,19 +165,19 @@ def beside_wall_of_any_shape(
         out, _, _ = places(shape, scatter.left_out, scatter.left_out, seed=1)
     free_swimmer = replace(swimmer, wall=None, channel=None)
     asked = [beside(free_swimmer, pose) for pose in np.concatenate([poses, out])]
-    free, found, judged = solved(
+    made = solved(
         free_swimmer, asked, len(out), level, folder=folder, workers=workers, progress=progress,
         free_phases=FREE_PHASES,
     )  # fmt: skip
-    gaits = [gait for gait in found if gait is not None]
-    Y = np.array([targets(g, free, p, h) for g, p, h in zip(gaits, poses, H, strict=True)])
+    Y = np.array([targets(g, made.free, *at) for g, *at in zip(made.there, poses, H, strict=True)])
+    free = made.best
     known, weights = scattered.known_of_both(Z, Y)
     table = PoseTable(
         WALL, np.ascontiguousarray(pack(free)), np.array([0.0, 0, 0, 0, 0, 1]), shape.numbers,
         shape.body, shape.tail, np.zeros(0), np.zeros((0, 0, 0, 0, 0)), known, weights,
         root=powers(free),
     )  # fmt: skip
-    error = error_of(table, free, [start_at(p) for p in out], judged)
+    error = error_of(table, free, [start_at(p) for p in out], made.judged)
     return SolvedPoses(free, table, start, error)
 
 

@@ -14,7 +14,7 @@ from microswim.gait.gait import DEGREES_OF_FREEDOM, Gait
 from microswim.gait.poses.face import Tabulated
 from microswim.gait.poses.table import PoseTable
 from microswim.jobs import references
-from microswim.models.bem.levels import get_level
+from microswim.models.bem.levels import IN_TUBE, Level, get_level, named
 from microswim.numerics.array import Array
 from microswim.numerics.files import cache_folder
 from microswim.numerics.series.fourier import evaluate
@@ -30,6 +30,33 @@ FEW = replace(
         _COARSE.resolution, panel=5.0, stretch=8.0, bend=1.6, wave=2.0, slender=1.0, around=3
     ),
 )
+
+
+@dataclass(frozen=True, eq=False)
+class Solves:
+    """What was solved of a swimmer beside a boundary.
+
+    Parameters
+    ----------
+    free
+        In free fluid, with the patches of the poses: what a boundary adds is told from there.
+    best
+        In free fluid at level standard, to which that is added; `free` where a level was asked.
+    poses
+        At the poses to interpolate, None where one cannot be solved.
+    judged
+        At those left out.
+    """
+
+    free: Gait
+    best: Gait
+    poses: list[Gait | None]
+    judged: list[Gait | None]
+
+    @property
+    def there(self) -> list[Gait]:
+        """Those of the poses that were solved."""
+        return [gait for gait in self.poses if gait is not None]
 
 
 SOME = 16  #: phases over which a gait in free fluid is averaged
@@ -69,8 +96,8 @@ def solved(
     progress: Callable[[int, int], None] | None = None,
     lost: float = 0.0,
     free_phases: int = 1,
-) -> tuple[Gait, list[Gait | None], list[Gait | None]]:
-    """Return the gait in free fluid, and those of the poses: to interpolate, and left out.
+) -> Solves:
+    """Return the gaits in free fluid, and those of the poses: to interpolate, and left out.
 
     Parameters
     ----------
@@ -79,7 +106,7 @@ def solved(
     asked
         At each pose, the `left_out` last ones at level standard.
     level
-        Of the others; by default `FEW`.
+        Of the others; by default `FEW`, in a tube `IN_TUBE`.
     folder
         Where solves are kept; a folder of the user's cache by default.
     workers, progress
@@ -102,16 +129,32 @@ def solved(
 
     options: dict[str, Any] = {"workers": workers}
     options["folder"] = cache_folder("poses") if folder is None else folder
-    chosen = FEW if level is None else replace(get_level(level), phases=1)
+    of = asked[0] if asked else free_swimmer
+    chosen = level_of(of, level)
     whole = replace(chosen, phases=free_phases)
-    (free,) = _all_solved([free_swimmer], 0.0, level=whole, **options)
-    if free is None:
-        raise MicroswimError("the swimmer cannot be solved in free fluid")
+    free = _in_free_fluid(free_swimmer, level=whole, **options)
+    finer = replace(named("standard", of), phases=1)
+    best = free
+    if level is None:
+        best = _in_free_fluid(free_swimmer, level=replace(finer, phases=free_phases), **options)
     options["progress"] = lambda done, of: told(1 + done, of)
     found = _all_solved(asked[:on], lost, level=chosen, **options)
     options["progress"] = lambda done, of: told(on + 1 + done, of)
-    finer = replace(get_level("standard"), phases=1)
-    return free, found, _all_solved(asked[on:], lost, level=finer, **options)
+    return Solves(free, best, found, _all_solved(asked[on:], lost, level=finer, **options))
+
+
+def _in_free_fluid(swimmer: Swimmer, **options: Any) -> Gait:
+    (free,) = _all_solved([swimmer], 0.0, **options)
+    if free is None:
+        raise MicroswimError("the swimmer cannot be solved in free fluid")
+    return free
+
+
+def level_of(swimmer: Swimmer, level: str | None) -> Level:
+    """Return the level at which poses of a swimmer are solved, one phase each."""
+    if level is None and swimmer.channel is None:
+        return FEW
+    return replace(IN_TUBE if level is None else named(level, swimmer), phases=1)
 
 
 def _all_solved(swimmers: list[Swimmer], lost: float, **options: Any) -> list[Gait | None]:

@@ -89,23 +89,22 @@ def in_tube(
         out, _ = places(shape, numbers, radius, scatter.left_out, among=scatter.left_out, seed=1)
     free_swimmer = replace(swimmer, wall=None, channel=None)
     asked = [beside(free_swimmer, radius, line) for line in np.concatenate([lines, out])]
-    free, found, judged = solved(
+    made = solved(
         free_swimmer, asked, len(out), level, folder=folder, workers=workers, progress=progress,
         lost=LOST,
     )  # fmt: skip
-    root = root_of(free)
-    there = [i for i, gait in enumerate(found) if gait is not None]
-    gaits = [gait for gait in found if gait is not None]
-    Y = np.array([targets(gait, root) for gait in gaits])
-    C = np.array([carried(gait, lines[i], radius) for i, gait in zip(there, gaits, strict=True)])
+    free, root = made.best, root_of(made.free)
+    there = [i for i, gait in enumerate(made.poses) if gait is not None]
+    Y = np.array([targets(gait, root) for gait in made.there])
+    C = np.array([carried(g, lines[i], radius) for i, g in zip(there, made.there, strict=True)])
     Z = Z[there]
     known, weights = scattered.known_of_both(Z, np.concatenate([Y, C], axis=1))
     table = PoseTable(
         TUBE, np.ascontiguousarray(pack(free)), np.array([0.0, 0, 0, 1, 0, 0, radius]), numbers,
         shape.body, shape.tail, np.zeros(0), np.zeros((0, 0, 0, 0, 0)),
-        known, weights[: Y.shape[1]].copy(), weights[Y.shape[1] :].copy(), root,
+        known, weights[: Y.shape[1]].copy(), weights[Y.shape[1] :].copy(), root_of(free),
     )  # fmt: skip
-    error = error_of(table, free, [start_of(s) for s in asked[len(lines) :]], judged)
+    error = error_of(table, free, [start_of(s) for s in asked[len(lines) :]], made.judged)
     return SolvedPoses(free, table, start, error)
 
 

@@ -97,18 +97,18 @@ def beside_wall(
     shape = shape_of(swimmer, grid.smallest)
     free_swimmer = replace(swimmer, wall=None, channel=None)
     asked = [beside(free_swimmer, shape, *p) for p in _places(shape, grid)]
-    free, found, judged = solved(
+    made = solved(
         free_swimmer, asked, grid.left_out, level, folder=folder, workers=workers, progress=progress
     )
-    on = len(found)
-    values = _values(shape, grid, asked[:on], [g for g in found if g is not None], free)
+    free, on = made.best, len(made.poses)
+    values = _values(shape, grid, asked[:on], made.there, made.free)
     numbers = shape.numbers.copy()
     numbers[POWER] = power_of(free)
     table = PoseTable(
         WALL, np.ascontiguousarray(pack(free)), np.array([0.0, 0, 0, 0, 0, 1]), numbers,
         shape.body, shape.tail, shape.kinks, coefficients(values), switch=shape.switch,
     )  # fmt: skip
-    error = error_of(table, free, [start_of(s.wall) for s in asked[on:]], judged)
+    error = error_of(table, free, [start_of(s.wall) for s in asked[on:]], made.judged)
     return SolvedPoses(free, table, start, error)
 
 

@@ -17,7 +17,7 @@ from microswim import checks
 from microswim.gait.gait import Gait
 from microswim.gait.poses.one_pose import remark
 from microswim.models import rooting
-from microswim.models.bem.levels import Level, coarser, get_level
+from microswim.models.bem.levels import Level, coarser, named
 from microswim.models.bem.patches.mesh import swimmer_surface
 from microswim.models.bem.solution import Solution
 from microswim.models.bem.trust import doubts, trusted
@@ -143,7 +143,7 @@ def gait(
     Gait
         With ``info``: unknowns, seconds of geometry, assembly and solve, asymmetry of R, error.
     """
-    chosen = level if isinstance(level, Level) else get_level(level, order)
+    chosen = level if isinstance(level, Level) else named(level, swimmer, order)
     quickest = max(abs(tail.beats) for tail in swimmer.tail.each)
     count = 1 if turns_as_a_whole(swimmer) else chosen.phases * quickest
     signs = half_period_signs(swimmer)
@@ -164,7 +164,7 @@ def gait(
     if below is not None:
         every = 2 if wanted >= 6 and wanted % 2 == 0 else 1
         phases_below = chosen.phases // every
-        level_below = replace(get_level(below, order), phases=phases_below, single=True)
+        level_below = replace(named(below, swimmer, order), phases=phases_below, single=True)
         same = _assembled(swimmer, solutions[::every], count // every, signs, info)
         least = 0.0 if swimmer.body.triangles is None else OF_A_FILE
         info["error"] = _difference(same, gait(swimmer, level=level_below), below, least)

@@ -23,7 +23,7 @@ import numpy as np
 
 from microswim.models import rooting
 from microswim.models.bem import output as flow
-from microswim.models.bem.levels import Level, get_level
+from microswim.models.bem.levels import Level, named
 from microswim.models.bem.patches.mesh import swimmer_surface
 from microswim.models.bem.patches.near_wall import over, refined
 from microswim.models.bem.patches.surface import Surface, positions
@@ -306,7 +306,7 @@ def solve(
     MicroswimError
         If the matrix does not fit into memory.
     """
-    chosen = get_level(level, order) if isinstance(level, str) else level
+    chosen = named(level, swimmer, order) if isinstance(level, str) else level
     start = time.perf_counter()
     body, tail = swimmer.body, swimmer.tail
     remarks = [] if tail.is_absent else rooting.check_all(body, tail, phase)
@@ -316,7 +316,8 @@ def solve(
     if plane is not None:
         surface = refined(surface, over(plane))
     if swimmer.channel is not None:
-        surface = in_tube(surface, swimmer.channel, middle_of(swimmer))
+        sides = chosen.resolution.vessel
+        surface = in_tube(surface, swimmer.channel, middle_of(swimmer), sides)
     require_memory(surface.unknowns)
     layer = Layer(surface, float(swimmer.fluid.viscosity), chosen.rule, plane)
     modes = rigid_modes(surface.nodes, centre) * surface.on_swimmer[:, None, None, None]

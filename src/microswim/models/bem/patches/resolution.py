@@ -6,6 +6,25 @@ from dataclasses import dataclass
 
 
 @dataclass(frozen=True)
+class Sides:
+    """Sizes of the patches of a tube around a swimmer.
+
+    Parameters
+    ----------
+    around : int
+        Patches around the tube times the order of the density.
+    along : float
+        Longest patch, in radii of the tube.
+    change : float
+        Most that the distance to the swimmer may change over a patch, in units of the smallest.
+    """
+
+    around: int = 24
+    along: float = 0.8
+    change: float = 2.0
+
+
+@dataclass(frozen=True)
 class Resolution:
     """Sizes of patches.
 
@@ -38,6 +57,8 @@ class Resolution:
         The same of a body without a tail.
     file : str
         Level of the patches through the triangles of a body without a tail.
+    vessel : `Sides`
+        Sizes of the patches of a tube around the swimmer.
     """
 
     order: int = 2
@@ -53,3 +74,4 @@ class Resolution:
     body: int = 2
     alone: int = 2
     file: str = "standard"
+    vessel: Sides = Sides()

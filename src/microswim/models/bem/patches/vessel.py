@@ -16,18 +16,13 @@ from scipy.spatial import KDTree
 
 from microswim.errors import SpecError
 from microswim.models.bem.patches.near_wall import refined
+from microswim.models.bem.patches.resolution import Sides
 from microswim.models.bem.patches.surface import Surface, grid_boxes, positions, sample, still
 from microswim.numerics.array import Array
 from microswim.swimmer.geometry.surroundings import Channel
 
-#: Change of the distance to the swimmer over a patch of the tube, in units of the smallest.
-CHANGE = 2.0
 
-#: Patches around the tube times the order of the density; length of a patch in radii.
-AROUND, ALONG = 24, 0.8
-
-
-def in_tube(swimmer: Surface, channel: Channel, middle: Array) -> Surface:
+def in_tube(swimmer: Surface, channel: Channel, middle: Array, sides: Sides) -> Surface:
     """Return one surface of swimmer and tube, each fine where it is near the other.
 
     Parameters
@@ -38,6 +33,8 @@ def in_tube(swimmer: Surface, channel: Channel, middle: Array) -> Surface:
         The tube.
     middle
         Middle of the tube (3,); its axes are `channel.axes`.
+    sides
+        Sizes of the tube's patches.
 
     Raises
     ------
@@ -60,7 +57,8 @@ def in_tube(swimmer: Surface, channel: Channel, middle: Array) -> Surface:
     def distance(X: Array) -> Array:
         return near.query(X.reshape(-1, 3))[0].reshape(X.shape[:-1])
 
-    tube = refined(still(_patches(channel, middle, swimmer.order), swimmer.order), distance, CHANGE)
+    tube = still(_patches(channel, middle, swimmer.order, sides), swimmer.order)
+    tube = refined(tube, distance, sides.change)
     return joined(swimmer, tube, closed=channel.ends == "closed")
 
 
@@ -82,15 +80,15 @@ def joined(swimmer: Surface, tube: Surface, closed: bool) -> Surface:
     )
 
 
-def _patches(channel: Channel, middle: Array, order: int) -> Array:
+def _patches(channel: Channel, middle: Array, order: int, sides: Sides) -> Array:
     """Positions (e, q, q, 3) of the tube's coarsest patches.
 
     The fluid that the swimmer pushes ahead passes it again: the tube must hold it tightly, all the
     way round, or the drag is too small.
     """
     radius, half = 0.5 * channel.diameter, 0.5 * channel.length
-    pieces = max(2, int(np.ceil(channel.length / (ALONG * radius))))
-    around = AROUND // order
+    pieces = max(2, int(np.ceil(channel.length / (sides.along * radius))))
+    around = sides.around // order
 
     def side(u: Array, v: Array) -> Array:
         return np.stack([u, radius * np.cos(v), radius * np.sin(v)], axis=-1)

@@ -94,7 +94,7 @@ def command(
             _folder.write(folder, run, given.swimmer.settled, given.name, tables)
     show()
     if not as_json:
-        _point_to_paths(given.swimmer)
+        _point_to_paths(given.swimmer, gait.model)
     if out is not None:
         _folder.say_where(out)
 
@@ -115,10 +115,13 @@ def _show(numbers: dict[str, Any], table: Table, as_json: bool) -> None:
     click.echo(f"  solved in {numbers['wall_seconds']:.3g} s")
 
 
-def _point_to_paths(swimmer: Swimmer) -> None:
+def _point_to_paths(swimmer: Swimmer, model: str) -> None:
     """Say which tables of the spec act along a path alone."""
     tail: Any = swimmer.tail
-    felt = tail.settles and tail.drive != "none" and not any(swimmer.motion.mask)
+    settled = tail.settles and tail.drive != "none" and not any(swimmer.motion.mask)
+    felt = settled and model == "elastic"
+    if settled and not felt and swimmer.flow is not None:
+        click.echo(f"  note: the tail bends as in its [flow]; the wrench by {model} is in still fluid")
     acting = ("noise",) if felt else ("gravity", "flow", "noise")
     there = [name for name in acting if name in swimmer.parts]
     if there:

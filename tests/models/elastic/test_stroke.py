@@ -145,6 +145,17 @@ def test_hardly_moved_it_hangs_as_statics_say(load):
     np.testing.assert_allclose(tip[:2], place[-1], atol=2e-5)
 
 
+@pytest.mark.parametrize("way", [(1.0, 0.0, 0.0), (0.0, 1.0, 0.0), (0.0, 0.0, 1.0)])
+def test_a_stiff_held_swimmer_feels_the_stream(way):
+    """Stokes' drag of the sphere and that of a straight rod, whose middle is .7 from its centre."""
+    one = swimmer(held=True, bending=1e4, drive="heave", amplitude=1e-6)
+    one = replace(one, flow=ms.UniformFlow(speed=0.3, direction=way))
+    rod = np.array([1.2, 2.0, 2.0]) * way
+    force = 0.3 * (1.2 * np.pi * np.array(way) + rod)
+    wrench = [*force, *np.cross([0.7, 0.0, 0.0], 0.3 * rod)]
+    np.testing.assert_allclose(ms.summary(one.gait())["held_wrench"], wrench, atol=1e-5)
+
+
 @pytest.mark.slow
 def test_a_heavy_held_tail_marches_to_its_beat():
     gravity = ms.Gravity(body_density=1.0, tail_density=301.0, acceleration=10.0)
@@ -155,6 +166,9 @@ def test_a_heavy_held_tail_marches_to_its_beat():
     tip = tail.centreline(1.0, 2.0 * np.pi * 0.4)[0] + np.array([0.2, 0.0, 0.0])
     np.testing.assert_allclose(found.places[-1, -1], tip, atol=5e-5)
     assert abs(tip[2]) > 0.1
+    streaming = replace(one, flow=ms.UniformFlow(speed=0.3, direction=(0.6, 0.8, 0.0)))
+    work = [x.work[0] for x in marched(streaming, start, np.arange(7.0), 1e-6).shapes[-2:]]
+    assert streaming.gait().mean_power == pytest.approx(work[1] - work[0], rel=2e-3)
     assert "settles under its gravity" in " ".join(one.gait().info["remarks"])
 
 

@@ -172,8 +172,8 @@ def _remarks(swimmer: Swimmer, about: dict[str, Any]) -> list[str]:
     ]
     if held:
         found.append(
-            f"the tail settles under its {' and '.join(held)}; wrench and power are of the drag of "
-            "its own motion, as in still fluid"
+            f"the tail settles under its {' and '.join(held)}; the wrench is the drag of the fluid "
+            "alone, and the power is the drive's"
         )
     if elastic_tail(swimmer).drive == "none":
         acting = [name for name in ("field", "gravity", "flow") if getattr(swimmer, name)]

@@ -98,12 +98,15 @@ def samples_of(tail: ElasticTail, beat: Stroke) -> Callable[[int], tuple[np.ndar
 def _sums(
     beat: Stroke, time: np.ndarray, q: np.ndarray, rate: np.ndarray
 ) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """``B_t``, ``F_p``, G at times, the tail moving as in still fluid."""
-    still, drag = beat.of.loads.still(held=False), replace(beat.of.drag, free=ALL)
-    now = replace(beat.of, loads=still, drag=drag).moment(time, beat.state(q))
-    w = np.concatenate([np.zeros((len(rate), len(ALL))), rate], axis=-1)
-    v, spin = now.velocity(w)
+    """``B_t``, ``F_p``, G at times: drag of a held body and its tail, in the stream if there is one,
+    and what the tail works against it.
+    """
+    drag = replace(beat.of.drag, free=ALL)
+    now = replace(beat.of, drag=drag).moment(time, beat.state(q))
+    v, spin = now.velocity(np.concatenate([np.zeros((len(rate), len(ALL))), rate], axis=-1))
     force, torque = now.drag(v, spin)
     rigid = replace(now, turn=now.turn[..., : len(ALL)], shift=now.shift[..., : len(ALL)])
     R, F = rigid.resistance() - drag.body, worked(rigid.shift, force) + worked(rigid.turn, torque)
-    return R, F, (force * v + torque * spin).sum(axis=(-2, -1))
+    F = F + now.still @ drag.body.T
+    own, turning = v - now.stream, spin + now.spin[..., None, :]
+    return R, F, (force * own + torque * turning).sum(axis=(-2, -1))

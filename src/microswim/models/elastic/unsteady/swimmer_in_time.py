@@ -185,6 +185,16 @@ class Moment:
         return self.at.directors[..., 2, :]
 
     @property
+    def stream(self) -> np.ndarray:
+        """Velocity of the nodes against the fluid, (..., m, 3), were neither base nor w moving."""
+        moved = self.moved
+        return (
+            self.v
+            - moved.velocity[..., None, :]
+            - cross(moved.turning[..., None, :], self.at.place)
+        )
+
+    @property
     def turning(self) -> np.ndarray:
         """Rate (..., 1, 3) at which the sections turn against the fluid, were all w zero."""
         return (self.moved.turning - self.spin)[..., None, :]

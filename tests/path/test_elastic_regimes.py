@@ -6,6 +6,10 @@ import numpy as np
 import pytest
 
 import microswim as ms
+from microswim.models.elastic.unsteady.frozen import judged
+from microswim.models.elastic.unsteady.held_by_field import held_by_field
+from microswim.models.elastic.unsteady.numbers import units_of
+from microswim.numerics.rigid_motion import rotation_matrix
 
 LAW = ms.Constant(normal=2.0, tangential=1.2, spin=True)
 FIELD = ms.RotatingField(strength=1.0, frequency=0.1)
@@ -29,16 +33,20 @@ def wire(bending=0.3, **more):
     return robot(soft(bending), **({"moment": (0.6, 0.0, 0.0), "field": LEANING} | more))
 
 
-@pytest.mark.parametrize("field", [FIELD, replace(FIELD, cone=0.2)])
-def test_a_stiff_screw_is_held_as_a_rigid_one(field):
+def screw():
+    """A rigid helix of length 1."""
     arc = np.hypot(2.0 * np.pi * 0.08, 0.4)
-    helix = ms.HelicalTail(
+    return ms.HelicalTail(
         length=0.4 / arc, radius=0.02, amplitude=0.08, wavelength=0.4, ramp=0.0, handedness="right"
     )
+
+
+@pytest.mark.parametrize("field", [FIELD, replace(FIELD, cone=0.2)])
+def test_a_stiff_screw_is_held_as_a_rigid_one(field):
     tail = soft(1e4, rest_radius=0.08, rest_pitch=0.4)
     stiff = robot(tail, field=field, moment=(0.45, 0.45, 0.1))
     ours = ms.regimes(stiff, [0.03])
-    rigid = ms.regimes(replace(stiff, tail=helix), [0.03], model="rft")
+    rigid = ms.regimes(replace(stiff, tail=screw()), [0.03], model="rft")
     np.testing.assert_allclose(ours.precession_angle, rigid.precession_angle, rtol=1e-4)
     np.testing.assert_allclose(ours.velocity, rigid.velocity, rtol=1e-3)
     assert ours.regime == rigid.regime != ("stepped out",)
@@ -115,5 +123,38 @@ def test_a_rod_magnetised_along_itself_goes_round_with_a_leaning_field():
 
 def test_no_gait_of_another_model_holds_it():
     with pytest.raises(ms.SpecError, match="model"):
-        ms.regimes(wire(), [0.3], model="bem")
+        ms.regimes(wire(), [0.3], model="fem")
     assert "step_out" not in ms.summary(wire().gait())
+
+
+def test_the_frozen_shape_swims_as_the_one_that_bends():
+    """By local drag along a given motion, whose sums know nothing of strains; the spin of the wire
+    about its own line is the body's, its sections' own left out (a thousandth).
+    """
+    for one, frequency in ((wire(), 0.3), (robot(soft(rest_radius=0.08, rest_pitch=0.4)), 0.03)):
+        at = replace(one, field=replace(one.field, frequency=frequency))
+        held = held_by_field(at)
+        units = units_of(at)
+        own = held.along * units.length / units.time
+        assert judged(at, held, "rft").velocity == pytest.approx(own, rel=1e-6)
+
+
+def test_boundary_elements_judge_how_a_field_turns_it():
+    """A stiff screw as the rigid helix by its mobility, which is another mesh and other algebra."""
+    stiff = robot(soft(1e4, rest_radius=0.08, rest_pitch=0.4), moment=(0.45, 0.45, 0.1))
+    ours = ms.regimes(stiff, [0.03], model="bem", level="coarse")
+    at = replace(stiff, field=replace(FIELD, frequency=0.03))
+    held = held_by_field(at)
+    R = replace(stiff, tail=screw()).gait("bem", level="coarse").resistance(0.0)
+    M, Q = np.linalg.inv(R), rotation_matrix(held.quaternion)
+    spin = Q.T @ [2.0 * np.pi * 0.03, 0.0, 0.0]
+    torque = np.linalg.solve(M[3:, 3:], spin)
+    v = Q @ M[:3, 3:] @ torque
+    assert ours.velocity[0] == pytest.approx(v[0], abs=5e-3 * np.abs(v).max())
+    own = judged(at, held, "rft").torque
+    found = judged(at, held, "bem", level="coarse").torque
+    np.testing.assert_allclose(found, -torque, atol=0.02 * np.abs(torque).max())
+    share = found @ own / (own @ own)
+    assert ours.expected_error["step_out"] == pytest.approx(abs(1.0 / share - 1.0), rel=1e-6)
+    assert f"{share:.2f} times its torque" in ours.expected_error["how"]
+    assert ours.model == "bem"

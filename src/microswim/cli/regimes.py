@@ -68,6 +68,7 @@ def command(
     """Print regimes, precession angle and velocity over the frequency of a rotating field.
 
     The spec has [magnet] and [field] of kind "rotating". The robot is rigid: a motor stands still.
+    With an elastic tail it bends, and --model bem takes velocity and torque of that shape.
     With --out: a table, everything as JSON, and a picture.
     """
     from microswim.cli import _over, _print
@@ -141,7 +142,7 @@ def _solved(
         check_names(swimmer, [name])
     robots = [vary(swimmer, {name: value}) for value in values] or [swimmer]
     if swimmer.tail.settles:
-        return _bending(robots, asked, model, progress)
+        return _bending(robots, asked, (model, level), progress)
     one = swimmer.gait(model, **options) if not name or name.startswith(DRIVE) else None
     if asked is None:
         gait = one if one is not None else robots[-1].gait(model, **options)
@@ -157,7 +158,9 @@ def _solved(
     return found
 
 
-def _bending(robots: list[Any], asked: Any, model: str, progress: Any) -> list[Regimes]:
+def _bending(
+    robots: list[Any], asked: Any, by: tuple[str, str | None], progress: Any
+) -> list[Regimes]:
     """Regimes of robots with an elastic tail, which has no gait in a field."""
     from microswim.path.regimes import regimes
 
@@ -165,7 +168,7 @@ def _bending(robots: list[Any], asked: Any, model: str, progress: Any) -> list[R
         raise SpecError("--frequency: missing; of a robot that bends give it")
     found = []
     for i, robot in enumerate(robots):
-        found.append(regimes(robot, asked, model=model))  # type: ignore[arg-type]
+        found.append(regimes(robot, asked, model=by[0], level=by[1]))  # type: ignore[arg-type]
         progress(i + 1, len(robots))
     return found
 

@@ -121,7 +121,9 @@ def _point_to_paths(swimmer: Swimmer, model: str) -> None:
     settled = tail.settles and tail.drive != "none" and not any(swimmer.motion.mask)
     felt = settled and model == "elastic"
     if settled and not felt and swimmer.flow is not None:
-        click.echo(f"  note: the tail bends as in its [flow]; the wrench by {model} is in still fluid")
+        click.echo(
+            f"  note: the tail bends as in its [flow]; {model} has its wrench in still fluid"
+        )
     acting = ("noise",) if felt else ("gravity", "flow", "noise")
     there = [name for name in acting if name in swimmer.parts]
     if there:

@@ -12,6 +12,8 @@ import numpy as np
 from threadpoolctl import threadpool_limits
 
 from microswim.errors import SpecError
+from microswim.gait import doors
+from microswim.models.elastic.unsteady.frozen import judged
 from microswim.models.elastic.unsteady.held_by_field import SHARP, Held, held_by_field
 from microswim.models.elastic.unsteady.numbers import units_of
 from microswim.numerics.array import Array
@@ -20,23 +22,29 @@ from microswim.swimmer.swimmer import SURROUNDINGS, Swimmer
 
 CLOSE = 0.01  #: share to which step-out is sought
 LOST = (float("nan"),) * 3
+Judge = tuple[doors.Model, dict[str, Any]]  #: model and options of what judges the shape
 
 
 @dataclass(frozen=True, eq=False)
 class HeldAt:
-    """What a robot that bends does at each frequency, (n,) each; NaN where it slips."""
+    """What a robot that bends does at each frequency, (n,) each; NaN where it slips.
+
+    The torque is that of the model that judges over that of local drag.
+    """
 
     angle: Array
     velocity: Array
     error: Array
+    torque: Array
     step_out: float
     at_step_out: float
     remarks: tuple[str, ...]
 
 
 @threadpool_limits.wrap(limits=1)  # small matrices
-def held_at(swimmer: Swimmer, frequencies: Array) -> HeldAt:
-    """Return how the field holds a robot with an elastic tail.
+def held_at(swimmer: Swimmer, frequencies: Array, judge: Judge | None = None) -> HeldAt:
+    """Return how the field holds a robot with an elastic tail, its velocity by another model if one
+    judges.
 
     Raises
     ------
@@ -48,14 +56,14 @@ def held_at(swimmer: Swimmer, frequencies: Array) -> HeldAt:
     """
     _check(swimmer)
     asked = frequencies.tolist()
-    rows, at, lost, last = np.full((len(frequencies), 3), np.nan), None, None, None
+    rows, at, lost, last = np.full((len(frequencies), 4), np.nan), None, None, None
     for i in np.argsort(frequencies).tolist():
         one = _at(swimmer, asked[i])
         found = held_by_field(one, at)
         if found is None:
             lost = asked[i]
             break
-        at, last, rows[i] = found, asked[i], _numbers(one, found)
+        at, last, rows[i] = found, asked[i], _numbers(one, found, judge)
     step_out, velocity, remarks = float("nan"), float("nan"), _remarks(swimmer)
     if lost is None:
         remarks += (f"the field holds it up to {last:.4g} turns per time, the highest asked for: "
@@ -63,10 +71,10 @@ def held_at(swimmer: Swimmer, frequencies: Array) -> HeldAt:
     elif at is None or last is None:
         remarks += ("the field loses it below the lowest frequency asked for",)
     else:
-        step_out, velocity = _narrowed(swimmer, at, last, lost)
+        step_out, velocity = _narrowed(swimmer, at, (last, lost), judge)
         remarks += (f"step-out is sought to {CLOSE:.0%}; beyond it microswim path follows it",)
-    angle, along, error = rows.T
-    return HeldAt(angle, along, error, step_out, velocity, remarks)
+    angle, along, error, torque = rows.T
+    return HeldAt(angle, along, error, torque, step_out, velocity, remarks)
 
 
 def _check(swimmer: Swimmer) -> None:
@@ -88,26 +96,34 @@ def _at(swimmer: Swimmer, frequency: float) -> Swimmer:
     return replace(swimmer, field=turned)
 
 
-def _numbers(swimmer: Swimmer, found: Held) -> tuple[float, float, float]:
-    """Angle, velocity along the field's axis, and how well that is known."""
+def _numbers(
+    swimmer: Swimmer, found: Held, judge: Judge | None
+) -> tuple[float, float, float, float]:
+    """Angle, velocity along the field's axis, how well that is known, and share of the torque."""
     units, field = units_of(swimmer), swimmer.field
-    along = float(np.sign(field.frequency)) * found.along  # type: ignore[union-attr]
-    velocity = along * units.length / units.time
-    return found.angle, velocity, SHARP * abs(velocity)
+    sense, along = float(np.sign(field.frequency)), found.along  # type: ignore[union-attr]
+    velocity, share = sense * along * units.length / units.time, 1.0
+    error = SHARP * abs(velocity)
+    if judge is not None:
+        model, options = judge
+        own, other = judged(swimmer, found, "rft"), judged(swimmer, found, model, **options)
+        velocity, T = sense * other.velocity, own.torque
+        share = float(other.torque @ T / (T @ T))
+    return found.angle, velocity, error, share
 
 
-def _narrowed(swimmer: Swimmer, at: Held, low: float, high: float) -> tuple[float, float]:
+def _narrowed(
+    swimmer: Swimmer, at: Held, between: tuple[float, float], judge: Judge | None
+) -> tuple[float, float]:
     """Step-out between a frequency at which it is held and one at which it is not."""
-    velocity = _numbers(_at(swimmer, low), at)[1]
+    low, high = between
     while high / low - 1.0 > CLOSE:
-        middle = _at(swimmer, (low * high) ** 0.5)
-        found = held_by_field(middle, at)
+        found = held_by_field(_at(swimmer, (low * high) ** 0.5), at)
         if found is None:
             high = (low * high) ** 0.5
         else:
             at, low = found, (low * high) ** 0.5
-            velocity = _numbers(middle, found)[1]
-    return (low * high) ** 0.5, velocity
+    return (low * high) ** 0.5, _numbers(_at(swimmer, low), at, judge)[1]
 
 
 def _remarks(swimmer: Swimmer) -> tuple[str, ...]:

@@ -4,6 +4,8 @@ from __future__ import annotations
 
 from typing import Any
 
+import numpy as np
+
 from microswim.gait.gait import Gait
 from microswim.swimmer.swimmer import Swimmer
 
@@ -28,3 +30,17 @@ def expected(swimmer: Swimmer, gait: Gait) -> dict[str, Any]:
     if step_out is not None:
         how = "largest of 14 random helical robots against boundary elements"
     return {"step_out": step_out, "velocity": velocity, "how": how}
+
+
+def expected_of_elastic(swimmer: Swimmer, judge: Any, torque: np.ndarray) -> dict[str, Any]:
+    """Return the same of a robot that bends; torque is the judge's over that of local drag."""
+    if judge is None:
+        return {"step_out": None, "velocity": None, "how": "not measured; compare with model bem"}
+    felt = torque[~np.isnan(torque)]
+    if not len(felt):
+        return {"step_out": None, "velocity": None, "how": "it is held at no frequency asked for"}
+    how = (
+        f"shape, attitude and step-out are those of local drag; {judge[0]} finds {felt.min():.2f} "
+        f"to {felt.max():.2f} times its torque"
+    )
+    return {"step_out": float(np.abs(1.0 / felt - 1.0).max()), "velocity": None, "how": how}

@@ -23,7 +23,7 @@ from microswim.gait.turning.steady_turning import SteadyTurning, Turned
 from microswim.gait.turning.step_out import mobility_of
 from microswim.gait.turning.wobbling import Axisymmetric, closest, closest_soft
 from microswim.numerics.array import Array, read_only
-from microswim.path.regime_errors import expected
+from microswim.path.regime_errors import expected, expected_of_elastic
 from microswim.path.regime_portrait import SPINS, Told
 from microswim.swimmer.magnetism.applied_field import RotatingField
 from microswim.swimmer.physical_sense import INERTIA
@@ -134,8 +134,9 @@ class Regimes(Told):
 
 @checks.given(swimmer=checks.swimmer, frequency=checks.series, model=checks.text, gait=checks.gait)
 def regimes(
-    swimmer: Swimmer, frequency: Any, *, model: doors.Model = "auto", gait: Gait | None = None
-) -> Regimes:
+    swimmer: Swimmer, frequency: Any, *, model: doors.Model = "auto", gait: Gait | None = None,
+    level: doors.Level | None = None,
+) -> Regimes:  # fmt: skip
     """Return what a robot with a magnet does in a rotating field, frequency by frequency.
 
     Parameters
@@ -147,10 +148,13 @@ def regimes(
     frequency
         Turns of the field per time, positive, (n,).
     model
-        Of the gait: ``"auto"``, ``"rft"``, ``"atlas"``, ``"bem"`` or ``"fem"``; ``"elastic"`` or
-        ``"auto"`` of a robot that bends.
+        Of the gait: ``"auto"``, ``"rft"``, ``"atlas"``, ``"bem"`` or ``"fem"``; of a robot that
+        bends ``"elastic"``, ``"auto"``, or ``"bem"``, which takes the shape in which local drag
+        holds it and solves the flow about that.
     gait
         A gait of the swimmer that is at hand, in place of the model.
+    level
+        Of boundary or finite elements; their default where None.
 
     Returns
     -------
@@ -172,10 +176,11 @@ def regimes(
     ('tumbling', 'wobbling', 'stepped out')
     """
     frequencies = _frequencies(frequency)
+    options: Any = {} if level is None else {"level": level}
     if swimmer.tail.settles:
-        checks.choice("model", model, ("auto", "elastic"))
-        return _of_elastic(swimmer, frequencies)
-    steady = steady_turning(swimmer, gait := gait or swimmer.gait(model))
+        checks.choice("model", model, ("auto", "elastic", "bem"))
+        return _of_elastic(swimmer, frequencies, (model, options) if model == "bem" else None)
+    steady = steady_turning(swimmer, gait := gait or swimmer.gait(model, **options))
     sense = float(np.sign(swimmer.field.frequency))  # type: ignore[union-attr]
     rates = 2.0 * np.pi * frequencies
     held = [_distinct(steady.states(rate)) for rate in rates]
@@ -206,10 +211,10 @@ def regimes(
     )
 
 
-def _of_elastic(swimmer: Swimmer, frequencies: Array) -> Regimes:
+def _of_elastic(swimmer: Swimmer, frequencies: Array, judge: Any) -> Regimes:
     from microswim.path.elastic_regimes import held_at
 
-    found = held_at(swimmer, frequencies)
+    found = held_at(swimmer, frequencies, judge)
     rates, nought = 2.0 * np.pi * frequencies, np.isnan(found.angle)
     reynolds = _reynolds(swimmer, rates, found.angle)
     names = ["stepped out" if out else _named(a) for a, out in zip(found.angle, nought)]
@@ -218,8 +223,8 @@ def _of_elastic(swimmer: Swimmer, frequencies: Array) -> Regimes:
         velocity=found.velocity, velocity_error=found.error, others=((),) * len(frequencies),
         step_out=found.step_out, wobbling_onset=float("nan"),
         velocity_at_step_out=found.at_step_out, reversals=(), reynolds=reynolds, closed_form=None,
-        expected_error={"step_out": None, "velocity": None, "how": "not measured for such tails"},
-        units=swimmer.units, model="elastic",
+        expected_error=expected_of_elastic(swimmer, judge, found.torque), units=swimmer.units,
+        model="elastic" if judge is None else judge[0],
         remarks=(*found.remarks, *_of_inertia(frequencies, reynolds)),
     )  # fmt: skip
 

@@ -98,7 +98,7 @@ def samples_of(tail: ElasticTail, beat: Stroke) -> Callable[[int], tuple[np.ndar
 def _sums(
     beat: Stroke, time: np.ndarray, q: np.ndarray, rate: np.ndarray
 ) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """``B_t``, ``F_p``, G at times: drag of a held body and its tail, in the stream if there is one,
+    """``B_t``, ``F_p``, G at times: drag of a held body and its tail, in a stream if there is one,
     and what the tail works against it.
     """
     drag = replace(beat.of.drag, free=ALL)

@@ -7,8 +7,9 @@ from typing import Any, ClassVar
 
 import numpy as np
 
+from microswim.models.elastic.filament import Filament
 from microswim.models.elastic.rod import integrals
-from microswim.models.elastic.space import AXIS
+from microswim.models.elastic.space import AXIS, Pose
 from microswim.models.elastic.whirl import Whirl
 from microswim.swimmer.geometry.tails.custom_tail import CustomTail
 from microswim.swimmer.geometry.tails.elastic.elastic_tail import ElasticTail
@@ -55,17 +56,22 @@ class WhirledTail(CustomTail):
 
 def whirled_tail(tail: ElasticTail, found: Whirl) -> WhirledTail:
     """Return the tail that turns as an elastic one has settled to."""
-    on = found.rod.weight > 0.0
-    s, w = found.rod.s[on], found.rod.weight[on]
+    return turning_tail(tail, found.rod, found.pose, tail.frequency)
+
+
+def turning_tail(tail: ElasticTail, rod: Filament, at: Pose, frequency: float) -> WhirledTail:
+    """Return a tail with the shape of a pose, which turns about s at a frequency."""
+    on = rod.weight > 0.0
+    s, w = rod.s[on], rod.weight[on]
     count = len(s) - 4  # the last few are rounding
     values = np.polynomial.legendre.legvander(2.0 * s - 1.0, count - 1)
-    tangents = found.pose.directors[on, 2]
+    tangents = at.directors[on, 2]
     series = (2.0 * np.arange(count) + 1.0)[:, None] * (values.T @ (w[:, None] * tangents))
     return WhirledTail(
-        shape=TurningCentreline(tail.length, series, found.pose.place[-1] - w @ tangents),
+        shape=TurningCentreline(tail.length, series, at.place[-1] - w @ tangents),
         length=tail.length,
         radius=tail.radius,
-        frequency=tail.frequency,
+        frequency=frequency,
         wavelength=tail.wavelength,
         sections=tail.sections,
         surface_motion="rigid",

@@ -64,7 +64,7 @@ class Held:
     @property
     def along(self) -> float:
         """Velocity along the field's axis."""
-        y = self._state
+        y = self.state
         _, _, Q, _ = self.of.seen(0.0, y)
         axis = self.turning / np.linalg.norm(self.turning)
         return float(axis @ (Q @ self.velocity))
@@ -72,17 +72,18 @@ class Held:
     @property
     def angle(self) -> float:
         """Angle between the body's axis s and the field's, up to a right one."""
-        _, _, Q, _ = self.of.seen(0.0, self._state)
+        _, _, Q, _ = self.of.seen(0.0, self.state)
         axis = self.turning / np.linalg.norm(self.turning)
         return float(np.arccos(min(1.0, abs(axis @ Q @ AXIS))))
 
     @property
-    def _state(self) -> np.ndarray:
+    def state(self) -> np.ndarray:
+        """Pose and strains, as `InTime` takes them."""
         return np.concatenate([np.zeros(3), self.quaternion, self.strains.ravel(), np.zeros(2)])
 
     def balance(self) -> tuple[np.ndarray, np.ndarray]:
         """Return M, and the work of each velocity, (6 + 3 n,)."""
-        y = self._state
+        y = self.state
         now = self.of.moment(0.0, y)
         M, work = now.balance(0.0, y)
         spin = now.Q.T @ self.turning + self.twirl * AXIS

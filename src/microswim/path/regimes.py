@@ -132,7 +132,8 @@ class Regimes(Told):
         return doors.go(doors.PLOT_REGIMES, self)
 
 
-@checks.given(swimmer=checks.swimmer, frequency=checks.series, model=checks.text, gait=checks.gait)
+@checks.given(swimmer=checks.swimmer, frequency=checks.series, model=checks.text,
+              gait=checks.gait, level=checks.one_of("coarse", "standard", "fine"))  # fmt: skip
 def regimes(
     swimmer: Swimmer, frequency: Any, *, model: doors.Model = "auto", gait: Gait | None = None,
     level: doors.Level | None = None,
@@ -148,13 +149,10 @@ def regimes(
     frequency
         Turns of the field per time, positive, (n,).
     model
-        Of the gait: ``"auto"``, ``"rft"``, ``"atlas"``, ``"bem"`` or ``"fem"``; of a robot that
-        bends ``"elastic"``, ``"auto"``, or ``"bem"``, which takes the shape in which local drag
-        holds it and solves the flow about that.
-    gait
-        A gait of the swimmer that is at hand, in place of the model.
-    level
-        Of boundary or finite elements; their default where None.
+        Of the gait; of a robot that bends ``"elastic"``, ``"auto"``, or ``"bem"``, which solves the
+        flow about the shape in which local drag holds it.
+    gait, level
+        A gait of the swimmer that is at hand, in place of the model; of its elements.
 
     Returns
     -------
@@ -179,6 +177,7 @@ def regimes(
     options: Any = {} if level is None else {"level": level}
     if swimmer.tail.settles:
         checks.choice("model", model, ("auto", "elastic", "bem"))
+        doors.check_options(model if model == "bem" else "elastic", options)
         return _of_elastic(swimmer, frequencies, (model, options) if model == "bem" else None)
     steady = steady_turning(swimmer, gait := gait or swimmer.gait(model, **options))
     sense = float(np.sign(swimmer.field.frequency))  # type: ignore[union-attr]
@@ -214,9 +213,8 @@ def regimes(
 def _of_elastic(swimmer: Swimmer, frequencies: Array, judge: Any) -> Regimes:
     from microswim.path.elastic_regimes import held_at
 
-    found = held_at(swimmer, frequencies, judge)
-    rates, nought = 2.0 * np.pi * frequencies, np.isnan(found.angle)
-    reynolds = _reynolds(swimmer, rates, found.angle)
+    found, rates = held_at(swimmer, frequencies, judge), 2.0 * np.pi * frequencies
+    reynolds, nought = _reynolds(swimmer, rates, found.angle), np.isnan(found.angle)
     names = ["stepped out" if out else _named(a) for a, out in zip(found.angle, nought)]
     return Regimes(
         frequency=frequencies, regime=tuple(names), precession_angle=found.angle,

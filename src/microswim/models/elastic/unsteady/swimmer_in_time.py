@@ -43,9 +43,7 @@ POSE = 7  #: numbers of the state before the strains
 
 @dataclass(frozen=True, eq=False)
 class Moved:
-    """How the drive moves the base: place from the joint, directors, velocity, rate of turning;
-    (..., 3) each, directors (..., 3, 3).
-    """
+    """How the drive moves the base: place from the joint, directors, velocity, rate of turning."""
 
     place: np.ndarray
     directors: np.ndarray

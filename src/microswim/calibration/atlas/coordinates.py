@@ -70,7 +70,8 @@ def numbers(swimmer: Swimmer) -> np.ndarray:
         *(tail.amplitude * k, k * tail.radius, tail.number_of_waves),
         *(k * mean, aspect, tail.ramp),
     )
-    return np.array(np.broadcast_arrays(*each))
+    many = any(isinstance(value, np.ndarray) for value in each)
+    return np.array(np.broadcast_arrays(*each) if many else each)
 
 
 def ratios(x: Any, kind: str = "helix") -> tuple[Any, Any, Any]:
@@ -112,7 +113,7 @@ def outside(swimmer: Swimmer) -> list[str]:
     kind = unlike(swimmer)
     if kind:
         return kind
-    x, like = np.real(numbers(swimmer)), kind_of(swimmer)
+    x, like = np.real(numbers(swimmer)).tolist(), kind_of(swimmer)
     return [
         f"{name} {value:.4g} is not in {low:g} to {high:g}"
         for (name, low, high), value in zip(bounds(like), values(x, like))

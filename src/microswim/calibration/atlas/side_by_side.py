@@ -27,10 +27,10 @@ SHARES = slice(10, 13)  #: corrections of a helix: of the force on the body alon
 
 def predicted(surfaces: Surfaces, Z: np.ndarray, N: np.ndarray) -> np.ndarray:
     """Return what `surfaces.predict` writes, of designs Z (k, f) and N (k,): (columns, k)."""
-    _, tips, lengths, phasors, cut, alpha, mean = surfaces.packed
+    every, tips, lengths, phasors, cut, alpha, mean = surfaces.packed
     out = np.empty((len(mean), len(Z)), dtype=np.result_type(Z, N))
     turns = _turns(N, tips, int(np.count_nonzero(phasors[:, :3].any(axis=0))))
-    for g, nodes in enumerate(surfaces.in_lengths):
+    for g, nodes in enumerate(every[:, : Z.shape[1]]):
         k = matern_of_arrays(np.array([_squared(nodes - z[:, None]) for z in Z * lengths[g]]))
         part, used = slice(cut[g], cut[g + 1]), [m for m in range(3) if phasors[g, m] > 0]
         even = k * (1.0 + sum(phasors[g, m] * turns[m][0] for m in used))

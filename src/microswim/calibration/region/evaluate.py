@@ -127,7 +127,9 @@ def matrices(many: Swimmer, Z: Any, N: Any, surfaces: Surfaces, size: Any = None
     n = len(Z)
     p = np.ascontiguousarray(np.broadcast_to(shaded.parameters(many), (n, 11)))
     drags = many.body.diagonal(many.fluid.viscosity)
-    D = np.stack([np.broadcast_to(d, (n,)) for d in drags], axis=-1)
+    D = np.empty((n, 6), dtype=np.result_type(*drags))
+    for column, drag in zip(D.T, drags):
+        column[:] = drag
     mu = np.broadcast_to(many.fluid.viscosity, (n,))
     *packed, mean = surfaces.packed
     size = np.ones((n, len(mean))) if size is None else size

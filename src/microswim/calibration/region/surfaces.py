@@ -1,7 +1,8 @@
 """Several groups of targets over the same designs, and their answers in compiled loops.
 
 Nearly all the time of an answer goes into the kernel between the design asked and those that were
-solved, so all groups share its distances, in tiles that stay near the processor.
+solved, the nodes: distances and kernel are one loop, over tiles of nodes that stay near the
+processor for all designs asked.
 """
 
 from __future__ import annotations
@@ -16,7 +17,7 @@ from microswim.calibration.region.kriging import Kriging
 from microswim.numerics.compiling.compiled import FAST, compiled
 from microswim.numerics.matern import matern
 
-TILE = 128  #: solved designs whose kernels are taken at once, at most
+TILE = 128  #: nodes whose kernels are taken at once, at most
 
 
 @dataclass(frozen=True, eq=False)
@@ -38,8 +39,7 @@ class Surfaces:
 
     def doubt_of_one(self, z: np.ndarray, waves: float) -> float:
         """Return `doubt` at one design, its features z (f,), at the cost of one evaluation."""
-        Z, tips, lengths, phasors, *_ = self.packed
-        cross = crossings(z, waves, Z, tips, lengths, phasors)
+        cross = crossings(z, waves, *self.packed[:4])
         each = [
             g.doubt_of((c.real if g.real else c)[None])[0] / typical
             for c, g, typical in zip(cross, self.groups, self._typical)
@@ -56,14 +56,13 @@ class Surfaces:
         return [float(np.mean(g.left_out()[1])) for g in self.groups]
 
     @cached_property
-    def in_lengths(self) -> list[np.ndarray]:
-        """Features (f, n) of the designs in lengths of each group's kernel."""
-        return [np.ascontiguousarray((g.Z / g.lengths).T) for g in self.groups]
-
-    @cached_property
     def packed(self) -> tuple[np.ndarray, ...]:
         """Arguments of `predict` after the number of waves, and the means."""
         first = self.groups[0]
+        features = first.Z.shape[1]
+        nodes = np.zeros((len(self.groups), -(-features // 5) * 5, len(first.Z)))
+        for group, own in zip(self.groups, nodes):
+            own[:features] = (group.Z / group.lengths).T
         tips = np.stack([np.cos(2.0 * np.pi * first.N), np.sin(2.0 * np.pi * first.N)])
         lengths = np.array([1.0 / g.lengths for g in self.groups])
         phasors = np.array([[*g.phasors, 0.0 if g.real else 1.0] for g in self.groups])
@@ -71,7 +70,7 @@ class Surfaces:
         cut = np.cumsum([0, *(c.shape[1] for c in columns)])
         mean = np.concatenate([interleaved(g.mean[None])[0] for g in self.groups])
         alpha = np.ascontiguousarray(np.concatenate(columns, axis=1).T)
-        return np.array(first.Z.T, order="C"), tips, lengths, phasors, cut, alpha, mean
+        return nodes, tips, lengths, phasors, cut, alpha, mean
 
 
 def interleaved(values: np.ndarray) -> np.ndarray:
@@ -82,11 +81,11 @@ def interleaved(values: np.ndarray) -> np.ndarray:
 
 
 @compiled(always=True)
-def scratch(z: Any, Z: Any) -> Any:
-    """Return the scratch of `predict`, as wide as even tiles over the designs Z (f, n)."""
-    n = max(1, Z.shape[1])
+def scratch(z: Any, nodes: Any) -> Any:
+    """Return the scratch of `predict`, as wide as even tiles over the nodes (groups, f, n)."""
+    n = max(1, nodes.shape[2])
     tiles = (n + TILE - 1) // TILE
-    return np.empty((len(Z) + 4, (n + tiles - 1) // tiles), dtype=z.dtype)
+    return np.empty((4, (n + tiles - 1) // tiles), dtype=z.dtype)
 
 
 @compiled(always=True, fastmath=FAST, error_model="numpy")
@@ -94,7 +93,7 @@ def predict(
     out: Any,
     z: Any,
     waves: Any,
-    Z: Any,
+    nodes: Any,
     tips: Any,
     lengths: Any,
     phasors: Any,
@@ -107,27 +106,35 @@ def predict(
 
     `z` (d, f), `waves` (d,). Group g has the rows ``cut[g] .. cut[g + 1]`` of `alpha` (m, n);
     complex targets take two rows each, real and imaginary parts, and are told by
-    ``phasors[g, 3] > 0``. `Z` (f, n); `tips` (2, n) are cosine and sine of ``2 pi N``; `work`
-    (4 + f, at most n) is `scratch`. The inner loops run over the designs that were solved, several
-    at once, as many as `work` is wide for all of `out` while they lie near the processor.
+    ``phasors[g, 3] > 0``. `nodes` (groups, f, n) are the designs that were solved, in lengths of
+    each group's kernel; `tips` (2, n) are cosine and sine of their ``2 pi N``; `work` (4, at most
+    n) is `scratch`. The inner loops run over nodes, several at once, as many as `work` is wide for
+    all of `out` while they lie near the processor.
     """
     for d in range(len(out)):
         out[d] = mean
-    (features, n), last, tile = Z.shape, len(alpha) - 1, work.shape[1]
+    n, last, tile = nodes.shape[2], len(alpha) - 1, work.shape[1]
+    scaled = np.zeros((len(nodes), len(out), nodes.shape[1]), dtype=z.dtype)
+    for g in range(len(nodes)):
+        for f in range(z.shape[1]):
+            scaled[g, :, f] = z[:, f] * lengths[g, f]
     for start in range(0, n, tile):
         stop = min(n, start + tile)
-        c1, s1, even, odd = work[0], work[1], work[2], work[3]
-        for d in range(len(out)):
-            for f in range(features):
-                squares_from(work[4 + f], z[d, f], Z[f, start:stop])
-            turn = 2.0 * np.pi * waves[d]
-            angles_from(
-                c1, s1, np.cos(turn), np.sin(turn), tips[0, start:stop], tips[1, start:stop]
-            )
-            for g in range(len(lengths)):
-                weighted(even, lengths[g], work)
-                covariances(even, odd, c1, s1, phasors[g])
-                j, pairs = cut[g], phasors[g, 3] > 0.0
+        c1, s1 = work[0, : stop - start], work[1, : stop - start]
+        even, odd = work[2, : stop - start], work[3, : stop - start]
+        for g in range(len(nodes)):
+            pairs = phasors[g, 3] > 0.0
+            for d in range(len(out)):
+                kernels(even, scaled[g, d], nodes, g, start)
+                if phasors[g, 0] + phasors[g, 1] + phasors[g, 2] > 0.0:
+                    turn = 2.0 * np.pi * waves[d]
+                    angles_from(
+                        c1, s1, np.cos(turn), np.sin(turn), tips[0, start:stop], tips[1, start:stop]
+                    )
+                    turned(even, odd, c1, s1, phasors[g])
+                elif pairs:
+                    odd[:] = 0.0
+                j = cut[g]
                 while j < cut[g + 1]:
                     row, next_row = alpha[j, start:stop], alpha[min(j + 1, last), start:stop]
                     if pairs:
@@ -140,11 +147,31 @@ def predict(
                     j += 2
 
 
+@compiled(always=True, fastmath=FAST, error_model="numpy")
+def kernels(out: Any, z: Any, nodes: Any, g: int, start: int) -> None:
+    """Write the kernel of group g between z (f,), in its lengths, and nodes from `start` on.
+
+    Features come in fives: sums that lie in memory cost more than their terms.
+    """
+    stop, last = start + len(out), len(z) - 5
+    out[:] = 0.0
+    for f in range(0, last + 1, 5):
+        u, v, w = nodes[g, f, start:stop], nodes[g, f + 1, start:stop], nodes[g, f + 2, start:stop]
+        x, y = nodes[g, f + 3, start:stop], nodes[g, f + 4, start:stop]
+        a, b, c, d, e = z[f], z[f + 1], z[f + 2], z[f + 3], z[f + 4]
+        if f < last:
+            for t in range(len(out)):
+                out[t] += squares(u[t] - a, v[t] - b, w[t] - c, x[t] - d, y[t] - e)
+        else:
+            for t in range(len(out)):
+                r2 = out[t] + squares(u[t] - a, v[t] - b, w[t] - c, x[t] - d, y[t] - e)
+                out[t] = matern(r2)
+
+
 @compiled(always=True, fastmath=FAST)
-def squares_from(out: Any, z: Any, Z: Any) -> None:
-    """Write the squared distances of z from Z (n,)."""
-    for t in range(len(Z)):
-        out[t] = (z - Z[t]) * (z - Z[t])
+def squares(a: Any, b: Any, c: Any, d: Any, e: Any) -> Any:
+    """Return the sum of five squares."""
+    return a * a + b * b + c * c + d * d + e * e
 
 
 @compiled(always=True, fastmath=FAST)
@@ -153,27 +180,6 @@ def angles_from(c1: Any, s1: Any, c0: Any, s0: Any, c: Any, s: Any) -> None:
     for t in range(len(c)):
         c1[t] = c0 * c[t] + s0 * s[t]
         s1[t] = s0 * c[t] - c0 * s[t]
-
-
-@compiled(always=True, fastmath=FAST)
-def weighted(out: Any, lengths: Any, work: Any) -> None:
-    """Write the sum over features of squared distances, rows of `work` from 4 on, in lengths; five
-    at a time, as sums that lie in memory cost more than their terms.
-    """
-    out[:] = 0.0
-    count = len(lengths)
-    f = 0
-    while f + 5 <= count:
-        a, b, c = lengths[f] ** 2, lengths[f + 1] ** 2, lengths[f + 2] ** 2
-        d, e = lengths[f + 3] ** 2, lengths[f + 4] ** 2
-        u, v, w, x, y = work[4 + f], work[5 + f], work[6 + f], work[7 + f], work[8 + f]
-        for t in range(len(out)):
-            out[t] += a * u[t] + b * v[t] + c * w[t] + d * x[t] + e * y[t]
-        f += 5
-    for i in range(f, count):
-        a, u = lengths[i] ** 2, work[4 + i]
-        for t in range(len(out)):
-            out[t] += a * u[t]
 
 
 @compiled(always=True, fastmath=FAST)
@@ -196,15 +202,10 @@ def complex_product(real: Any, imag: Any, even: Any, odd: Any) -> Any:
     return x, y
 
 
-@compiled(always=True, fastmath=FAST, error_model="numpy")
-def covariances(even: Any, odd: Any, c1: Any, s1: Any, phasors: Any) -> None:
-    """Make of squared distances in `even` the kernel: its parts even and odd in the angle."""
-    for t in range(len(even)):
-        even[t] = matern(even[t])
+@compiled(always=True, fastmath=FAST)
+def turned(even: Any, odd: Any, c1: Any, s1: Any, phasors: Any) -> None:
+    """Make of the kernel in `even` its parts even and odd in the angle between the tips."""
     a, b, c = phasors[0], phasors[1], phasors[2]
-    if a == 0.0 and b == 0.0 and c == 0.0:
-        odd[:] = 0.0
-        return
     if b == 0.0 and c == 0.0:
         for t in range(len(even)):
             odd[t] = even[t] * a * s1[t]
@@ -217,19 +218,19 @@ def covariances(even: Any, odd: Any, c1: Any, s1: Any, phasors: Any) -> None:
 
 
 @compiled(always=True)
-def crossings(z: Any, waves: Any, Z: Any, tips: Any, lengths: Any, phasors: Any) -> Any:
+def crossings(z: Any, waves: Any, nodes: Any, tips: Any, lengths: Any, phasors: Any) -> Any:
     """Return the prior covariance (groups, n) of one design with those solved, as in `predict`."""
-    out = np.empty((lengths.shape[0], Z.shape[1]), dtype=np.complex128)
+    out = np.empty((nodes.shape[0], nodes.shape[2]), dtype=np.complex128)
     c0, s0 = np.cos(2.0 * np.pi * waves), np.sin(2.0 * np.pi * waves)
-    for t in range(Z.shape[1]):
+    for t in range(nodes.shape[2]):
         c1 = c0 * tips[0, t] + s0 * tips[1, t]
         s1 = s0 * tips[0, t] - c0 * tips[1, t]
         c2, s2 = c1 * c1 - s1 * s1, 2.0 * s1 * c1
         c3, s3 = c2 * c1 - s2 * s1, s2 * c1 + c2 * s1
-        for g in range(lengths.shape[0]):
+        for g in range(nodes.shape[0]):
             r2 = 0.0
-            for f in range(Z.shape[0]):
-                d = (z[f] - Z[f, t]) * lengths[g, f]
+            for f in range(len(z)):
+                d = z[f] * lengths[g, f] - nodes[g, f, t]
                 r2 += d * d
             a, b, c = phasors[g, 0], phasors[g, 1], phasors[g, 2]
             even, odd = 1.0 + a * c1 + b * c2 + c * c3, a * s1 + b * s2 + c * s3

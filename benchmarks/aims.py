@@ -80,7 +80,7 @@ def aims(kept: dict[str, Any]) -> list[tuple[str, str, str, str]]:
             "helix by the atlas in a batch; one gait over plain",
             "30 us; 3",
             f"{atlas['batch']:.0f} us on one core; {atlas['gait over plain']:.1f}",
-            KERNELS.format(count=4 * atlas["solves"]),
+            KERNELS.format(count=2 * atlas["solves"]),
         ),
         (
             "helix by boundary elements to 0.1 %",

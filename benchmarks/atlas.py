@@ -48,6 +48,7 @@ def drawn(kind, folder):
     """Designs of the range, solved."""
     seed, number = DRAWN[kind]
     x = LOW * (HIGH / LOW) ** points(number, 6, seed)
+    x[:, 3] /= x[:, 1]  # `design` takes the body's radius over the filament's
     if kind.endswith(ALONE):  # a quarter without a ramp, the others from 0.05 to 0.5
         x[:, 3:5] = 0.0, 1.0
         x[::4, 5] = 0.0

@@ -31,7 +31,6 @@ from microswim.swimmer.swimmer import Swimmer
 
 ENOUGH = 400  #: designs from which the kernels' lengths are found
 LAWS = (Lighthill, GrayHancock, Cox)
-TURNING = 4  #: torque, and the axial wrench that turns the body alone, come before it
 #: Corrections whose size follows powers of the numbers, each with those of its direction.
 SCALED = ((2,), (8,), (9,), (11,), (12,), *((j, j + 1) for j in range(REAL + 3, REAL + 15, 2)))
 #: The same of each kind of design; of a plane wave none.
@@ -45,14 +44,16 @@ PERIOD = np.pi * np.arange(SAMPLES) / HALF
 
 
 def groups_of(kind: str) -> list[tuple[slice, bool, int]]:
-    """Return columns that share a kernel: a region's, with what turns the body alone apart."""
+    """Return columns that share a kernel: a region's, a helix' real ones all together.
+
+    Over so wide a range the tip says nothing of the real ones. A kernel costs a third of an answer.
+    """
     if kind == "helix_alone":
         return [(slice(alone.REAL), False, PHASORS), (slice(alone.REAL, None), True, PHASORS)]
     thrust, others, *lateral = of_region(kind == "helix")
-    if kind.startswith("plane_wave"):  # over so wide a range the tip says nothing of the even
-        return [(thrust[0], False, 0), (others[0], False, 0), *lateral]
-    middle = slice(others[0].start, TURNING), slice(TURNING, others[0].stop)
-    return [thrust, *((part, *others[1:]) for part in middle), *lateral]
+    if kind == "helix":
+        return [(slice(thrust[0].start, others[0].stop), False, 0), *lateral]
+    return [(thrust[0], False, 0), (others[0], False, 0), *lateral]
 
 
 def fit(solved: list[Solved], about: dict[str, Any], former: Atlas | None = None) -> Atlas:

@@ -199,7 +199,8 @@ def _rebuilt(swimmer: Swimmer, y: np.ndarray) -> tuple[Any, Any]:
     most = shaded.sizes(np.array([swimmer.tail.number_of_waves]))
     D, mu = np.array(swimmer.body.diagonal(swimmer.fluid.viscosity)), swimmer.fluid.viscosity
     design = shaded.parameters(swimmer)[None], D[None], np.array([mu])
-    none = np.zeros((1, 5, 0)), np.zeros((2, 0)), np.zeros((1, 1)), np.zeros((1, 4)), np.array([0, 0])
+    nodes, tips = np.zeros((1, 5, 0)), np.zeros((2, 0))
+    none = nodes, tips, np.zeros((1, 1)), np.zeros((1, 4)), np.array([0, 0])
     run = (helices if swimmer.tail.is_rigid else waves).alone
     rules = shaded.rules(int(most[0]))
     far = np.zeros((1, 1)), np.zeros(1), np.ones((1, len(y)))

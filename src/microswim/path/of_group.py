@@ -106,12 +106,13 @@ def group_path(
     kept = kept or [answer.begun(_start(group))]
     for k in range(len(errors), t.size):
         pose = kept[k]
-        _, error, longest = answer.at(pose)
+        V, error, longest = answer.at(pose)
         errors.append(error)
         if k + 1 < t.size:
             longest = longest if max_step is None else max_step
             for h in _steps(t[k + 1] - t[k], longest):
-                pose = _step(answer, pose, h)
+                pose = _step(answer, pose, h, V)
+                V = None
             kept.append(pose)
         if place is not None:
             poses = dict(zip(_POSE, zip(*kept, strict=True), strict=True))
@@ -144,15 +145,18 @@ def _steps(time: float, longest: float) -> Array:
     return np.full(n := max(1, int(np.ceil(time / longest - 1e-9))), time / n)
 
 
-def _step(answer: OfAll, pose: Pose, h: float) -> Pose:
-    """Return the pose a time step later."""
+def _step(answer: OfAll, pose: Pose, h: float, first: Array | None) -> Pose:
+    """Return the pose a time step later; `first` are the velocities there, where they are known."""
     x, Q, phase = pose
     moves, turns = [], []
     for share in (0.0, 0.5, 0.5, 1.0):
         dx = share * h * moves[-1] if moves else np.zeros_like(x)
         u = share * h * turns[-1] if turns else np.zeros_like(x)
         now = Q @ Rotation.from_rotvec(u).as_matrix()
-        V, *_ = answer.at((x + dx, now, phase + share * h * answer.rates))
+        if first is None or moves:
+            V, *_ = answer.at((x + dx, now, phase + share * h * answer.rates))
+        else:
+            V = first
         moves.append(np.einsum("nij,nj->ni", now, V[:, :3]))
         du = np.zeros_like(x)
         for one, w, out in zip(u, V[:, 3:], du, strict=True):

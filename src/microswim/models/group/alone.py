@@ -6,11 +6,13 @@ from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
+from scipy.spatial import KDTree
 
 from microswim.models.bem.gait import turns_as_a_whole
 from microswim.models.bem.levels import Level
+from microswim.models.bem.patches.surface import positions
 from microswim.models.bem.solution import Solution
-from microswim.models.bem.trust import trusted
+from microswim.models.bem.trust import misfit, trusted
 from microswim.models.group.coupled import Block
 from microswim.models.group.far_field import moments
 from microswim.models.group.skeleton import Skeleton, skeleton_of
@@ -37,6 +39,8 @@ class Alone:
         Phase rate of the motor, relative to the body (rad per time).
     moments : (5,)
         Of its far field as it swims (`far_field.moments`).
+    misfit : float
+        By how much symmetry and reciprocity are missed.
     remarks : tuple of str
         What is extreme about the geometry.
     """
@@ -49,12 +53,23 @@ class Alone:
     quadrupoles: Array
     rate: float
     moments: Array
+    misfit: float
     remarks: tuple[str, ...]
 
     @cached_property
     def skeleton(self) -> Skeleton | None:
         """What it answers to flows from some way off, if its nodes hold that."""
         return skeleton_of(self.block)
+
+    @cached_property
+    def light(self) -> Skeleton | None:
+        """The same of few nodes."""
+        return skeleton_of(self.block, few=True)
+
+    @cached_property
+    def around(self) -> KDTree:
+        """Points of its surface from its centre, in the block's axes."""
+        return KDTree(positions(self.block.layer.surface, 5).reshape(-1, 3) - self.block.centre)
 
 
 def phase_of_block(member: Member) -> float:
@@ -79,11 +94,12 @@ def solve_alone(member: Member, level: Level) -> Alone:
         block=Block(found.layer, found.factors, found.centre),
         resistance=found.resistance,
         propulsion=found.propulsion,
-        points=_points(found),
+        points=_points(found, dipoles, quadrupoles),
         dipoles=dipoles,
         quadrupoles=quadrupoles,
         rate=rate,
         moments=moments(found) * (rate / found.rate if found.rate else 0.0),
+        misfit=misfit(found),
         remarks=found.remarks,
     )
 
@@ -98,12 +114,28 @@ def _motor_rate(alone: Solution) -> float:
     return alone.rate / (1.0 + alone.swimmer.tail.sign * alone.twist[3] / alone.rate)
 
 
-def _points(alone: Solution) -> tuple[Array, Array]:
-    """Return middles (b, 3) of the patches and their forces (b, 3, 7)."""
+def _points(alone: Solution, dipoles: Array, quadrupoles: Array) -> tuple[Array, Array]:
+    """Return middles (b, 3) of the patches and forces (b, 3, 7) there with all their moments.
+
+    The patches' own forces h miss what lies off the middles; the least change d of them, by area,
+    with ``sum d = 0, sum d_j x_k = D_jk - sum h_j x_k`` and the same of Q sets that right.
+    """
     area, moment = alone.surface.moments[:2]
-    middle = moment.sum(axis=1) / area.sum(axis=1)[:, None] - alone.centre
+    size = area.sum(axis=1)
+    middle = moment.sum(axis=1) / size[:, None] - alone.centre
     density = alone.density.reshape(*alone.surface.nodes.shape, 7)
-    return middle, np.einsum("ep,epck->eck", area, density)
+    H = np.einsum("ep,epck->eck", area, density)
+    k, l = np.triu_indices(3)
+    terms = np.concatenate([np.ones((len(H), 1)), middle, middle[:, k] * middle[:, l]], axis=1)
+    nothing = np.zeros((3, 1, 7))
+    both = 0.5 * (quadrupoles[:, k, l] + quadrupoles[:, l, k])
+    true = np.concatenate([nothing, dipoles, both], axis=1)  # (3, 10, 7)
+    true[:, 1:] -= np.einsum("ejw,et->jtw", H, terms[:, 1:])
+    scale = np.linalg.norm(terms, axis=0)
+    A = np.sqrt(size)[:, None] * terms / scale
+    least = np.linalg.pinv(A.T, rcond=1e-8)  # (e, 10)
+    change = np.einsum("e,et,jtw->ejw", np.sqrt(size), least, true / scale[:, None])
+    return middle, H + change
 
 
 def _moments(alone: Solution) -> tuple[Array, Array]:

@@ -59,23 +59,33 @@ def solve_quickly(group: Group, blocks: Blocks) -> QuickSolution | GroupSolution
     known = [b for b in bones if b is not None and gap >= b.distance]
     if len(known) < len(alone):
         return solve(group, blocks=blocks)
-    whole = _whole(group, known)
+    whole = whole_of(group, known)
     n, root = len(alone), np.sqrt(np.abs(whole.diagonal()))
     root = np.where(root > 0.0, root, 1.0)
     rigid = np.arange(7 * n) % 7 < 6
     if (np.abs(whole - whole.T) / np.outer(root, root))[rigid][:, rigid].max() > ASYMMETRY:
         return solve(group, blocks=blocks)
-    R = whole[rigid][:, rigid]
+    R, F = resistance_and_propulsion(whole)
     return QuickSolution(
         group=group,
-        resistance=0.5 * (R + R.T),
-        propulsion=whole[~rigid][:, rigid].T.copy(),
+        resistance=R,
+        propulsion=F,
         rates=np.array([own.rate for own in alone]),
         gap=gap,
     )
 
 
-def _whole(group: Group, bones: Sequence[Skeleton]) -> Array:
+def resistance_and_propulsion(whole: Array) -> tuple[Array, Array]:
+    """Return R (6n, 6n), symmetric, and F (6n, n) of wrenches and powers (7n, 7n).
+
+    F by reciprocity from the powers that rigid motions take of the tails, as alone.
+    """
+    rigid = np.arange(len(whole)) % 7 < 6
+    R = whole[rigid][:, rigid]
+    return 0.5 * (R + R.T), whole[~rigid][:, rigid].T.copy()
+
+
+def whole_of(group: Group, bones: Sequence[Skeleton]) -> Array:
     """Return wrenches and powers (7n, 7n) of all rigid motions and tails, swimmers' axes."""
     n = len(bones)
     turns = [rotation_of_block(m) for m in group.members]

@@ -36,6 +36,8 @@ NEAREST, SPACING = 0.125, 0.45
 #: Share of the largest flow that the nodes may leave out, smallest singular value of the fit of
 #: point forces, and the misfit of those above which there is no skeleton.
 LEFT_OUT, SMALLEST, MISFIT = 3e-4, 1e-5, 0.05
+#: The same of a skeleton of few nodes.
+FEW_LEFT_OUT, FEW_MISFIT = 0.06, 0.3
 #: Sums of point forces that the nodes are chosen by, at most.
 SUMS = 1200
 
@@ -67,18 +69,19 @@ class Skeleton:
     alone: Array
 
 
-def skeleton_of(block: Block) -> Skeleton | None:
-    """Return the skeleton of a block; None if its nodes do not hold its flow."""
+def skeleton_of(block: Block, few: bool = False) -> Skeleton | None:
+    """Return the skeleton of a block, of `few` nodes; None if its nodes do not hold its flow."""
+    left_out, misfit = (FEW_LEFT_OUT, FEW_MISFIT) if few else (LEFT_OUT, MISFIT)
     layer, s = block.layer, block.layer.surface
     nodes = s.nodes.reshape(-1, 3)
     distance = NEAREST * float(np.linalg.norm(np.ptp(nodes, axis=0)))
     around = _around(Cloud(positions(s, SIDE)), distance)
     inward = point_forces(nodes, around) / (8.0 * np.pi * layer.viscosity)
-    chosen, T = _chosen(inward)
+    chosen, T = _chosen(inward, left_out)
     reach = layer.reach(around)
     outward = point_forces(around, nodes[chosen]) / (8.0 * np.pi * layer.viscosity)
     W = _fitted(outward, reach, SMALLEST)
-    if np.abs(outward @ W - reach).max() > MISFIT * np.abs(reach).max():
+    if np.abs(outward @ W - reach).max() > misfit * np.abs(reach).max():
         return None
     U = np.concatenate(
         [rigid_modes(s.nodes, block.centre).reshape(-1, 6), s.node_motion.reshape(-1, 1)], axis=1
@@ -110,14 +113,14 @@ def _around(cloud: Cloud, distance: float) -> Array:
     return np.ascontiguousarray(off[kept])
 
 
-def _chosen(inward: Array) -> tuple[NDArray[np.int64], Array]:
+def _chosen(inward: Array, left_out: float) -> tuple[NDArray[np.int64], Array]:
     """Return nodes (k,) that say most of flows (3n, m), and how all follow from them, (3n, 3k)."""
     if inward.shape[1] > SUMS:
         mixed = np.random.default_rng(1).normal(size=(inward.shape[1], SUMS))
         inward = inward @ (mixed / np.sqrt(SUMS))
     made: Any = qr(inward.T, mode="r", pivoting=True)
     size, order = np.abs(made[0].diagonal()), made[1]
-    chosen = np.unique(order[: int((size > LEFT_OUT * size[0]).sum())] // 3)
+    chosen = np.unique(order[: int((size > left_out * size[0]).sum())] // 3)
     rows = (3 * chosen[:, None] + np.arange(3)).ravel()
     return chosen, _fitted(inward[rows].T, inward.T, 1e-10).T
 

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from microswim.gait.readable import label, prefixed
-from microswim.output.plots.style import BLUE, GREY, ORANGE, WIDE, blank, few_ticks, look
+from microswim.output.plots.style import BLUE, GREY, ORANGE, WIDE, blank, few_ticks, log_ticks, look
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -138,5 +138,6 @@ def _displacement(axes: Axes, found: Any, unit: str, time: str) -> None:
     axes.plot(lag, factor**2 * value, "o-", color=BLUE, ms=2.5, lw=0.8)
     scale = "log" if (value > 0).any() else "linear"  # of a cell that stands still
     axes.set(xscale="log", yscale=scale, xlabel=label("time apart", time))
+    log_ticks(axes)
     axes.set(ylabel=label("mean squared displacement", f"{shown}²" if shown else ""))
     axes.legend(loc="upper left")

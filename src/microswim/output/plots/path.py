@@ -19,6 +19,7 @@ from microswim.output.plots.style import (
     blank,
     few_ticks,
     letter,
+    log_ticks,
     look,
     readable,
 )
@@ -154,6 +155,7 @@ def _in_time(axes: Axes, found: xr.Dataset, places: np.ndarray) -> None:
         square = (moved**2).sum(axis=-1).mean(axis=0)
         factor, name = readable(np.sqrt(square), "", unit(units, "length"))
         axes.loglog(per * t[1:], factor**2 * square[1:], color=BLUE)
+        log_ticks(axes)
         inner = name.strip(" ()")
         axes.set(xlabel=label_t, ylabel=f"mean square displacement ({inner}$^2$)")
         return

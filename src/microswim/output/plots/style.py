@@ -104,6 +104,18 @@ def few_ticks(axes: Axes, most: int = 5) -> None:
     axes.xaxis.set_major_locator(MaxNLocator(most))
 
 
+def log_ticks(axes: Axes) -> None:
+    """Name 1, 2 and 5 of each decade along a logarithmic x; over three decades the tens alone."""
+    from matplotlib.ticker import FuncFormatter, LogLocator, NullFormatter
+
+    low, high = axes.get_xlim()
+    narrow = high < 1000.0 * low
+    axes.xaxis.set_major_locator(LogLocator(subs=(1.0, 2.0, 5.0) if narrow else (1.0,)))
+    axes.xaxis.set_minor_formatter(NullFormatter())
+    if narrow:
+        axes.xaxis.set_major_formatter(FuncFormatter(lambda x, _: f"{x:g}"))
+
+
 def readable(values: Any, name: str, unit: str) -> tuple[float, str]:
     """Return the factor and the label of an axis in a unit that reads well.
 

@@ -121,7 +121,7 @@ def sweep(
         ``status`` and ``reason`` over the dotted names (or ``design`` for a list). A failed
         design is NaN with its reason. Provenance in the attributes. A design that this machine
         could not solve (not enough memory, a worker process killed twice) stays unsolved, with the
-        machine's reason.
+        machine's reason. `plots.design_map` draws it.
 
     Raises
     ------

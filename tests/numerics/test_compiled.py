@@ -224,6 +224,27 @@ def test_processes_that_compile_at_once_leave_a_cache_that_serves(tmp_path):
     assert python(code, NUMBA_CACHE_DIR=str(tmp_path)).split() == ["2j", "1"]
 
 
+TOLD = """
+import sys
+from microswim.numerics.compiling import compiled, first_time
+first_time.tell_once(lambda: print("told"))
+
+def double(x):
+    return 2 * x
+
+compiled.njit(cache=True)(double)(1.0)
+compiled.njit(cache=True)(double)(1j)
+"""
+
+
+def test_who_asks_is_told_once_that_code_is_compiled_and_not_that_it_is_loaded(tmp_path):
+    script = tmp_path / "told.py"
+    script.write_text(TOLD)
+    code = f"import runpy; runpy.run_path({str(script)!r})"
+    assert python(code, NUMBA_CACHE_DIR=str(tmp_path)).split() == ["told"]
+    assert python(code, NUMBA_CACHE_DIR=str(tmp_path)).split() == []
+
+
 EDITED = """
 import numpy as np
 from microswim.models.rft.plane_wave import fill_nodes

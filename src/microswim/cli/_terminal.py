@@ -9,6 +9,8 @@ import sys
 from collections.abc import Iterator
 from contextlib import contextmanager
 
+from microswim.numerics.compiling.first_time import tell_once
+
 #: What stands for a character that the output cannot show.
 PLAIN = {"µ": "u", "±": "+-", "²": "^2", "³": "^3", "·": " ", "×": "x", "°": " deg", "γ": "gamma"}
 PLAIN |= {"–": "-", "—": "-", "…": "...", "→": "->", "≤": "<=", "≥": ">=", "Ω": "Omega"}
@@ -36,6 +38,8 @@ def prepared() -> Iterator[None]:
         if isinstance(stream, io.TextIOWrapper):
             stream.reconfigure(errors="microswim.plain")
     os.environ["MPLBACKEND"] = "agg"  # pictures go to files; a display may not be there
+    if sys.stderr.isatty():
+        tell_once(_compiling)
     said = False
     try:
         yield
@@ -49,6 +53,10 @@ def prepared() -> Iterator[None]:
             sys.stdout.flush()
         except OSError as error:
             _give_up(error, said)
+
+
+def _compiling() -> None:
+    print("compiling for the first time; the code is kept", file=sys.stderr)
 
 
 def _give_up(error: OSError, said: bool) -> None:

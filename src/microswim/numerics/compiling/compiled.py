@@ -22,6 +22,7 @@ import numpy as np
 
 from microswim.errors import MicroswimError
 from microswim.numerics.compiling.code_cache import digest, keep
+from microswim.numerics.compiling.first_time import listen
 
 #: Sums may be reordered and fused; NaN and infinity keep their meaning.
 FAST = {"reassoc", "contract", "arcp", "nsz"}
@@ -81,7 +82,9 @@ def numba() -> Any:
         raise MicroswimError(
             f"NUMBA_NUM_THREADS = {threads}: must be a whole number from 1 on, or not be set"
         )
-    return import_module("numba")
+    module = import_module("numba")
+    listen()
+    return module
 
 
 def __getattr__(name: str) -> Any:

@@ -11,6 +11,9 @@ export const NARROW = "(max-width: 900px), (max-height: 480px)";
 /** Pixels that the panels of a wide screen cover at the left and at the right; as in style.css. */
 const PANELS = [278, 314];
 
+/** Pixels at the top of a narrow screen that the bar and the number cover. */
+const ABOVE = 96;
+
 export class Sheets {
   readonly glance = el("button", { class: "glance", id: "glance", title: "All numbers", onclick: () => this.open("numbers") });
   readonly node = el("nav", { class: "dock", "aria-label": "Panels" });
@@ -55,6 +58,6 @@ export class Sheets {
     if (up && this.tabs.keys.includes(key)) this.tabs.open(key);
     for (const b of this.node.children) b.setAttribute("aria-pressed", String(Boolean(up) && b.id === `sheet-${key}`));
     const tall = window.innerHeight > window.innerWidth;
-    this.stage.uncover(up && !tall ? 0.6 : 1, up && tall ? 0.48 : 1);
+    this.stage.uncover(up && !tall ? 0.6 : 1, up && tall ? 0.48 + ABOVE / window.innerHeight : 1);
   }
 }

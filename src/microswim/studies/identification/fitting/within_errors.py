@@ -90,9 +90,11 @@ def starts(
     problem: PathProblem, grid: Grid | None, done: Any, spread: float, errors: np.ndarray
 ) -> list[Any]:
     """Return the designs that the errors of the model leave, the likeliest first: a fit starts at
-    each lowest place of chi-squared, however far from the one that fits.
+    each lowest place of chi-squared, however far from the one that fits. Where the errors are large
+    the interval of one reaches over all of them, see `reach`.
     """
-    if grid is None or not _both(problem):
+    large = errors[list(SHOWN)].max() >= LARGE
+    if grid is None or large or not _both(problem):
         return []
     b, n, behind = _over(problem, grid, done, spread, errors)
     cells = [c for c in minima(behind) if behind[c] <= AS_WELL][:MOST]

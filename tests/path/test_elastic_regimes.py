@@ -91,6 +91,7 @@ def test_a_straight_robot_swims_alike_in_either_sense():
 @pytest.mark.parametrize(("one", "frequency", "cone"), [
     (wire(), 0.3, 0.8),
     (robot(soft(magnet=(0.3, 0.4, 0.0), magnet_span=(0.0, 0.3)), moment=None), 0.05, 0.3),
+    (robot(soft(rest_radius=0.04, rest_pitch=0.5), moment=(0.1, 2.0, 0.0)), 0.02, 0.0),
 ])  # fmt: skip
 def test_it_settles_in_time_to_what_holds_it(one, frequency, cone):
     one = replace(one, field=replace(FIELD, frequency=frequency, cone=cone))
@@ -98,6 +99,19 @@ def test_it_settles_in_time_to_what_holds_it(one, frequency, cone):
     path = ms.path(one, 10.0 / frequency, samples=11, tolerance=1e-6)
     way = path.position.values[-1, 0] - path.position.values[-2, 0]
     assert way * frequency == pytest.approx(held, rel=2e-3)
+
+
+def test_a_state_that_does_not_last_is_no_step_out():
+    """Soft, it stands up across the axis first, where it does not stay; it is held as a stiff one
+    is, nearer to the axis.
+    """
+    angles = []
+    for bending in (1e3, 2.0, 0.2):
+        tail = soft(bending, rest_radius=0.04, rest_pitch=0.5)
+        found = ms.regimes(robot(tail, moment=(0.1, 2.0, 0.0)), [0.02])
+        assert found.regime[0] in ("wobbling", "synchronous")
+        angles.append(found.precession_angle[0])
+    assert angles[0] > angles[1] > angles[2] > 0.05
 
 
 @pytest.mark.parametrize(("change", "sentence"), [

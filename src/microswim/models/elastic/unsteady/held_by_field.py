@@ -32,6 +32,7 @@ STEPS, SHORTEST, FARTHEST, LONG = 24, 1e-2, 0.5, 1e3
 SETTLED = 1e-5  #: of the last change; Newton's method leaves its square
 SMALL = 1e-7  #: step of a difference
 GROWS = 1e-4  #: of the field's rate, from which on a disturbance grows
+PUSHED, FOLLOWED, SLOW = 0.1, 150, 1e-2  #: first disturbance, steps after it, and the last of them
 
 
 @dataclass(frozen=True, eq=False)
@@ -109,11 +110,16 @@ class Held:
         return np.stack([(self.moved(e).balance()[1] - work) / SMALL for e in each], axis=1)
 
     @property
-    def growth(self) -> float:
-        """Rate at which the fastest disturbance grows."""
+    def disturbances(self) -> tuple[np.ndarray, np.ndarray]:
+        """Rates at which disturbances of attitude and strains grow, and these in columns."""
         M, work = self.balance()
         A = np.linalg.solve(M, self.slopes(work)[:, 3:-1])[3:]
-        return float(np.linalg.eigvals(-A).real.max())
+        return np.linalg.eig(-A)
+
+    @property
+    def growth(self) -> float:
+        """Rate at which the fastest disturbance grows."""
+        return float(self.disturbances[0].real.max())
 
 
 def held_by_field(swimmer: Swimmer, near: Held | None = None) -> Held | None:
@@ -140,11 +146,13 @@ def held_by_field(swimmer: Swimmer, near: Held | None = None) -> Held | None:
     while n <= MOST:
         at = _begun(alone, n, near)
         found = (near and held(at, LONG)) or sped_up(at)
+        if found is not None and found.growth > GROWS:
+            found = released(found)
         if found is None:
             return None
         bends = np.abs(found.strains - found.of.rod.rest)
         if bends[:, -2:].max() / n**2 <= SHARP * max(bends.max(), 1e-6):  # in the tail's place
-            return found if found.growth <= GROWS else None
+            return found
         near, n = found, n + max(4, n // 3)
     raise MicroswimError(
         "the elastic tail bends too sharply to be resolved: stiffen it, or turn it slower"
@@ -236,14 +244,8 @@ def held(at: Held, step: float = 1.0) -> Held | None:
     """Return where a robot comes to rest in the field's axes, steps of that length first; None if
     nowhere.
     """
-    M, work, J = _linear(at)
-    free = np.ones(J.shape[1], bool)
-    free[3 if at.twirls else -1] = False  # its attitude about its own line, or no twirl
     for _ in range(STEPS):
-        A = J.copy()
-        A[:, 3:-1] += M[:, 3:] / step
-        change = np.zeros(J.shape[1])
-        change[free] = np.linalg.solve(A[:, free], -work)
+        change = _change(at, step)
         size = np.abs(change[3:-1]).max()
         if not size <= FARTHEST:
             step /= 4.0
@@ -253,8 +255,48 @@ def held(at: Held, step: float = 1.0) -> Held | None:
         at, step = at.moved(change), 16.0 * step
         if step > LONG and size <= SETTLED * max(1.0, np.abs(at.strains).max()):
             return at
-        M, work, J = _linear(at)
     return None
+
+
+def released(at: Held) -> Held | None:
+    """Return where a robot goes from a state that a disturbance leaves, which steps too long for
+    its growth would not see; None if it comes to rest nowhere.
+    """
+    rates, ways = at.disturbances
+    worst = rates.real.argmax()
+    step, way = 0.5 / rates[worst].real, np.real(ways[:, worst])
+    way = PUSHED / np.abs(way).max() * way
+    for sense in (1.0, -1.0):
+        gone = _followed(at.moved(np.concatenate([np.zeros(3), sense * way, [0.0]])), step)
+        found = gone and held(gone, LONG)
+        if found is not None and found.growth <= GROWS:
+            return found
+    return None
+
+
+def _followed(at: Held, step: float) -> Held | None:
+    """Steps of one length, until they have become small."""
+    for _ in range(FOLLOWED):
+        change = _change(at, step)
+        size = np.abs(change[3:-1]).max()
+        if not size <= FARTHEST:
+            step /= 2.0
+            continue
+        at = at.moved(change)
+        if size <= SLOW:
+            return at
+    return None
+
+
+def _change(at: Held, step: float) -> np.ndarray:
+    """An implicit step in time."""
+    M, work, J = _linear(at)
+    free = np.ones(J.shape[1], bool)
+    free[3 if at.twirls else -1] = False  # its attitude about its own line, or no twirl
+    J[:, 3:-1] += M[:, 3:] / step
+    change = np.zeros(J.shape[1])
+    change[free] = np.linalg.solve(J[:, free], -work)
+    return change
 
 
 def _linear(at: Held) -> tuple[np.ndarray, np.ndarray, np.ndarray]:

@@ -284,3 +284,8 @@ def test_elastic_tails_have_the_error_that_was_measured_for_their_like():
     assert found()["us"] == pytest.approx(0.85)
     assert found(**{"body.radius": 0.5})["us"] is None
     assert found(**{"tail.angle": 1.2})["us"] is None
+    assert found(**{"tail.rest_radius": 0.03, "tail.rest_pitch": 0.8})["us"] == pytest.approx(2.6)
+    assert found(**{"tail.rest_radius": 0.1, "tail.rest_pitch": 0.8})["us"] is None
+    heave = {"tail.drive": "heave", "tail.angle": None}
+    assert found(**heave, **{"tail.amplitude": 0.03})["us"] == pytest.approx(0.86)
+    assert found(**heave, **{"tail.amplitude": 0.08})["us"] is None

@@ -22,11 +22,18 @@ from microswim.swimmer.swimmer import Swimmer
 LEVELS = {"coarse": 0.0035, "standard": 0.002, "fine": 0.0005}
 #: The same of ribbons, twice over: few were compared (docs/cad.md).
 RIBBONS = {"coarse": 0.01, "standard": 0.006, "fine": 0.003}
-#: Largest differences of an elastic tail's us and os from boundary elements on the same motion:
-#: the 24 designs of benchmarks/accuracy_elastic.py.
-ELASTIC = {"us": 0.85, "os": 0.08}
-#: Ranges of these designs: radii of filament and body over the length, sperm number, angle.
-LIKE = ((0.005, 0.03), (0.08, 0.3), (1.5, 5.0), (0.2, 0.8))
+#: Largest differences of an elastic tail's us and os from boundary elements on the same motion, by
+#: its drive: the designs of benchmarks/accuracy_elastic.py, 12 each.
+ELASTIC = {
+    "pivot": {"us": 0.85, "os": 0.08}, "rotate": {"us": 0.85, "os": 0.08}, "heave": {"us": 0.86},
+    "moment": {"us": 1.6}, "in space": {"us": 2.6},
+}  # fmt: skip
+#: Ranges of these designs: radii of filament and body over the length, sperm number, ...
+LIKE = ((0.005, 0.03), (0.08, 0.3), (1.5, 5.0))
+#: ... and the size of the drive: angle, heave over the body's radius, moment over B / L.
+SIZES = {"pivot": (0.2, 0.8), "rotate": (0.2, 0.8), "heave": (0.1, 0.4), "moment": (2.0, 8.0)}
+#: Of helices at rest: radius and pitch over the length.
+COILED = ((0.02, 0.05), (0.6, 1.2))
 #: The same of flagella with a mean curvature by each law of local resistance: u_s, u_q, mean w_r,
 #: and the curvature of the path, over the law's own values (benchmarks/accuracy_flagella.py).
 BENT = {
@@ -187,16 +194,34 @@ def as_it_comes(swimmer: Swimmer) -> Misses | None:
 
 def _of_elastic(swimmer: Swimmer, gait: Gait) -> tuple[list[Any], str]:
     tail: Any = swimmer.tail
-    sizes = tail.radius / tail.length, swimmer.body.semi_axes3[0] / tail.length
-    place = (*sizes, gait.info["sperm_number"], tail.angle or 0.0)
-    inside = all(low <= np.real(x) <= high for x, (low, high) in zip(place, LIKE))
+    kind, inside = _like(tail, swimmer.body.semi_axes3[0], gait.info["sperm_number"])
     round_body = len(set(swimmer.body.semi_axes3)) == 1
     open_ = isinstance(swimmer.coefficients, Unchosen) and swimmer.interaction == Interaction()
     open_ = open_ and swimmer.hook is None
     if not (inside and round_body and open_ and all(gait.free)):
         return [None] * 6, "not measured for such elastic tails; compare with model bem"
-    how = "largest difference from boundary elements on the same motion of the tail, 24 designs"
-    return [ELASTIC.get(name) for name in DEGREES_OF_FREEDOM], how
+    how = "largest difference from boundary elements on the same motion of the tail, 12 designs"
+    return [ELASTIC[kind].get(name) for name in DEGREES_OF_FREEDOM], how
+
+
+def _like(tail: Any, body: float, sperm_number: float) -> tuple[str, bool]:
+    """Return of which designs an elastic tail is one, and whether it lies among them."""
+    L = tail.length
+    place, ranges = [tail.radius / L, body / L, sperm_number], [*LIKE]
+    driven = {
+        "heave": (tail.amplitude or 0.0) / (body or 1.0),
+        "moment": (tail.moment or 0.0) * L / tail.bending,
+    }
+    size, low_high = driven.get(tail.drive, tail.angle or 0.0), SIZES.get(tail.drive, (1.0, 0.0))
+    if not tail.is_bent:
+        place, ranges = [*place, size], [*ranges, low_high]
+    elif tail.drive in ("rotate", "none") or not (tail.rest_radius and tail.rest_pitch):
+        return tail.drive, False
+    else:
+        coil = tail.rest_radius / L, abs(tail.rest_pitch) / L
+        place, ranges = [*place, *coil], [*ranges, *COILED]
+    inside = all(low <= np.real(x) <= high for x, (low, high) in zip(place, ranges))
+    return "in space" if tail.is_bent else tail.drive, inside
 
 
 def _promised(made: Provenance, swimmer: Swimmer) -> tuple[list[Any], str]:

@@ -145,9 +145,7 @@ def held_by_field(swimmer: Swimmer, near: Held | None = None) -> Held | None:
     n = max(n, 0 if rest is None else rest.modes() + 2)
     while n <= MOST:
         at = _begun(alone, n, near)
-        found = (near and held(at, LONG)) or sped_up(at)
-        if found is not None and found.growth > GROWS:
-            found = released(found)
+        found = (near and lasting(held(at, LONG))) or sped_up(at)
         if found is None:
             return None
         bends = np.abs(found.strains - found.of.rod.rest)
@@ -227,7 +225,7 @@ def sped_up(at: Held) -> Held | None:
     """Return how a field that has sped up to its rate holds a robot; None where it slips."""
     drag, share, faster, done = at.of.drag, 1.0, 5.0, 0.0
     while done < 1.0:
-        found = held(replace(at, of=replace(at.of, drag=slowed(drag, share))))
+        found = lasting(held(replace(at, of=replace(at.of, drag=slowed(drag, share)))))
         if found is not None:
             at, done = found, share
         elif done:
@@ -256,6 +254,11 @@ def held(at: Held, step: float = 1.0) -> Held | None:
         if step > LONG and size <= SETTLED * max(1.0, np.abs(at.strains).max()):
             return at
     return None
+
+
+def lasting(at: Held | None) -> Held | None:
+    """Return a state that lasts: this one, or where a disturbance leads from it."""
+    return at if at is None or at.growth <= GROWS else released(at)
 
 
 def released(at: Held) -> Held | None:

@@ -119,7 +119,7 @@ class Held:
     @property
     def growth(self) -> float:
         """Rate at which the fastest disturbance grows."""
-        return float(self.disturbances[0].real.max())
+        return float(np.real(self.disturbances[0]).max())
 
 
 def held_by_field(swimmer: Swimmer, near: Held | None = None) -> Held | None:
@@ -266,8 +266,8 @@ def released(at: Held) -> Held | None:
     its growth would not see; None if it comes to rest nowhere.
     """
     rates, ways = at.disturbances
-    worst = rates.real.argmax()
-    step, way = 0.5 / rates[worst].real, np.real(ways[:, worst])
+    worst = np.real(rates).argmax()
+    step, way = 0.5 / np.real(rates)[worst], np.real(ways[:, worst])
     way = PUSHED / np.abs(way).max() * way
     for sense in (1.0, -1.0):
         gone = _followed(at.moved(np.concatenate([np.zeros(3), sense * way, [0.0]])), step)

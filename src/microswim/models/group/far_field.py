@@ -27,6 +27,8 @@ from microswim.models.bem.solution import Solution
 from microswim.models.group.motion import free_motion
 from microswim.numerics.array import Array
 
+#: Share of the tail's own density below which one is rounding: a tail alone only turns back.
+ROUNDING = 1e-9
 #: What the four numbers, and the force on the axis, are called.
 NAMES = ("force", "force_dipole", "rotlet_dipole", "force_quadrupole", "source_dipole")
 
@@ -101,6 +103,8 @@ def moments(alone: Solution) -> Array:
     s = alone.surface
     V = free_motion(alone.raw_resistance, -alone.raw_propulsion * alone.rate, alone.free)
     f = alone.combined(V).reshape(s.nodes.shape)  # without any force that is left over
+    if np.abs(f).max() <= ROUNDING * np.abs(alone.density[:, 6] * alone.rate).max():
+        return np.zeros(5)
     area, moment = s.moments[0], s.moments[1] - s.moments[0][..., None] * alone.centre
     D = np.einsum("epj,epk->jk", f, moment)
     Q = np.einsum("epj,epk,epl->jkl", f, moment, s.nodes - alone.centre)

@@ -110,6 +110,9 @@ class GroupMotion:
             "resistance_scene": here.resistance_scene,
             "propulsion": here.propulsion,
             "about": [m.position for m in self.group.members],
+            "resistance_order": [
+                f"{name} of swimmer {k}" for k in range(here.number) for name in DEGREES_OF_FREEDOM
+            ],
             "resistance_units": _units(self.units),
             "far_field": [far.as_dict() for far in self.far_field],
             "position": [m.position for m in self.group.members],

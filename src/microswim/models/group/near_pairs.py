@@ -22,6 +22,8 @@ from microswim.swimmer.group import Group
 #: skeletons at the gap d that they are made for, (d/gap)^2.5 times that nearer: of two helices .011
 #: was measured at d, .045 at .42 d, .35 to .5 at a quarter of d.
 NEAR, LEFT, NEARER = 0.03, 0.025, 2.5
+#: Residual of the pair's flow.
+TOLERANCE = 1e-4
 
 
 def corrected(
@@ -47,7 +49,7 @@ def corrected(
         known = [b for b in bones if b is not None]
         if len(known) < 2:
             continue
-        R_pair, F_pair = resistance_and_propulsion(whole_of(pair, known))
+        R_pair, F_pair = resistance_and_propulsion(whole_of(pair, known, TOLERANCE))
         for a, p in enumerate((i, j)):
             for b, q in enumerate((i, j)):
                 block, thrust = R_pair[6 * a : 6 * a + 6, 6 * b : 6 * b + 6], F_pair[6 * a :, b][:6]
@@ -56,14 +58,16 @@ def corrected(
                     F[p, :, p] += thrust - own_F[p]
                 else:
                     R[p, :, q], F[p, :, q] = block, thrust
-        gap = _gap(pair, [alone[i], alone[j]]) / max(b.distance for b in known)
-        left[j, i] *= LEFT * max(1.0, gap**-NEARER if gap > 0.0 else np.inf)
+        d = max(b.distance for b in known)
+        gap = _gap(pair, [alone[i], alone[j]], d) / d
+        left[j, i] *= LEFT * (gap**-NEARER if gap > 0.0 else np.inf)
     return R, F, left
 
 
-def _gap(pair: Group, alone: Sequence[Alone]) -> float:
-    """Return the smallest distance between points of two surfaces."""
+def _gap(pair: Group, alone: Sequence[Alone], most: float) -> float:
+    """Return the smallest distance between points of two surfaces, `most` if there is none less."""
     (one, other), (A, B) = pair.members, (rotation_of_block(m) for m in pair.members)
     away = np.array(other.position) - np.array(one.position)
     there = (alone[1].around.data @ B.T + away) @ A
-    return float(alone[0].around.query(there)[0].min())
+    found = alone[0].around.query(there, distance_upper_bound=most)[0]
+    return min(most, float(found.min()))

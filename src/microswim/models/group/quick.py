@@ -85,7 +85,7 @@ def resistance_and_propulsion(whole: Array) -> tuple[Array, Array]:
     return 0.5 * (R + R.T), whole[~rigid][:, rigid].T.copy()
 
 
-def whole_of(group: Group, bones: Sequence[Skeleton]) -> Array:
+def whole_of(group: Group, bones: Sequence[Skeleton], tolerance: float = TOLERANCE) -> Array:
     """Return wrenches and powers (7n, 7n) of all rigid motions and tails, swimmers' axes."""
     n = len(bones)
     turns = [rotation_of_block(m) for m in group.members]
@@ -104,7 +104,7 @@ def whole_of(group: Group, bones: Sequence[Skeleton]) -> Array:
         parts = np.split(v, cuts[:-1])
         return v + flow([b.response @ x for b, x in zip(bones, parts, strict=True)])
 
-    v, _, _ = gmres(apply, flow(driven), TOLERANCE, STEPS)
+    v, _, _ = gmres(apply, flow(driven), tolerance, STEPS)
     out, turn = np.zeros((7 * n, 7 * n)), np.eye(7 * n)
     for i, (b, x) in enumerate(zip(bones, np.split(v, cuts[:-1]), strict=True)):
         own = slice(7 * i, 7 * i + 7)

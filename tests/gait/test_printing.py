@@ -5,6 +5,7 @@ import pytest
 
 import microswim as ms
 from microswim.gait.gait import Gait
+from microswim.gait.readable import percent
 
 CASES = ["tabak/helix", "tabak/plane_wave", "goto/C"]
 
@@ -79,3 +80,11 @@ def test_a_circle_in_a_plane_is_printed_without_rounding():
     assert rows["swimming speed"] == ("0", "0 body lengths per time")
     assert rows["path pitch"][0] == rows["body rate |Omega_s|"][0] == "0"
     assert float(rows["path radius"][0]) > 1.0
+
+
+@pytest.mark.parametrize(("share", "said"), [
+    (None, "not known"), (0.0, "0 %"), (0.00123, "0.12 %"), (0.05, "5 %"), (1.63, "160 %"),
+    (93.0, "9300 %"),
+])  # fmt: skip
+def test_a_share_reads_as_per_cent_however_large(share, said):
+    assert percent(share) == said

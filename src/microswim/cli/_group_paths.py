@@ -86,7 +86,7 @@ def _report(scene: str, found: xr.Dataset, level: str, seconds: float) -> dict[s
 
 def _print_paths(report: dict[str, Any]) -> None:
     from microswim.cli._print import print_table
-    from microswim.gait.readable import quantity, significant
+    from microswim.gait.readable import percent, quantity, significant
     from microswim.gait.units import unit
     from microswim.output.report.html import Table
 
@@ -104,7 +104,7 @@ def _print_paths(report: dict[str, Any]) -> None:
     header, *rows = columns if count <= BESIDE else zip(*columns, strict=True)
     error = report["expected_error"]
     share = error["velocity"]
-    known = error["how"] if share is None else f"velocities within {100.0 * share:.2g} %"
+    known = error["how"] if share is None else f"velocities within {percent(share)}"
     near = report["nearest"]
     apart = f"bodies' centres at least {q([near], 'length')} apart; " if near is not None else ""
     more = f"; {count - SHOWN} more in --json and --out" if count > SHOWN else ""

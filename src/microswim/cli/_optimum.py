@@ -104,20 +104,18 @@ def _margins(report: dict[str, Any], said: Said) -> list[str]:
 
 
 def _notes(report: dict[str, Any], said: Said, objective: str) -> list[str]:
-    from microswim.gait.readable import EXPLAINED
+    from microswim.gait.readable import EXPLAINED, percent
 
     lines = []
     if report["inside_calibrated_neighbourhood"] is None:
         error = report["expected_error"]
-        off = "not known" if error is None else f"± {100.0 * error:.2g} %"
+        off = "not known" if error is None else f"± {percent(error)}"
         lines.append(
             f"model {report['model']}, error of u_s {off}: {report['remarks'][0]}; {EXPLAINED}"
         )
         lines += report["remarks"][1:]
     elif report["inside_calibrated_neighbourhood"]:
-        lines.append(
-            f"calibrated here, expected error {100 * (report['expected_error'] or 0):.2g} %"
-        )
+        lines.append(f"calibrated here, expected error {percent(report['expected_error'] or 0.0)}")
     else:
         lines.append("outside the calibrated neighbourhood: expect larger errors")
     for i, r in enumerate(report["verification"], 1):

@@ -90,7 +90,7 @@ def _boundary(swimmer: Any) -> str | None:
 
 def table(who: str, report: dict[str, Any]) -> Table:
     """Return the same as a table."""
-    from microswim.gait.readable import EXPLAINED, quantity, significant
+    from microswim.gait.readable import EXPLAINED, percent, quantity, significant
     from microswim.gait.units import unit
     from microswim.output.report.html import Table
     from microswim.path.repeating import words
@@ -121,7 +121,7 @@ def table(who: str, report: dict[str, Any]) -> Table:
     off = report["expected_error"]
     error, of_speed = off["position"], off["velocity"]["us"]
     model = (
-        f"u_s of model {report['model']} within {100 * of_speed:.2g} %, {EXPLAINED}"
+        f"u_s of model {report['model']} within {percent(of_speed)}, {EXPLAINED}"
         if of_speed
         else ""
     )
@@ -129,7 +129,7 @@ def table(who: str, report: dict[str, Any]) -> Table:
         model = f"how wrong the model may be is {BY_TORQUE}"
         if "rates" in off["velocity"]:
             most = [max(off["velocity"][k] for k in names) for names in (_LINEAR, _ANGULAR)]
-            shares = [f"{100.0 * x:.2g} %" for x in (*most, max(off["velocity"]["rates"]))]
+            shares = [f"{percent(x)}" for x in (*most, max(off["velocity"]["rates"]))]
             model = f"velocity within {shares[0]}, turning {shares[1]}, motors' rates {shares[2]}"
         turns = [q(f, "frequency") for f in report["motor_frequency"]]
         rows.append(("motors turn at, on average", ", ".join(turns)))

@@ -311,9 +311,11 @@ def _print_coefficients(report: dict[str, Any], units: str) -> None:
 
 
 def _print_region(report: dict[str, Any]) -> None:
+    from microswim.gait.readable import percent
+
     click.echo(f"{report['solves']} solves by {report['reference']}, left-out errors:")
     for name, error in report["left_out_error"].items():
-        numbers = ", ".join(f"{k} {100 * error[k]:.2g} %" for k in ("median", "p90", "worst"))
+        numbers = ", ".join(f"{k} {percent(error[k])}" for k in ("median", "p90", "worst"))
         click.echo(f"  {name:14s} {numbers}")
     for words, kind in (
         ("set aside, as all others contradict them", "set_aside"),

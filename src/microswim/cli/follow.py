@@ -140,7 +140,7 @@ def _report(given: Given, follower: PathFollower, found: Led) -> dict[str, Any]:
 
 
 def _table(who: str, report: dict[str, Any]) -> Table:
-    from microswim.gait.readable import quantity
+    from microswim.gait.readable import percent, quantity
     from microswim.gait.units import unit
     from microswim.output.report.html import Table
 
@@ -160,7 +160,7 @@ def _table(who: str, report: dict[str, Any]) -> Table:
         rows.append(("largest current", q("largest_current", "current")))
     off = report["expected_error"]["velocity"]["us"]
     note = f"by {report['model']}"
-    note += f", u_s within {100 * off:.2g} %: the time may be as wrong" if off else ""
+    note += f", u_s within {percent(off)}: the time may be as wrong" if off else ""
     return Table(f"{who}: led along a path of its own", ("", ""), rows, note)
 
 

@@ -100,7 +100,7 @@ def _value(name: str, text: str | None, units: str, said: str) -> Any:
 
 
 def _print(found: Mobility, name: str) -> None:
-    from microswim.gait.readable import EXPLAINED
+    from microswim.gait.readable import EXPLAINED, percent
 
     si = found.units == "SI"
     unit = {"length": " m", "viscosity": " Pa s"} if si else {"length": "", "viscosity": ""}
@@ -115,7 +115,7 @@ def _print(found: Mobility, name: str) -> None:
     power = ("^2", "^3") if si else ("", "")
     click.echo(f"  surface {found.surface_area:.6g}{unit['length']}{power[0] if si else ''}, "
                f"volume {found.volume:.6g}{unit['length']}{power[1] if si else ''}")  # fmt: skip
-    click.echo(f"  expected error {100 * found.expected_error:.2g} % of sqrt(R_ii R_jj): "
+    click.echo(f"  expected error {percent(found.expected_error)} of sqrt(R_ii R_jj): "
                f"{found.how}; {EXPLAINED}")  # fmt: skip
     for remark in found.remarks:
         click.echo(f"  note: {remark}")

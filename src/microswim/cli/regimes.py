@@ -241,10 +241,15 @@ def _note(one: Regimes) -> str:
         return quantity(value, unit(one.units, "frequency"))
 
     off, speed = one.expected_error, unit(one.units, "speed")
-    said = [f"step-out {with_error(one.step_out, off['step_out'], unit(one.units, 'frequency'))}"]
     if not one.step_out:
         return f"no step-out: the field never holds it (errors: {off['how']})"
-    said[0] += f", there {with_error(one.velocity_at_step_out, off['velocity'], speed)}"
+    if np.isnan(one.step_out):
+        said = ["step-out outside of the frequencies asked for"]
+    else:
+        at = with_error(one.step_out, off["step_out"], unit(one.units, "frequency"))
+        said = [
+            f"step-out {at}, there {with_error(one.velocity_at_step_out, off['velocity'], speed)}"
+        ]
     said[0] += f" (errors: {off['how']}; {EXPLAINED})"
     if not np.isnan(one.wobbling_onset):
         said.append(f"wobbling from {f(one.wobbling_onset)}")

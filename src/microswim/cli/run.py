@@ -128,21 +128,25 @@ def _point_to_paths(swimmer: Swimmer, model: str) -> None:
     there = [name for name in acting if name in swimmer.parts]
     if there:
         tables = ", ".join(f"[{name}]" for name in there)
-        click.echo(f"  note: without {tables}, which act along a path: microswim path follows it")
+        acts = "acts" if len(there) == 1 else "act"
+        click.echo(
+            f"  note: without {tables}, which {acts} along a path: microswim path follows it"
+        )
 
 
 def _say_difference(error: dict[str, Any]) -> None:
     """Say how far the next coarser level lies, in u_s and in the velocity that differs most."""
     from microswim.gait.gait import DEGREES_OF_FREEDOM
+    from microswim.gait.readable import percent
 
     forward, against = error["relative_forward"], error["against"]
     if forward != forward:  # nothing moves by itself
-        click.echo(f"  R differs by {100 * error['resistance']:.2g} % from level {against}")
+        click.echo(f"  R differs by {percent(error['resistance'])} from level {against}")
         return
     each = [float(x) for x in error["velocities"]]
     worst = DEGREES_OF_FREEDOM[each.index(max(each))]
-    most = f"at most {100 * max(each):.2g} % in all six velocities ({worst})"
-    click.echo(f"  u_s differs by {100 * forward:.2g} % from level {against}, {most}")
+    most = f"at most {percent(max(each))} in all six velocities ({worst})"
+    click.echo(f"  u_s differs by {percent(forward)} from level {against}, {most}")
 
 
 def _record(swimmer: Swimmer) -> dict[str, Any] | None:

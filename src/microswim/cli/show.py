@@ -40,7 +40,8 @@ def command(given: Given, as_json: bool, stl: Path | None, force: bool) -> None:
     """
     if stl is not None:
         _write(given, stl, force)
-    from microswim.output.report.html import derived, percent, spec_table
+    from microswim.gait.readable import percent
+    from microswim.output.report.html import derived, spec_table
 
     gait = given.swimmer.gait("auto")
     found = {"model": gait.model, "expected_error": gait.info["expected_error"]}

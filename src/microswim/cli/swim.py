@@ -182,7 +182,7 @@ def _write_csv(path: Path, data: Any) -> None:
 
 def _print(report: dict[str, Any]) -> None:
     from microswim.cli import _print
-    from microswim.gait.readable import significant
+    from microswim.gait.readable import percent, significant
     from microswim.output.report.html import Table
 
     mean, swing = report["mean_velocity"], report["velocity_amplitude"]
@@ -195,7 +195,7 @@ def _print(report: dict[str, Any]) -> None:
         ("force on the tail along s", significant(tail[0]), ""),
         ("torque on the tail about s", significant(tail[3]), ""),
     ]
-    settled = "first period" if settling is None else f"changed by {100 * settling:.2g} % since"
+    settled = "first period" if settling is None else f"changed by {percent(settling)} since"
     note = (
         f"last of {report['periods']:g} periods ({settled}); Reynolds number "
         f"{significant(report['reynolds'], 3)} (frequency x body diameter squared); "

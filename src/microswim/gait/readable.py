@@ -151,6 +151,11 @@ def significant(value: float, digits: int = 4) -> str:
     return f"{value:.{digits - 1}e}"
 
 
+def percent(share: float | None) -> str:
+    """Return a share in per cent with two digits, or that it is not known."""
+    return "not known" if share is None else f"{float(f'{100.0 * share:.2g}'):g} %"
+
+
 def label(name: str, unit: str) -> str:
     """Return Axis label: ``u (µm/s)``; words of dimensionless swimmers are left out."""
     return name if is_dimensionless(unit) else f"{name} ({unit})"
@@ -162,5 +167,5 @@ def origin(gait: Gait) -> tuple[str, ...]:
     said = [*info.get("calibration", ()), *info.get("remarks", ())]
     error = info.get("expected_error")
     if isinstance(error, dict) and error.get("us") is not None:
-        said.append(f"expected error of u_s {100.0 * error['us']:.2g} %: {error['how']}")
+        said.append(f"expected error of u_s {percent(error['us'])}: {error['how']}")
     return tuple(said)

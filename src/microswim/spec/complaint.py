@@ -35,7 +35,7 @@ SYNONYMS = {
 def sentence(error: ValidationError, tables: dict[str, Any], within: str = "") -> SpecError:
     """Return the first complaint as one sentence; `within` is the table that was checked."""
     first = _apt(error.errors())
-    tags = {word for kinds in KINDS.values() for word in kinds}
+    tags = KINDS.get(str(first["loc"][0]), ()) if first["loc"] else ()
     branch = re.compile(r".*\[.*\]")  # of a field that is a number or a list of them
     where = [
         p

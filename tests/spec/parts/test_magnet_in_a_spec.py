@@ -107,6 +107,14 @@ def test_one_sentence_says_what_is_wrong(changes, words):
     assert "function" not in str(caught.value)
 
 
+def test_an_entry_of_the_moment_of_a_filament_is_named():
+    """A kind of field is called magnet too."""
+    tail = {"kind": "elastic", "length": "1 mm", "radius": "10 um", "bending": "3e-15 N m^2",
+            "drive": "none", "magnet": ["1e-6 A m", "0 A m^2", "0 A m^2"]}  # fmt: skip
+    with pytest.raises(ms.SpecError, match=r"tail\.magnet\[0\] = '1e-6 A m'"):
+        from_dict({**ROBOT, "tail": tail})
+
+
 def test_a_swimmer_without_units_has_a_moment():
     bare = ms.Swimmer.preset("tabak/helix", {"magnet": {"moment": [0, 1, 0]}})
     assert bare.magnet.vector.tolist() == [0.0, 1.0, 0.0]

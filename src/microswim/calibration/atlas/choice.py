@@ -14,6 +14,7 @@ from microswim.calibration.atlas.expected import LEVELS, expected_error
 from microswim.calibration.atlas.gait import gait
 from microswim.gait import doors
 from microswim.gait.gait import Gait
+from microswim.gait.readable import percent
 from microswim.swimmer.swimmer import Swimmer
 
 #: Mean velocities that an asked accuracy is about.
@@ -62,7 +63,7 @@ def auto(swimmer: Swimmer, accuracy: float | None = None, **options: Any) -> Gai
     asked: dict[str, Any] = {"level": levels[0], **options}
     found = swimmer.gait("bem", **asked)
     was = made.info["expected_error"]["us"]
-    off = "by an unknown error" if was is None else f"by up to {100.0 * was:.2g} %"
+    off = "by an unknown error" if was is None else f"by up to {percent(was)}"
     return _with_error(swimmer, found, f"{made.model} is off {off} in u_s here")
 
 

@@ -9,7 +9,7 @@ from microswim import checks
 from microswim.calibration.calibration import Calibration
 from microswim.errors import renamed
 from microswim.gait.portrait import Rows
-from microswim.gait.readable import significant
+from microswim.gait.readable import percent, significant
 
 if TYPE_CHECKING:
     from microswim.calibration.region.correction import Correction
@@ -41,7 +41,7 @@ class RegionCalibration(Calibration):
         low, high = self.region.low, self.region.high
         inside = [(n, f"{significant(low[n])} to {significant(high[n])}") for n in low]
         left_out = [
-            (n, f"off by {100 * e['median']:.2g} % median, {100 * e['worst']:.2g} % worst")
+            (n, f"off by {percent(e['median'])} median, {percent(e['worst'])} worst")
             for n, e in self.errors.items()
         ]
         return [("by", f"{self.solves} solves of {self.reference}"), *inside, *left_out]

@@ -17,7 +17,7 @@ from typing import TYPE_CHECKING, Any
 from microswim import checks
 from microswim.gait.gait import DEGREES_OF_FREEDOM
 from microswim.gait.quantities import QUANTITIES
-from microswim.gait.readable import EXPLAINED, quantity, significant, with_error
+from microswim.gait.readable import EXPLAINED, percent, quantity, significant, with_error
 from microswim.gait.screw import way_of
 from microswim.gait.turning.driven import DRIVEN
 from microswim.gait.units import unit
@@ -129,11 +129,6 @@ def numbers_table(numbers: dict[str, Any], name: str) -> Table:
     note = f"{'SI units' if si else 'in the units of the spec'}; body frame"
     note += f"; {EXPLAINED}" if off else ""
     return Table(f"{name}, model {numbers['model']}", ("", "value", ""), rows, note)
-
-
-def percent(error: float | None) -> str:
-    """Return a relative error in per cent, or that it is not known."""
-    return "not known" if error is None else f"{significant(100.0 * error, 2)} %"
 
 
 def _time(si: bool) -> str:

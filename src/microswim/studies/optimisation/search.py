@@ -23,7 +23,7 @@ from microswim.errors import MicroswimError, SpecError
 from microswim.gait.gait import Gait
 from microswim.gait.portrait import Printed, Rows
 from microswim.gait.quantities import OLD, Named
-from microswim.gait.readable import significant
+from microswim.gait.readable import percent, significant
 from microswim.numerics.array import read_only
 from microswim.numerics.plain import plain
 from microswim.spec.describe import describe
@@ -105,7 +105,7 @@ class Optimum(Printed):
     remarks: tuple[str, ...] = ()
 
     def _portrait(self) -> tuple[str, Rows]:
-        off = "not known" if self.expected_error is None else f"{100 * self.expected_error:.2g} %"
+        off = percent(self.expected_error)
         found = [
             (n, significant(v) if isinstance(v, float) else str(v)) for n, v in self.values.items()
         ]
@@ -293,10 +293,10 @@ def _remarks(problem: Problem, swimmer: Swimmer, model: str, error: Any, how: st
     """Say how the error is known, where it is large, and what the atlas left out."""
     out = [how]
     if error is None or error > LARGE:
-        off = "is not known" if error is None else f"is large, {100.0 * error:.2g} %"
+        off = "is not known" if error is None else f"is large, {percent(error)}"
         out.append(f"the error at the optimum {off}: reference bem judges it")
     if model == "atlas" and problem.covered < 1.0:
-        share = f"{100.0 * problem.covered:.2g} %"
+        share = percent(problem.covered)
         out.append(f"searched where the atlas holds, {share} of the ranges; model rft knows all")
     edges = coordinates.edges(swimmer) if model == "atlas" else []
     if edges:

@@ -131,6 +131,16 @@ def test_a_beat_and_tracks_dropped_ask_for_what_they_do_not_say(page, tmp_path):
     assert page.evaluate("() => studio.store.design.answer.shape.kind") == "waveform"
 
 
+def test_a_number_with_an_exponent_is_seen_whole(page):
+    """2.99e-15 that reads 2.99e-1 is another number."""
+    put(page, "soft/heaving")
+    page.focus("input[type=range][data-field='tail.bending']")
+    page.keyboard.press("ArrowLeft")
+    page.wait_for_function("() => studio.store.design.answer.tables.tail.bending.length > 12")
+    cut = "(all) => all.filter((e) => e.scrollWidth > e.clientWidth).map((e) => e.value)"
+    assert page.eval_on_selector_all(".row .number", cut) == []
+
+
 def test_a_link_opens_the_same_designs(page, browser, server):
     put(page, "soft/heaving")
     page.click("#compare")

@@ -140,6 +140,7 @@ export class Controls {
       track.value = String(Math.round(f * STEPS));
       track.style.setProperty("--at", `${100 * f}%`);
       if (document.activeElement !== box) box.value = typed(q.n);
+      box.style.minWidth = `${box.value.length + 2}ch`; // an exponent that is cut off is another number
       unit.textContent = pretty(q.unit);
     };
     const move = (commit: boolean): void => {

@@ -16,16 +16,12 @@ INSTALL := $(BIN)/python -m pip install --quiet --disable-pip-version-check --no
 # pip compiles on one core, and the tests of every package too; this is quicker.
 COMPILE := $(BIN)/python -m compileall -q -j 0 -x '/tests?/' $(VENV)/lib >/dev/null || true
 
-.PHONY: demo test suite lint slow bench docs site studio atlas clean
+.PHONY: demo test lint slow bench docs site studio atlas clean
 
 demo: $(VENV)/.core
 	@$(BIN)/microswim demo
 
-# Types take one core, the tests the rest: side by side.
-test: $(VENV)/.test
-	@$(MAKE) --no-print-directory --jobs=2 lint suite
-
-suite: $(VENV)/.test
+test: lint
 	@$(BIN)/pytest $(PYTEST_ARGS)
 
 lint: $(VENV)/.test

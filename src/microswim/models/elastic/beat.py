@@ -17,7 +17,7 @@ from typing import Any
 import numpy as np
 
 from microswim.errors import MicroswimError
-from microswim.models.elastic.growing import grown
+from microswim.models.elastic.growing import grown, newton
 from microswim.models.elastic.plane import Balance, Base, Loads, balance
 from microswim.models.elastic.problem import Problem
 from microswim.models.elastic.rod import Rod
@@ -28,7 +28,6 @@ FIRST, MOST = (8, 12), 2500
 #: Largest share that the last harmonics, and curvatures in the tail's place, may have.
 TOLERANCE = 1e-5
 CLOSE, NEAR = 1e-6, 1e-2  #: last step of Newton's method, whose square is left over; on the way
-ROUNDING = 1e-10
 
 
 @dataclass(frozen=True, eq=False)
@@ -77,10 +76,11 @@ class Beat:
         """Velocities, and coordinates about those at rest, (T, f + n)."""
         return np.concatenate([self.velocity, self.shape - self.rod.rest], axis=-1)
 
-    def moved(self, dz: np.ndarray) -> Beat:
-        """Return it with another motion: as it is and so much more."""
+    def moved(self, dz: np.ndarray, steps: int = 0) -> Beat:
+        """Return it with another motion after so many steps: as it is and so much more."""
         f = self.velocity.shape[1]
-        return replace(self, velocity=self.velocity + dz[:, :f], shape=self.shape + dz[:, f:])
+        velocity, shape = self.velocity + dz[:, :f], self.shape + dz[:, f:]
+        return replace(self, velocity=velocity, shape=shape, steps=steps)
 
     @property
     def is_resolved(self) -> tuple[bool, bool]:
@@ -179,7 +179,7 @@ def settled(problem: Problem) -> Beat:
     n = max(n, 0 if problem.rest is None else problem.rest.modes() + 2)
     beat = None
     while T * n <= MOST:
-        beat = (beat and _newton(_finer(beat, T, n))) or found(problem, T, n)
+        beat = (beat and newton(_finer(beat, T, n), _correction, CLOSE)) or found(problem, T, n)
         in_time, along = beat.is_resolved
         if in_time and along:
             return beat
@@ -226,29 +226,16 @@ def found(problem: Problem, T: int, n: int) -> Beat:
     def at(share: float) -> Beat:
         return Beat(problem.share(share), shapes, *still, 0)
 
-    beat, done = grown(at, lambda x, whole: _newton(x, CLOSE if whole else NEAR), _correction, 0.01)
+    def solved(near: Beat, whole: bool) -> Beat | None:
+        return newton(near, _correction, CLOSE if whole else NEAR)
+
+    beat, done = grown(at, solved, _correction, 0.01)
     if done < 1.0:
         raise MicroswimError(
             f"no periodic beat of the elastic tail was found beyond {done:.0%} of its "
             "drive: drive it less or stiffen it"
         )
     return beat
-
-
-def _newton(beat: Beat, close: float = CLOSE) -> Beat | None:
-    """Return the beat with no work left over, or None where Newton's method does not get there."""
-    last, lags = 2.0 * np.abs(beat.motion).max() or np.inf, True
-    for step in range(1, 16):
-        dz = _correction(beat)
-        size, beat = np.abs(dz).max(), replace(beat.moved(dz), steps=step)
-        if size <= close * np.abs(beat.motion).max() + ROUNDING:
-            if not (lags and np.iscomplexobj(dz)):
-                return beat
-            lags = False  # an imaginary part is a step behind
-        elif not size < last:
-            return None
-        last = size
-    return None
 
 
 def _correction(beat: Beat) -> np.ndarray:

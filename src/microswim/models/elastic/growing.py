@@ -11,6 +11,7 @@ from typing import Protocol, Self, TypeVar
 
 import numpy as np
 
+STEPS, ROUNDING = 15, 1e-10  #: of Newton's method, at most, and what is left of numbers near one
 LITTLE = 1e-3  #: share of drive and loads to which a tail answers in proportion
 
 
@@ -22,12 +23,38 @@ class Motion(Protocol):
         """Its numbers about rest."""
         ...
 
-    def moved(self, dz: np.ndarray) -> Self:
-        """Return it with another motion."""
+    def moved(self, dz: np.ndarray, steps: int = 0) -> Self:
+        """Return it with another motion, which took so many steps to find."""
         ...
 
 
 M = TypeVar("M", bound=Motion)
+
+
+def newton(near: M, correction: Callable[[M], np.ndarray], close: float) -> M | None:
+    """Return the motion with no work left over, or None where Newton's method does not get there.
+
+    Parameters
+    ----------
+    near
+        Where it begins.
+    correction
+        Its step from a motion.
+    close
+        Share of the motion that the last step may have, whose square is left over.
+    """
+    last, lags = 2.0 * np.abs(near.motion).max() or np.inf, True
+    for step in range(1, STEPS + 1):
+        dz = correction(near)
+        size, near = np.abs(dz).max(), near.moved(dz, step)
+        if size <= close * np.abs(near.motion).max() + ROUNDING:
+            if not (lags and np.iscomplexobj(dz)):
+                return near
+            lags = False  # an imaginary part is a step behind
+        elif not size < last:
+            return None
+        last = size
+    return None
 
 
 def grown(

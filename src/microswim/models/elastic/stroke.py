@@ -14,7 +14,7 @@ import numpy as np
 from microswim.errors import MicroswimError
 from microswim.gait import doors
 from microswim.models.elastic.beat import harmonics_wanted, periodic_derivative
-from microswim.models.elastic.growing import grown
+from microswim.models.elastic.growing import grown, newton
 from microswim.models.elastic.growth import slowest
 from microswim.models.elastic.problem import elastic_tail
 from microswim.models.elastic.space import (
@@ -36,7 +36,6 @@ FIRST, MOST = (11, 12), 1300  #: phases and polynomials a strain; their product,
 TOLERANCE = 1e-3  #: largest share that the last harmonics, and strains in the place, may have
 SETTLING = 4  #: periods from rest on before a beat is sought in time
 CLOSE, NEAR = 1e-4, 1e-2  #: last step of Newton's method, whose square is left over; on the way
-ROUNDING = 1e-10
 
 
 @dataclass(frozen=True, eq=False)
@@ -126,10 +125,11 @@ class Stroke:
         """Velocities, and strains about those at rest, (T, f + 3 n)."""
         return np.concatenate([self.velocity, self.shape - self.rest], axis=-1)
 
-    def moved(self, dz: np.ndarray) -> Stroke:
-        """Return it with another motion: as it is and so much more."""
+    def moved(self, dz: np.ndarray, steps: int = 0) -> Stroke:
+        """Return it with another motion after so many steps: as it is and so much more."""
         f = self.velocity.shape[1]
-        return replace(self, velocity=self.velocity + dz[:, :f], shape=self.shape + dz[:, f:])
+        velocity, shape = self.velocity + dz[:, :f], self.shape + dz[:, f:]
+        return replace(self, velocity=velocity, shape=shape, steps=steps)
 
 
 def by_strains(now: Moment, w: np.ndarray) -> np.ndarray:
@@ -171,7 +171,7 @@ def stroke(swimmer: Swimmer) -> Stroke:
     beat: Stroke | None = None
     while T * n <= MOST:
         start = _at_rest(swimmer, T, n)
-        near = beat and newton(_finer(beat, start))
+        near = beat and _solved(_finer(beat, start))
         beat = near or _found(start) or _found_in_time(swimmer, start)
         in_phase, along = beat.is_resolved
         if in_phase and along:
@@ -212,7 +212,7 @@ def _found(start: Stroke) -> Stroke | None:
         return replace(start, of=of)
 
     first, least = (None, 0.2) if walled else (_correction, 0.02)
-    beat, done = grown(at, lambda x, whole: newton(x, CLOSE if whole else NEAR), first, least)
+    beat, done = grown(at, _solved, first, least)
     return beat if done == 1.0 else None
 
 
@@ -228,7 +228,7 @@ def _found_in_time(swimmer: Swimmer, start: Stroke) -> Stroke:
     first, n = start.of.rod.hooks, min(shapes[0].strains.shape[1], near.shape[2])
     near[..., :first] = np.array([x.hook[:, None] for x in shapes])[..., :first]
     near[..., first : first + n] = np.array([x.strains[:, :n] for x in shapes])
-    found = newton(replace(start, shape=near.reshape(T, -1)))
+    found = _solved(replace(start, shape=near.reshape(T, -1)))
     if found is None:
         raise MicroswimError(
             "no periodic beat of the elastic tail was found: drive it less, stiffen it, or follow "
@@ -237,20 +237,8 @@ def _found_in_time(swimmer: Swimmer, start: Stroke) -> Stroke:
     return found
 
 
-def newton(beat: Stroke, close: float = CLOSE) -> Stroke | None:
-    """Return the beat with no work left over, or None where Newton's method does not get there."""
-    last, lags = 2.0 * np.abs(beat.motion).max() or np.inf, True
-    for step in range(1, 16):
-        dz = _correction(beat)
-        size, beat = np.abs(dz).max(), replace(beat.moved(dz), steps=step)
-        if size <= close * np.abs(beat.motion).max() + ROUNDING:
-            if not (lags and np.iscomplexobj(dz)):
-                return beat
-            lags = False  # an imaginary part is a step behind
-        elif not size < last:
-            return None
-        last = size
-    return None
+def _solved(near: Stroke, whole: bool = True) -> Stroke | None:
+    return newton(near, _correction, CLOSE if whole else NEAR)
 
 
 def _correction(beat: Stroke) -> np.ndarray:

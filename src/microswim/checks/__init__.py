@@ -17,6 +17,7 @@ from microswim.errors import SpecError
 #: No number that is given is larger, and no size that must be positive smaller: with what is
 #: computed from them, up to the sixth power, they stay far from the edges of the floating point.
 LARGEST, SMALLEST = 1e30, 1e-30
+EMPTY = 1000  #: frames of a film for each that is there, at which a time is wrong
 
 
 def number(
@@ -246,3 +247,13 @@ def above_zero(what: str) -> Callable[[str, Any], None]:
 def share(field: str, value: Any) -> None:
     """Refuse what is not a number from 0 to 1."""
     number(field, value, "a share from 0 to 1", least=0.0, most=1.0)
+
+
+def nearly_empty(time: Any) -> float:
+    """Return over how many frames increasing times of a film lie, where nearly all of these are
+    empty, as by a wrong number; else zero.
+    """
+    import numpy as np
+
+    frames = float((time[-1] - time[0]) / np.median(np.diff(time)))
+    return 0.0 if frames < EMPTY * len(time) else frames

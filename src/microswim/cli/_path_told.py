@@ -129,7 +129,7 @@ def table(who: str, report: dict[str, Any]) -> Table:
         model = f"how wrong the model may be is {BY_TORQUE}"
         if "rates" in off["velocity"]:
             most = [max(off["velocity"][k] for k in names) for names in (_LINEAR, _ANGULAR)]
-            shares = [f"{percent(x)}" for x in (*most, max(off["velocity"]["rates"]))]
+            shares = [percent(x) for x in (*most, max(off["velocity"]["rates"]))]
             model = f"velocity within {shares[0]}, turning {shares[1]}, motors' rates {shares[2]}"
         turns = [q(f, "frequency") for f in report["motor_frequency"]]
         rows.append(("motors turn at, on average", ", ".join(turns)))

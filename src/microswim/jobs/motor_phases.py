@@ -24,7 +24,7 @@ from microswim.jobs import store
 from microswim.jobs.processes import answers, counted
 from microswim.jobs.worker import Lost
 from microswim.models.bem.levels import Level, coarser, get_level
-from microswim.models.bem.own_phases import at_own_phases
+from microswim.models.bem.own_phases import at_own_phases, with_phases
 from microswim.numerics import archive
 from microswim.numerics.array import Array
 from microswim.numerics.files import cache_folder, write
@@ -78,9 +78,8 @@ def packed(R: Array, F: Array, G: Array) -> Array:
 
 def unpacked(row: Array, n: int) -> tuple[Array, Array, Array]:
     """Return R (6, 6), F (6, n) and G (n, n) of a row."""
-    return _symmetric(row[:21], 6), row[21 : 21 + 6 * n].reshape(6, n), _symmetric(
-        row[21 + 6 * n :], n
-    )  # fmt: skip
+    R, F, G = np.split(row, [21, 21 + 6 * n])
+    return _symmetric(R, 6), F.reshape(6, n), _symmetric(G, n)
 
 
 def _symmetric(upper: Array, n: int) -> Array:
@@ -210,7 +209,7 @@ def _place(swimmer: Swimmer) -> Path | None:
     folder = cache_folder("motors")
     if folder is None:
         return None
-    bare = [replace(t, phase=0.0, frequency=1.0) for t in swimmer.tail.each]  # type: ignore[call-arg]
+    bare = [*with_phases(swimmer, np.zeros(len(swimmer.tail.each))).tail.each]
     seen = [swimmer.body, bare, swimmer.fluid, store.version("bem"), __version__]
     with np.printoptions(threshold=sys.maxsize, floatmode="unique"):
         text = repr(seen)

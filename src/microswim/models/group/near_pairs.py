@@ -40,9 +40,7 @@ def corrected(
     returned
         Bounds (n, n) of what comes back, which point forces leave out.
     """
-    R, F, left = R.copy(), F.copy(), returned.copy()
-    own_R = [R[i, :, i].copy() for i in range(len(alone))]
-    own_F = [F[i, :, i].copy() for i in range(len(alone))]
+    whole, pushed, left = R.copy(), F.copy(), returned.copy()
     for j, i in zip(*np.nonzero(np.triu(returned > NEAR)), strict=True):
         pair = Group((group.members[i], group.members[j]))
         bones = [alone[k].light for k in (i, j)]
@@ -54,14 +52,14 @@ def corrected(
             for b, q in enumerate((i, j)):
                 block, thrust = R_pair[6 * a : 6 * a + 6, 6 * b : 6 * b + 6], F_pair[6 * a :, b][:6]
                 if p == q:
-                    R[p, :, p] += block - own_R[p]
-                    F[p, :, p] += thrust - own_F[p]
+                    whole[p, :, p] += block - R[p, :, p]
+                    pushed[p, :, p] += thrust - F[p, :, p]
                 else:
-                    R[p, :, q], F[p, :, q] = block, thrust
+                    whole[p, :, q], pushed[p, :, q] = block, thrust
         d = max(b.distance for b in known)
         gap = _gap(pair, [alone[i], alone[j]], d) / d
         left[j, i] *= LEFT * (gap**-NEARER if gap > 0.0 else np.inf)
-    return R, F, left
+    return whole, pushed, left
 
 
 def _gap(pair: Group, alone: Sequence[Alone], most: float) -> float:

@@ -5,6 +5,7 @@ import json
 import numpy as np
 import pytest
 from click.testing import CliRunner
+from test_waveform import written as film
 
 import microswim as ms
 from microswim.cli import main
@@ -33,15 +34,7 @@ def written(folder, noise=0.05):
     frame, s = np.meshgrid(np.arange(24), np.linspace(0, LENGTH, 25), indexing="ij")
     x = place(s, 2 * np.pi * frame / 24.0) + noise * rng.normal(size=(*s.shape, 3))
     table = np.column_stack([frame.ravel(), s.ravel(), x.reshape(-1, 3)])
-    header = "frame,s (um),x (um),y (um),z (um)"
-    np.savetxt(folder / "beat.csv", table, delimiter=",", header=header, comments="")
-    spec = folder / "bull.toml"
-    spec.write_text(
-        '[fluid]\nviscosity = "0.7 mPa s"\n[body]\nshape = "sphere"\nradius = "3 um"\n'
-        '[tail]\nkind = "waveform"\nfile = "beat.csv"\nradius = "0.2 um"\nfps = "744 Hz"\n'
-        '[coefficients]\nlaw = "cox"\n'
-    )
-    return spec
+    return film(folder, table, "frame,s (um),x (um),y (um),z (um)")
 
 
 def smooth():

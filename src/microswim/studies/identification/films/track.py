@@ -16,7 +16,6 @@ from microswim.numerics.array import kept, read_only
 from microswim.studies.identification.spectrum import power
 
 FEWEST = 12
-EMPTY = 1000  #: frames for each position, at which something is wrong
 
 
 @checks.by_name
@@ -132,7 +131,5 @@ class Track:
 
 def scattered(time: np.ndarray) -> str:
     """Return why times are too far apart for a film, as by a wrong number; or nothing."""
-    frames = float((time[-1] - time[0]) / np.median(np.diff(time)))
-    if frames < EMPTY * time.size:
-        return ""
-    return f"{time.size} positions in {frames:.3g} frames' time: is a time wrong?"
+    span = checks.nearly_empty(time)
+    return f"{time.size} positions in {span:.3g} frames' time: is a time wrong?" if span else ""

@@ -10,6 +10,7 @@ from __future__ import annotations
 import numpy as np
 from numpy.polynomial import legendre
 
+from microswim import checks
 from microswim.errors import SpecError
 from microswim.swimmer.geometry.tails.waveforms.waveform import Beat, Waveform
 from microswim.swimmer.geometry.tails.waveforms.waveform_tail import harmonics, tangent_angle
@@ -21,7 +22,7 @@ RIDGE = 1e-6  #: on the modes, relative to the largest entry of the normal equat
 CHUNK = 4000
 FEWEST_FRAMES = 8
 LEAST_BEATS = 0.75
-EMPTY, FAR = 1000, 3.0  #: frames for each that is there, and lengths from the base: beyond is wrong
+FAR = 3.0  #: lengths from the base, beyond which a point is wrong
 
 
 def fit(
@@ -95,11 +96,10 @@ def fit(
 
 def _check_sizes(beat: Beat, L: float) -> None:
     """Refuse numbers that are wrong by far, one of which would rule all others."""
-    frames = beat.frames
-    span = float((frames[-1] - frames[0]) / np.median(np.diff(frames)))
-    if span > EMPTY * frames.size:
+    span = checks.nearly_empty(beat.frames)
+    if span:
         raise SpecError(
-            f"tail.file: {frames.size} frames in {span:.3g} frames' time; is a time wrong?"
+            f"tail.file: {beat.frames.size} frames in {span:.3g} frames' time; is a time wrong?"
         )
     far = 0.0 if beat.position is None else float(np.abs(beat.position).max()) / L
     if far > FAR:

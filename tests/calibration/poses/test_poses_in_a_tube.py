@@ -14,7 +14,7 @@ import microswim as ms
 from microswim.calibration.poses import scattered, tube
 from microswim.calibration.poses.layout import shape_of
 from microswim.calibration.poses.scattered import Scatter
-from microswim.calibration.poses.solved import Solves
+from microswim.calibration.poses.solved import Solves, level_of
 from microswim.errors import SpecError
 from microswim.gait.poses import in_tube, tube_contact
 from microswim.gait.poses.table import TUBE, WORK, PoseTable, carry, resist
@@ -25,6 +25,7 @@ from microswim.models.bem.solution import middle_of
 from microswim.models.bem.system import wrench_rows
 from microswim.numerics.compiling.compiled import settled
 from microswim.numerics.rigid_motion import multiply, rotation_matrix
+from oracles.ball_in_a_tube import drag
 
 ROBOT = ms.Swimmer.preset("tabak/helix")
 CELL = ms.Swimmer.preset("goto/A")
@@ -278,6 +279,17 @@ def test_poses_in_a_tube_that_were_not_used_are_met(tmp_path: Path) -> None:
     assert D + flow == pytest.approx(held, abs=0.02)
     path = ms.path(short, time=5.0, poses=poses)
     assert path.gap.values.min() > 0
+
+
+@pytest.mark.parametrize("ratio", [0.4, 0.6, 0.8])
+def test_patches_of_poses_hold_the_fluid_that_a_ball_pushes_ahead(ratio: float) -> None:
+    """Longer ones on the tube's side let 3 % of the drag through at .6."""
+    tube = ms.Channel(diameter=2 / ratio, length=8.0)
+    ball = ms.Swimmer(
+        body=ms.Sphere(radius=1.0), tail=ms.NoTail(), fluid=ms.Fluid(viscosity=1.0), channel=tube
+    )
+    R = bem.solve(ball, level=level_of(ball, None)).resistance
+    assert R[0, 0] / (6 * np.pi) == pytest.approx(drag(ratio), rel=0.01)
 
 
 def test_a_sphere_in_poiseuilles_flow_obeys_faxen_and_reciprocity() -> None:

@@ -10,13 +10,10 @@ import pytest
 import microswim as ms
 from microswim.errors import SpecError
 from microswim.models import bem
+from oracles.ball_in_a_tube import drag
 
 BALL = ms.Swimmer(body=ms.Sphere(radius=1.0), tail=ms.NoTail(), fluid=ms.Fluid(viscosity=1.0))
 ROBOT = ms.Swimmer.preset("tabak/helix")
-
-#: Drag on the axis over 6 pi mu a at the ratio of radii (Haberman's and Bohlin's problem; Happel &
-#: Brenner, Low Reynolds number hydrodynamics, table 7-3.1, has it to three digits).
-ON_AXIS = {0.1: 1.263, 0.2: 1.680, 0.4: 3.592, 0.5: 5.947}
 
 
 def ball_in(ratio: float, **where: object) -> ms.Swimmer:
@@ -24,10 +21,10 @@ def ball_in(ratio: float, **where: object) -> ms.Swimmer:
     return replace(BALL, channel=tube)
 
 
-@pytest.mark.parametrize("ratio", sorted(ON_AXIS))
-def test_drag_on_the_axis_is_that_of_the_series(ratio: float) -> None:
+@pytest.mark.parametrize(("ratio", "off"), [(0.1, 1e-4), (0.4, 1e-4), (0.6, 1e-3), (0.8, 3e-3)])
+def test_drag_on_the_axis_is_that_of_the_series(ratio: float, off: float) -> None:
     R = bem.solve(ball_in(ratio)).resistance
-    assert R[0, 0] / (6 * np.pi) == pytest.approx(ON_AXIS[ratio], rel=1e-3)
+    assert R[0, 0] / (6 * np.pi) == pytest.approx(drag(ratio), rel=off)
     assert R[1, 1] == pytest.approx(R[2, 2], rel=1e-3)
     assert np.abs(R[:3, 3:]).max() < 1e-3 * R[0, 0]
 

@@ -29,6 +29,18 @@ def test_drag_on_the_axis_is_that_of_the_series(ratio: float, off: float) -> Non
     assert np.abs(R[:3, 3:]).max() < 1e-3 * R[0, 0]
 
 
+def test_of_a_long_tube_only_what_is_around_the_swimmer_is_solved() -> None:
+    """Fluid far off in a closed tube does not move."""
+    near, far = (
+        bem.solve(replace(BALL, channel=ms.Channel(diameter=4.0, length=length)))
+        for length in (12.0, 300.0)
+    )
+    assert far.unknowns <= near.unknowns
+    assert far.resistance[0, 0] == pytest.approx(near.resistance[0, 0], rel=1e-4)
+    beyond = np.array([[30.0, 0.5, 0.5]])
+    assert np.abs(far.velocity(beyond, np.array([1.0, 0, 0, 0, 0, 0]))).max() < 1e-3
+
+
 @pytest.mark.parametrize(
     ("level", "off"), [("coarse", 0.05), pytest.param("standard", 0.01, marks=pytest.mark.slow)]
 )

@@ -110,9 +110,7 @@ def _patches(
     def side(u: Array, v: Array) -> Array:
         return np.stack([u, radius * np.cos(v), radius * np.sin(v)], axis=-1)
 
-    boxes = grid_boxes(
-        np.linspace(*ends, pieces + 1), 2.0 * np.pi * np.arange(around + 1) / around
-    )
+    boxes = grid_boxes(np.linspace(*ends, pieces + 1), 2.0 * np.pi * np.arange(around + 1) / around)
     parts = [sample(side, boxes)]
     if channel.ends == "closed":
         unit = grid_boxes(np.array([-1.0, 1.0]), np.array([-1.0, 1.0]))

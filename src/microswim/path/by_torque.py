@@ -14,6 +14,7 @@ from microswim.numerics.array import Array
 from microswim.numerics.rigid_motion import multiply, rotation_matrix
 from microswim.path import keeping, outcome
 from microswim.path.motors import Motors, motors_of
+from microswim.path.on_hooks import OnHooks, smallest_turns
 from microswim.path.own_motors import at_origin, followed, told
 from microswim.swimmer.parts import with_part
 from microswim.swimmer.swimmer import Swimmer
@@ -50,9 +51,10 @@ def check_alone(swimmer: Swimmer, model: str, pushed: Any, **others: Any) -> Non
         raise SpecError("model", model, "auto, rft or bem with [motor]", "or leave out [motor]")
 
 
-def fastest(swimmer: Swimmer, motors: Motors) -> float:
+def fastest(swimmer: Swimmer, motors: Motors | OnHooks) -> float:
     """Return the period of the fastest motor at the start."""
-    rate = motors.turning(np.array([float(t.ahead) for t in swimmer.tail.each]))[1]
+    phases = np.array([float(t.ahead) for t in swimmer.tail.each])
+    rate = motors.moving(phases, motors.axes)[1]
     return float(2.0 * np.pi / np.abs(rate).max())
 
 
@@ -86,7 +88,8 @@ def follow_motors(
     if not turns <= MOST_TURNS:
         most = f"at most {MOST_TURNS:,} turns of the motors, here {turns:.3g}"
         raise SpecError("time", float(times[-1]), most, "ask for a shorter path")
-    first = at_origin(np.array([float(tail.ahead) + phase for tail in swimmer.tail.each]))
+    phases = np.array([float(tail.ahead) + phase for tail in swimmer.tail.each])
+    first = at_origin(phases, motors.axes)
     y = _grown(swimmer, motors, times, first, tolerance, keep, progress)
     found = told(swimmer, motors, times, y)
     off = _off(swimmer, motors, found, tolerance)
@@ -101,7 +104,7 @@ def follow_motors(
 
 
 def _grown(
-    swimmer: Swimmer, motors: Motors, times: Array, first: Array, tolerance: float,
+    swimmer: Swimmer, motors: Motors | OnHooks, times: Array, first: Array, tolerance: float,
     keep: Path | None, progress: Callable[[int, int], None] | None,
 ) -> Array:  # fmt: skip
     """States at the times, chunk by chunk, each from the last state of the one before."""
@@ -121,16 +124,16 @@ def _grown(
     return y
 
 
-def _solved(motors: Motors) -> tuple[Any, ...]:
+def _solved(motors: Motors | OnHooks) -> tuple[Any, ...]:
     """Return what of a model that was solved tells it from others."""
     return () if motors.error is None else (motors.model, motors.error)
 
 
-def _off(swimmer: Swimmer, motors: Motors, found: xr.Dataset, tolerance: float) -> float:
+def _off(swimmer: Swimmer, motors: Motors | OnHooks, found: xr.Dataset, tolerance: float) -> float:
     """Distance by which a second march with looser steps ends elsewhere."""
     phases, ends = found.phase.values[0], found.time.values[[0, -1]]
     size = float(np.real(swimmer.body_length))
-    loose = followed(motors, ends, at_origin(phases), size, LOOSE * tolerance)
+    loose = followed(motors, ends, at_origin(phases, motors.axes), size, LOOSE * tolerance)
     n = len(phases)
     return float(np.linalg.norm(loose[-1, n : n + 3] - found.position.values[-1]))
 
@@ -157,20 +160,55 @@ def by_motor(found: xr.Dataset) -> dict[str, Any]:
     phase = found.phase.values
     span = float(found.time[-1] - found.time[0])
     apart = phase[-1] - phase[-1, 0]
-    return {
+    said = {
         "motor_frequency": (phase[-1] - phase[0]) / (2.0 * np.pi * span),
         "motor_torque": found.torque.values[-1],
         "phase_difference": np.arctan2(np.sin(apart), np.cos(apart)),
     }
+    if "tail_axis" in found:
+        axes = found.tail_axis.values[-1]
+        widest = np.linalg.norm(axes[:, None] - axes, axis=-1).max()
+        said |= {
+            "hook_bend": found.hook_bend.values[-1],
+            "largest_hook_bend": float(found.hook_bend.max()),
+            "tail_axes": axes,
+            "widest_angle": float(2.0 * np.arcsin(min(0.5 * widest, 1.0))),
+        }
+    return said
 
 
-def at_phases(swimmer: Swimmer, phases: Any) -> Swimmer:
-    """Return the swimmer whose tails are at own phases (n,) where its phase is zero."""
+def at_phases(swimmer: Swimmer, phases: Any, axes: Any = None) -> Swimmer:
+    """Return the swimmer whose tails are at own phases (n,), and axes (n, 3) if their hooks bend,
+    where its phase is zero.
+    """
     from dataclasses import replace
 
+    if axes is not None:
+        swimmer, phases = _bent(swimmer, np.array(phases, float), axes)
     for n, phase in enumerate(np.atleast_1d(phases)):
         name = f"tail[{n}]" if len(swimmer.tail.each) > 1 else "tail"
         tail: Any = swimmer.tail.each[n]
         new = replace(tail, phase=float(np.mod(phase, 2.0 * np.pi)))
         swimmer = replace(swimmer, **with_part(swimmer, name, new))
     return swimmer
+
+
+def _bent(swimmer: Swimmer, phases: Array, axes: Array) -> tuple[Swimmer, Array]:
+    """Return the swimmer with its tails along axes, and the phases there.
+
+    A tail placed along an axis is turned there from s by the shortest way, one on a hook from its
+    axis at rest; what the two differ by is a turn about the axis, a phase.
+    """
+    from dataclasses import replace
+
+    for n, tail in enumerate(swimmer.tail.each):
+        rest = tail.placement.rotation
+        bent = smallest_turns(rest[None, :, 0], axes[n][None])[0] @ rest
+        name = f"tail[{n}]" if len(phases) > 1 else "tail"
+        placed: Any = tail
+        position = tuple(float(x) for x in tail.placement.root)
+        placed = replace(placed, direction=tuple(axes[n].tolist()), position=position)
+        roll = placed.placement.rotation.T @ bent
+        phases[n] += float(tail.sign) * np.arctan2(roll[2, 1], roll[1, 1])
+        swimmer = replace(swimmer, **with_part(swimmer, name, placed))
+    return swimmer, phases

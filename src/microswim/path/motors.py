@@ -15,22 +15,20 @@ from dataclasses import dataclass
 from typing import Any, Protocol
 
 import numpy as np
-from numpy.typing import NDArray
 
 from microswim import checks
-from microswim.errors import MicroswimError, SpecError
+from microswim.errors import SpecError
 from microswim.gait import doors
 from microswim.gait.gait import DEGREES_OF_FREEDOM
 from microswim.models.rft.gait import body_resistance, tail_series
 from microswim.models.rft.placed import at_own_rates, moved
 from microswim.numerics.array import Array
 from microswim.numerics.series.fourier import evaluate
+from microswim.path.on_hooks import OnHooks, hooked
+from microswim.path.torque_law import TorqueLaw
 from microswim.swimmer.parts import replaced
 from microswim.swimmer.physical_sense import require_drag, require_tail
 from microswim.swimmer.swimmer import Swimmer
-
-#: Trials of which motors turn beyond their knee.
-MOST_TRIALS = 50
 
 
 class AtPhases(Protocol):
@@ -61,87 +59,6 @@ class TailsApart:
         each = [[evaluate(s, p) for s in tail] for tail, p in zip(self.tails, phase)]
         R, F, G = zip(*each)
         return self.body + np.sum(R, axis=0), np.array(F).T, np.diag(G)
-
-
-@dataclass(frozen=True, eq=False)
-class TorqueLaw:
-    """The torques of n motors, and which motions of their swimmer are free.
-
-    Parameters
-    ----------
-    free
-        Which of the six motions are free, (6,).
-    torque
-        T of each motor, (n,).
-    no_load
-        Rate of each motor without load (rad per time), (n,); infinite for a constant torque.
-    knee
-        Rate up to which the torque does not fall, (n,); not a number where it falls from rest on.
-    """
-
-    free: NDArray[np.bool_]
-    torque: Array
-    no_load: Array
-    knee: Array
-
-    def given(self, rate: Array) -> Array:
-        """Return the torque of each motor at its rate, (n,)."""
-        level, slope = self._line
-        line = level - slope * rate
-        sign = np.sign(self.torque)
-        return np.where(
-            np.isnan(self.knee), line, sign * np.minimum(sign * self.torque, sign * line)
-        )
-
-    @property
-    def _line(self) -> tuple[Array, Array]:
-        """Torque at rest and slope of each line that falls to none at W; flat without W."""
-        constant = np.isinf(self.no_load)
-        low = np.where(np.isnan(self.knee), 0.0, self.knee)
-        high = np.where(constant, 1.0, self.no_load)
-        slope = np.where(constant, 0.0, self.torque / (high - np.where(constant, 0.0, low)))
-        return np.where(constant, self.torque, slope * high), slope
-
-    def turning(self, R: Array, F: Array, G: Array) -> tuple[Array, Array]:
-        """Return twist V (6,) and rates (n,) with R (6, 6), F (6, n) and G (n, n).
-
-        Motors beyond their knee are those that turn faster than it: found by trying, since each
-        that weakens slows them all, a few times at most.
-
-        Raises
-        ------
-        MicroswimError
-            If that does not end.
-        """
-        R, F = R[np.ix_(self.free, self.free)], F[self.free]
-        level, slope = self._line
-        falls = np.isnan(self.knee)
-        for _ in range(MOST_TRIALS):
-            both: Any = np.linalg.solve(
-                np.block([[R, F], [F.T, G + np.diag(np.where(falls, slope, 0.0))]]),
-                np.concatenate([np.zeros(len(R)), np.where(falls, level, self.torque)]),
-            )
-            rate = both[len(R) :]
-            beyond = np.isnan(self.knee) | (np.sign(self.torque) * (rate - self.knee) > 0.0)
-            if (beyond == falls).all():
-                V = np.zeros(6)
-                V[self.free] = both[: len(R)]
-                return V, rate
-            falls = beyond
-        raise MicroswimError(
-            "the rates of the motors were not found at their knees; move the knees"
-        )
-
-    def missed(self, guess: tuple[Array, ...], true: tuple[Array, ...]) -> Array:
-        """Return by how much R, F and G miss the true ones in V and the rates, (6 + n,).
-
-        Of the speed, of the rate of turning, of each motor's rate.
-        """
-        (V, w), (known, rate) = self.turning(*guess), self.turning(*true)
-        size = np.repeat([np.linalg.norm(known[:3]), np.linalg.norm(known[3:])], 3)
-        off = np.abs(np.concatenate([V - known, w - rate]))
-        scale = np.concatenate([size, np.abs(rate)])
-        return np.divide(off, scale, out=np.zeros_like(off), where=scale > 0.0)
 
 
 @dataclass(frozen=True, eq=False)
@@ -179,6 +96,15 @@ class Motors:
         """
         return self.law.turning(*self.tails.at(phases))
 
+    def moving(self, phases: Array, axes: Array) -> tuple[Array, Array, Array]:
+        """Return twist V (6,), rates (n,), and how no axes (0, 3) move: tails stand as they are."""
+        return *self.turning(phases), axes
+
+    @property
+    def axes(self) -> Array:
+        """Axes that move, at the start: none, (0, 3)."""
+        return np.zeros((0, 3))
+
 
 def motors_of(
     swimmer: Swimmer,
@@ -186,7 +112,7 @@ def motors_of(
     no_load: Any = None,
     knee: Any = None,
     **by: Any,
-) -> Motors:
+) -> Motors | OnHooks:
     """Return the motors of a swimmer; its own `Motor` without a torque.
 
     Parameters
@@ -212,7 +138,14 @@ def motors_of(
         )
     free = np.array(swimmer.motion.mask)
     law = TorqueLaw(free, *_laws(swimmer, len(swimmer.tail.each), torque, no_load, knee))
-    if by.pop("model", "rft") == "rft":
+    model = by.pop("model", "rft")
+    if swimmer.hook is not None:
+        if model != "rft":
+            mend = "by boundary elements tails stand as they are: remove [hook]"
+            raise SpecError("model", model, '"rft" with [hook]', mend)
+        require_drag(swimmer)
+        return hooked(swimmer, law)
+    if model == "rft":
         return Motors(law, _apart(swimmer), "rft")
     found = doors.go(doors.MOTOR_PHASES, swimmer, law.missed, **by)
     return Motors(law, found, "bem", _error_of(found))

@@ -16,6 +16,7 @@ from microswim.errors import MicroswimError, SpecError
 from microswim.gait.units import unit
 from microswim.numerics.array import Array, sealed
 from microswim.path.motors import Motors, motors_of, one_for_each
+from microswim.path.on_hooks import OnHooks
 from microswim.swimmer.swimmer import Swimmer
 
 if TYPE_CHECKING:
@@ -44,6 +45,7 @@ def own_motors(
     no_load: Any = None,
     knee: Any = None,
     phase: Any = None,
+    axes: Any = None,
     model: Literal["rft", "bem"] = "rft",
     level: Literal["coarse", "standard", "fine"] = "standard",
     tolerance: float = TOLERANCE,
@@ -68,6 +70,8 @@ def own_motors(
         Rate (rad per time), one number or n, up to which the torque does not fall.
     phase
         Of the tails at the start (rad), n; by default ``tail.phase`` of each.
+    axes
+        Of tails on a `Hook` at the start, (n, 3) in the body; by default as they are at rest.
     model
         ``"rft"``: resistive force theory, where tails feel one another through the body's motion
         alone; ``"bem"``: boundary elements, where they feel one another's flow, solved at some
@@ -85,7 +89,9 @@ def own_motors(
     Dataset
         Over ``time``: ``phase`` and ``rate`` (time, tail), ``torque`` (time, tail), ``position``,
         ``quaternion``, ``velocity`` (body frame), ``motor_work`` of all motors since the start;
-        by ``"bem"`` as attributes ``velocity_error`` (6,) and ``rate_error`` (tail), shares of
+        with a `Hook` ``tail_axis`` (time, tail, sqr), ``hook_bend`` (time, tail) and
+        ``hook_energy``; by ``"bem"`` as attributes ``velocity_error`` (6,) and ``rate_error``
+        (tail), shares of
         speed, rate of turning and rates.
 
     Raises
@@ -112,19 +118,33 @@ def own_motors(
     ahead = [float(tail.ahead) for tail in swimmer.tail.each]
     start = one_for_each("phase", ahead if phase is None else phase, count, "n phases (rad)")
     length = float(np.real(swimmer.body_length))
-    y = followed(motors, t, at_origin(start), length, float(tolerance))
+    first = at_origin(start, _axes(motors, axes))
+    y = followed(motors, t, first, length, float(tolerance))
     return told(swimmer, motors, t, y)
 
 
-def at_origin(phases: Array) -> Array:
-    """Return the state at the start: phases (n,), place, quaternion, no work yet; (n + 8,)."""
-    return np.concatenate([phases, np.zeros(3), [1.0, 0.0, 0.0, 0.0, 0.0]])
+def _axes(motors: Motors | OnHooks, given: Any) -> Array:
+    """Return unit axes of the tails at the start; those at rest where none are given."""
+    if given is None:
+        return motors.axes
+    if not len(motors.axes):
+        raise SpecError("axes", given, "left out without a hook", "tails stand as they are")
+    axes = np.asarray(given, float)
+    size = np.linalg.norm(axes, axis=-1) if axes.shape == motors.axes.shape else np.zeros(1)
+    if not (np.isfinite(axes).all() and (size > 0.0).all()):
+        raise SpecError("axes", given, "a direction [s, q, r] for each tail")
+    return axes / size[:, None]
+
+
+def at_origin(phases: Array, axes: Array) -> Array:
+    """Return the state at the start: phases (n,), place, quaternion, no work yet, axes; (k,)."""
+    return np.concatenate([phases, np.zeros(3), [1.0, 0.0, 0.0, 0.0, 0.0], axes.ravel()])
 
 
 def followed(
-    motors: Motors, t: Array, first: Array, length: float, tolerance: float = TOLERANCE
+    motors: Motors | OnHooks, t: Array, first: Array, length: float, tolerance: float = TOLERANCE
 ) -> Array:
-    """Return phases, place, quaternion and work at the times, (m, n + 8), from the `first` on.
+    """Return phases, place, quaternion, work and axes at the times, (m, k), from the `first` on.
 
     Raises
     ------
@@ -133,7 +153,7 @@ def followed(
     """
     from scipy.integrate import solve_ivp
 
-    n, calls = len(first) - 8, 0
+    n, calls = len(motors.law.torque), 0
 
     def slope(_: float, y: Array) -> Array:
         nonlocal calls
@@ -143,34 +163,43 @@ def followed(
                 f"times: after {MOST:,} evaluations the motors have not come to the end; ask for a "
                 "shorter time"
             )
-        V, rate = motors.turning(y[:n])
+        V, rate, swings = motors.moving(y[:n], _unit(y[n + 8 :]))
         w, x, y_, z = y[n + 3 : n + 7] / np.linalg.norm(y[n + 3 : n + 7])
         axis = np.array([x, y_, z])
         twice = 2.0 * np.cross(axis, V[:3])
         moved = V[:3] + w * twice + np.cross(axis, twice)
         turned = w * V[3:] + np.cross(axis, V[3:])
         half = 0.5 * np.array([-axis @ V[3:], *turned])
-        return np.concatenate([rate, moved, half, [motors.given(rate) @ rate]])
+        return np.concatenate([rate, moved, half, [motors.given(rate) @ rate], swings.ravel()])
 
     turn = float(np.abs(motors.law.torque).max())
     scale = np.concatenate([np.ones(n), np.full(3, length), np.ones(4), [turn]])
+    scale = np.append(scale, np.ones(len(first) - len(scale)))
     found = solve_ivp(slope, (t[0], t[-1]), first, "DOP853", t, rtol=tolerance,
                       atol=tolerance * scale)  # fmt: skip
     if not found.success:
         raise MicroswimError(f"the motors' phases were not followed: {found.message}")
     y = found.y.T.copy()
     y[:, n + 3 : n + 7] /= np.linalg.norm(y[:, n + 3 : n + 7], axis=1, keepdims=True)
+    y[:, n + 8 :] = _unit(y[:, n + 8 :]).reshape(len(y), -1)
     return y
 
 
-def told(swimmer: Swimmer, motors: Motors, t: Array, y: Array) -> xr.Dataset:
-    """Return what `own_motors` gives, of phases, places, quaternions and work as of `followed`."""
+def _unit(axes: Array) -> Array:
+    """Return unit axes (..., n, 3) of rows (..., 3n)."""
+    each = axes.reshape(*axes.shape[:-1], -1, 3)
+    return each / np.linalg.norm(each, axis=-1, keepdims=True)
+
+
+def told(swimmer: Swimmer, motors: Motors | OnHooks, t: Array, y: Array) -> xr.Dataset:
+    """Return what `own_motors` gives, of states at the times as of `followed`."""
     import xarray as xr
 
     from microswim.gait.gait import DEGREES_OF_FREEDOM
 
-    n = y.shape[1] - 8
-    V, rate = map(np.array, zip(*(motors.turning(p) for p in y[:, :n])))
+    n = len(motors.law.torque)
+    axes = _unit(y[:, n + 8 :])
+    V, rate, _ = map(np.array, zip(*(motors.moving(p, e) for p, e in zip(y[:, :n], axes))))
     torque = motors.given(rate)
 
     def said(kind: str, text: str) -> dict[str, str]:
@@ -178,30 +207,42 @@ def told(swimmer: Swimmer, motors: Motors, t: Array, y: Array) -> xr.Dataset:
 
     phase = {"units": "rad", "long_name": "phase of each tail"}
     turns = said("angular rate", "rate of each motor, relative to the body")
-    return sealed(
-        xr.Dataset(
-            {
-                "phase": (("time", "tail"), y[:, :n], phase),
-                "rate": (("time", "tail"), rate, turns),
-                "torque": (("time", "tail"), torque, said("torque", "that each motor gives")),
-                "position": (("time", "axis"), y[:, n : n + 3], said("length", "body centre, lab")),
-                "quaternion": (("time", "wxyz"), y[:, n + 3 : n + 7], {"units": "1"}),
-                "motor_work": (("time",), y[:, n + 7], said("work", "of all motors")),
-                "velocity": (("time", "dof"), V, {"long_name": "velocity, body frame"}),
-            },
-            coords={
-                "time": ("time", t, {"units": unit(swimmer.units, "time")}),
-                "tail": np.arange(n),
-                "axis": list("xyz"),
-                "wxyz": list("wxyz"),
-                "dof": list(DEGREES_OF_FREEDOM),
-            },
-            attrs={"model": motors.model, "units": swimmer.units, **_errors(motors)},
-        )
+    found = xr.Dataset(
+        {
+            "phase": (("time", "tail"), y[:, :n], phase),
+            "rate": (("time", "tail"), rate, turns),
+            "torque": (("time", "tail"), torque, said("torque", "that each motor gives")),
+            "position": (("time", "axis"), y[:, n : n + 3], said("length", "body centre, lab")),
+            "quaternion": (("time", "wxyz"), y[:, n + 3 : n + 7], {"units": "1"}),
+            "motor_work": (("time",), y[:, n + 7], said("work", "of all motors")),
+            "velocity": (("time", "dof"), V, {"long_name": "velocity, body frame"}),
+        },
+        coords={
+            "time": ("time", t, {"units": unit(swimmer.units, "time")}),
+            "tail": np.arange(n),
+            "axis": list("xyz"),
+            "wxyz": list("wxyz"),
+            "dof": list(DEGREES_OF_FREEDOM),
+        },
+        attrs={"model": motors.model, "units": swimmer.units, **_errors(motors)},
     )
+    if isinstance(motors, OnHooks):
+        found = found.assign(_of_hooks(motors, axes, said)).assign_coords(sqr=list("sqr"))
+    return sealed(found)
 
 
-def _errors(motors: Motors) -> dict[str, Any]:
+def _of_hooks(motors: OnHooks, axes: Array, said: Any) -> dict[str, Any]:
+    """Return how tails stand on their hooks."""
+    points = {"long_name": "axis of each tail, in the body"}
+    bend = {"units": "rad", "long_name": "bend of each hook"}
+    return {
+        "tail_axis": (("time", "tail", "sqr"), axes, points),
+        "hook_bend": (("time", "tail"), motors.bend(axes), bend),
+        "hook_energy": (("time",), motors.stored(axes), said("work", "in all hooks")),
+    }
+
+
+def _errors(motors: Motors | OnHooks) -> dict[str, Any]:
     """Return the errors of a model that knows them."""
     if motors.error is None:
         return {}

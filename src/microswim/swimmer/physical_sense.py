@@ -206,12 +206,18 @@ def _of_motion(swimmer: Swimmer) -> list[str]:
 
 
 def _of_motors(swimmer: Swimmer) -> list[str]:
-    if swimmer.motor is None:
-        return []
-    return [
-        "[motor] gives a torque: microswim path follows how fast it turns the tails; run and all "
-        "else take tail.frequency"
-    ]
+    out = []
+    if swimmer.motor is not None:
+        out.append(
+            "[motor] gives a torque: microswim path follows how fast it turns the tails; run and "
+            "all else take tail.frequency"
+        )
+    if swimmer.hook is not None and not swimmer.tail.settles:
+        out.append(
+            "[hook] bends: microswim path follows how rigid tails tilt on it; in run and all else "
+            "they stand as at rest"
+        )
+    return out
 
 
 def _of_shape(swimmer: Swimmer) -> list[str]:

@@ -135,10 +135,12 @@ def _array(name: str, values: np.ndarray) -> str:
     return f"<DataArray {head}>{text}</DataArray>"
 
 
-def _at(swimmer: Swimmer, phase: Any) -> Any:
-    """The surface at the phase of the motor, or with each tail at its own."""
+def _at(swimmer: Swimmer, run: xr.Dataset, i: int) -> Any:
+    """The surface at the phase of the motor, or with each tail at its own, and its own axis."""
+    phase = run.motor_phase.values[i]
     if np.ndim(phase):
-        return surface(at_phases(swimmer, phase), 0.0, fineness=0.75)
+        axes = run.tail_axis.values[i] if "tail_axis" in run else None
+        return surface(at_phases(swimmer, phase, axes), 0.0, fineness=0.75)
     return surface(swimmer, float(phase), fineness=0.75)
 
 
@@ -170,7 +172,7 @@ def write_swimmer(folder: Path, swimmer: Swimmer, run: xr.Dataset, frames: int =
         if "filament" in run:
             mesh = bent(swimmer, run.filament.values[i], x[i], turn, fineness=0.75)
         else:
-            mesh = _at(swimmer, run.motor_phase.values[i]).moved(x[i], turn)
+            mesh = _at(swimmer, run, i).moved(x[i], turn)
         name = f"vtk/swimmer_{number:04d}.vtp"
         points, part = mesh.points.astype("<f4"), mesh.part.astype("|u1")
         text = poly_data(points, polys=mesh.quads, cell_data={"part": part})

@@ -61,7 +61,12 @@ class ElasticFields(Table):
 
 
 class HookTable(Table):
-    """[hook]: between body and elastic tail."""
+    """[hook]: between body and tail, an elastic one or rigid ones with a [motor]."""
 
-    stiffness: Annotated[Bending, About("Hook's stiffness", "bending stiffness of the hook, E I")]
-    length: Annotated[Length, About("Hook's length", "short against the tail")]
+    stiffness: Annotated[
+        Bending | list[Bending],
+        About("Hook's stiffness", "bending stiffness E I of each hook; a list for several tails"),
+    ]
+    length: Annotated[
+        Length | list[Length], About("Hook's length", "short against the tail; a list for several")
+    ]

@@ -134,6 +134,7 @@ def test_a_run_says_what_acts_along_a_path_alone():
 def test_motors_of_given_torque_are_told_one_by_one(tmp_path):
     out = tmp_path / "out"
     args = ["--preset", "several/two-tails", "--set", "motor.torque=40", "--time", "1"]
+    args += ["--samples", "9"]
     run = call(*args, "--json", "--out", out)
     assert run.exit_code == 0, run.output
     said = json.loads(run.stdout)
@@ -153,3 +154,20 @@ def test_motors_of_given_torque_are_told_one_by_one(tmp_path):
     told = call(*args)
     assert "motors turn at" in told.stdout
     assert call(*args, "--over", "tilt=0:60deg:3").exit_code == 2
+
+
+def test_tails_on_hooks_tell_how_they_stand(tmp_path):
+    hook = ["--set", "hook.stiffness=[0.5, 1.0]", "--set", "hook.length=0.1"]
+    args = ["--preset", "several/two-tails", "--set", "motor.torque=40", "--time", "0.1", *hook]
+    args += ["--samples", "5"]
+    run = call(*args, "--json", "--out", tmp_path / "out")
+    assert run.exit_code == 0, run.output
+    said = json.loads(run.stdout)
+    assert said["hook_bend"][0] > said["hook_bend"][1] > 0.0
+    assert said["largest_hook_bend"] >= said["hook_bend"][0]
+    assert "[hook] bends" in run.stderr
+    assert (tmp_path / "out" / "swimmer.pvd").exists()
+    assert "widest angle of two tails" in call(*args).stdout
+    refused = call(*args, "--model", "bem")
+    assert refused.exit_code == 2
+    assert "remove [hook]" in refused.stderr

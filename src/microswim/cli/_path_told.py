@@ -88,6 +88,19 @@ def _boundary(swimmer: Any) -> str | None:
     return None if swimmer.wall is None else "wall"
 
 
+def _of_hooks(report: dict[str, Any]) -> list[tuple[str, str]]:
+    """Return rows of hooks that bend, in degrees, if there are any."""
+    import numpy as np
+
+    if "hook_bend" not in report:
+        return []
+    degrees = [f"{np.degrees(x):.3g}" for x in (*report["hook_bend"], report["largest_hook_bend"])]
+    rows = [("hooks bent by, at the end", ", ".join(degrees[:-1]) + f" deg; at most {degrees[-1]}")]
+    if len(degrees) > 2:
+        rows.append(("widest angle of two tails", f"{np.degrees(report['widest_angle']):.3g} deg"))
+    return rows
+
+
 def table(who: str, report: dict[str, Any]) -> Table:
     """Return the same as a table."""
     from microswim.gait.readable import EXPLAINED, percent, quantity, significant
@@ -136,6 +149,7 @@ def table(who: str, report: dict[str, Any]) -> Table:
         if len(turns) > 1:
             late = [f"{value:.4g} rad" for value in report["phase_difference"][1:]]
             rows.append(("phases against the first, at the end", ", ".join(late)))
+    rows += _of_hooks(report)
     known = f"end within {q(error, 'length')} by the time steps" if error == error else ""
     note = "; ".join(part for part in (known, model) if part)
     steps = "" if report["steps"] is None else f", {report['steps']:,} steps"

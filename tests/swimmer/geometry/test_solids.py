@@ -1,5 +1,7 @@
 """Capsule, cylinder, box, revolution: surfaces, sizes, what is refused."""
 
+import pickle
+
 import numpy as np
 import pytest
 
@@ -52,6 +54,14 @@ def test_directions_and_points_of_the_surface_answer_each_other(body):
     assert np.abs(body.level(X)).max() < 1e-7
     back = np.array([body.direction(x) for x in X])
     assert np.abs(back - d).max() < 1e-7
+
+
+@pytest.mark.parametrize("body", EVERY, ids=NAMES)
+def test_a_body_that_was_used_goes_to_another_process(body):
+    """What it remembers of its profile is made of functions, which no other process can load."""
+    X = body.surface_point(np.array([0.6, 0.8, 0.0]))
+    there = pickle.loads(pickle.dumps(body))
+    np.testing.assert_array_equal(there.surface_point(np.array([0.6, 0.8, 0.0])), X)
 
 
 def test_the_rear_pole_is_the_joint():

@@ -10,6 +10,7 @@ from abc import abstractmethod
 from collections.abc import Callable
 from dataclasses import dataclass
 from functools import cached_property
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -137,6 +138,10 @@ class TurnedBody(SolvedBody):
     @cached_property
     def _profile(self) -> Profile:
         return self.outline()
+
+    def __getstate__(self) -> dict[str, Any]:
+        """Return what another process is given: not the profile, which is made of functions."""
+        return {name: value for name, value in self.__dict__.items() if name != "_profile"}
 
     def level(self, X: Array) -> Array:
         X = np.asarray(X, float)

@@ -39,7 +39,11 @@ def missed(poses, swimmer, radius, lines, folder):
     free = replace(swimmer, channel=None)
     asked = [tube.beside(free, radius, line) for line in lines]
     truth = references.gaits(
-        asked, "bem", level=replace(named("standard", asked[0]), phases=1, single=True), folder=folder, workers=0
+        asked,
+        "bem",
+        level=replace(named("standard", asked[0]), phases=1, single=True),
+        folder=folder,
+        workers=0,
     )
     speed = poses.gait.at_rate(1.0).velocity(0.0)
     scale = np.repeat([np.linalg.norm(speed[:3]), np.linalg.norm(speed[3:])], 3)

@@ -70,6 +70,11 @@ FRAMES = 120  #: of the swimmer for ParaView
 @auto_option
 @level_option
 @click.option(
+    "--poses",
+    type=click.IntRange(40, 10_000),
+    help="Poses in a tube to solve; by default 600, or fewer if these meet others within 1 %.",
+)
+@click.option(
     "--samples",
     type=click.IntRange(2, 1_000_000),
     help="Times at which the path is kept; by default 16 a period, at most 4000.",
@@ -111,6 +116,7 @@ def command(
     tilt: str | None,
     model: str,
     level: str | None,
+    poses: int | None,
     from_rest: bool,
     over: tuple[str, ...],
     as_json: bool,
@@ -131,12 +137,14 @@ def command(
 
     asked |= _start(given, time, start, tilt)
     _check(out, resume, force)
+    if poses is not None and (given.swimmer.channel is None or over):
+        raise SpecError("--poses", poses, "left out but for one path in a [channel]")
     if over:
         if given.swimmer.motor is not None:
             raise SpecError("--over", over[0], "left out with [motor]", "sweep one path at a time")
         map_starts(given, over, asked["time"], model, out, as_json)
         return
-    about = _gait(given, model, level, from_rest)
+    about = _gait(given, model, level, poses, from_rest)
     begun = clock.perf_counter()
     if out is not None:
         asked["keep"] = _kept.begin(out, given.text)
@@ -163,7 +171,9 @@ def _show(name: str, report: dict[str, Any]) -> None:
         click.echo(f"  note: {remark}")
 
 
-def _gait(given: Given, model: str, level: str | None, from_rest: bool) -> dict[str, Any]:
+def _gait(
+    given: Given, model: str, level: str | None, poses: int | None, from_rest: bool
+) -> dict[str, Any]:
     """Return the gait, by a boundary at every pose; none where the tail's shape is followed."""
     from microswim.cli import _print
     from microswim.path.remembering import remembers
@@ -184,8 +194,15 @@ def _gait(given: Given, model: str, level: str | None, from_rest: bool) -> dict[
 
         check(given.swimmer)
         with bar(f"poses of {given.name} {boundary}") as progress:
-            return {"poses": around(given.swimmer, level=level, progress=progress)}
+            return {"poses": around(given.swimmer, level=level, progress=progress, **_many(poses))}
     return {"gait": _print.timed_gait(given.swimmer, model, level)[0]}
+
+
+def _many(poses: int | None) -> dict[str, Any]:
+    """Return how many poses in a tube are solved, if that was asked."""
+    from microswim.calibration.poses.scattered import Scatter
+
+    return {} if poses is None else {"scatter": Scatter(poses=poses, within=0.0)}
 
 
 def _start(given: Given, time: str, start: str | None, tilt: str | None) -> dict[str, Any]:

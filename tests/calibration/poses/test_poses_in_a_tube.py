@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from dataclasses import replace
 from functools import partial
+from itertools import pairwise
 from pathlib import Path
 from typing import Any
 
@@ -249,6 +250,30 @@ def test_of_a_quarter_of_the_poses_the_tail_is_close() -> None:
     assert gaps.min() > numbers[in_tube.LEAST]
     assert gaps[30:, 1].max() < 10.0 * numbers[in_tube.LEAST]
     assert np.median(gaps[30:, 1]) < 5.0 * numbers[in_tube.LEAST]
+
+
+def test_fewer_poses_are_solved_where_they_meet_those_left_out(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    """A quarter, a half, all: as long as the error is above what is asked; the first stay."""
+    solved_poses, errors = [], []
+
+    def solves(free: ms.Swimmer, asked: list[ms.Swimmer], left_out: int, *_: Any, **__: Any) -> Any:
+        gait = free.gait("rft")
+        solved_poses.append([s.channel for s in asked[: len(asked) - left_out]])
+        kept = replace(gait, info={**gait.info, "in_poiseuille": np.zeros(6)})
+        return Solves(kept, kept, [kept] * (len(asked) - left_out), [kept] * left_out)
+
+    monkeypatch.setattr(tube, "solved", solves)
+    monkeypatch.setattr(tube, "error_of", lambda *_: {"us": errors.pop(0), "how": "planted"})
+    robot = replace(ROBOT, channel=ms.Channel(diameter=3.0, length=9.0))
+    for told, counts in (([0.02, 0.005], [100, 200]), ([0.02, 0.02, 0.02], [100, 200, 400])):
+        solved_poses.clear()
+        errors[:] = told
+        tube.in_tube(robot, scatter=Scatter(poses=400, left_out=2))
+        assert [len(p) for p in solved_poses] == counts
+        assert all(set(map(repr, a)) <= set(map(repr, b)) for a, b in pairwise(solved_poses))
+    assert Scatter(poses=400, within=0.0).parts == [400]
 
 
 @pytest.mark.slow

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -12,6 +13,8 @@ from microswim.numerics.array import Array
 
 #: Poses from which the lengths of the covariance are found.
 ENOUGH = 240
+#: Fewest poses with which it may be enough: an error of 16 others says too little of fewer.
+FEWEST = 100
 OF_L = 21  #: of a pose's targets are those of L
 
 
@@ -27,11 +30,26 @@ class Scatter:
         Smallest gap, in the body's smaller half axes.
     left_out
         Further ones, that measure the error.
+    within
+        Error of those left out (95 %, each velocity in its scale) at which a quarter or a half of
+        the poses is enough; 0 to solve all.
     """
 
     poses: int = 600
     smallest: float = 0.02
     left_out: int = 16
+    within: float = 0.01
+
+    @property
+    def parts(self) -> list[int]:
+        """Numbers of poses, one after the other, at which the error is asked."""
+        some = [self.poses // 4, self.poses // 2] if self.left_out and self.within > 0.0 else []
+        return [n for n in some if n >= FEWEST] + [self.poses]
+
+    def enough(self, error: dict[str, Any]) -> bool:
+        """Return whether the poses left out are met well enough."""
+        off = [value for value in error.values() if not isinstance(value, str)]
+        return bool(off) and max(off) <= self.within
 
 
 def spread(Z: Array, count: int, others: Array | None = None) -> NDArray[np.int64]:

@@ -13,6 +13,7 @@ from microswim.calibration.poses.layout import Shape, shape_of
 from microswim.calibration.poses.scattered import Scatter
 from microswim.calibration.poses.solved import (
     SolvedPoses,
+    Solves,
     added_power,
     error_of,
     power_of,
@@ -62,13 +63,13 @@ def in_tube(
     level
         Of the boundary elements; by default one of few patches, as many poses want it.
     scatter
-        How many poses.
+        How many poses, at most: with fewer it is done if these meet others well enough.
     folder
         Where solves are kept and looked for; a folder of the user's cache by default.
     workers
         Processes; all cores by default.
     progress
-        Called with (solved, all).
+        Called with (solved, most).
 
     Raises
     ------
@@ -89,23 +90,49 @@ def in_tube(
         out, _ = places(shape, numbers, radius, scatter.left_out, among=scatter.left_out, seed=1)
     free_swimmer = replace(swimmer, wall=None, channel=None)
     asked = [beside(free_swimmer, radius, line) for line in np.concatenate([lines, out])]
-    made = solved(
-        free_swimmer, asked, len(out), level, folder=folder, workers=workers, progress=progress,
-        lost=LOST,
-    )  # fmt: skip
+    on, off = asked[: len(lines)], asked[len(lines) :]
+    for count in scatter.parts:
+        some = _first(len(lines), count)
+        made = solved(
+            free_swimmer, [on[i] for i in some] + off, len(off), level, folder=folder,
+            workers=workers, progress=_of_all(progress, len(asked)), lost=LOST,
+        )  # fmt: skip
+        table = _table(shape, numbers, radius, made, lines[some], Z[some])
+        error = error_of(table, made.best, [start_of(s) for s in off], made.judged)
+        if scatter.enough(error) and not swimmer.tail.is_absent:
+            break  # what has no tail does not swim: its velocities judge nothing
+    return SolvedPoses(made.best, table, start, error)
+
+
+def _of_all(
+    progress: Callable[[int, int], None] | None, whole: int
+) -> Callable[[int, int], None] | None:
+    """Return what counts a part of the poses as of all that there may be."""
+    return None if progress is None else lambda done, _: progress(done, whole + 1)
+
+
+def _first(whole: int, count: int) -> Array:
+    """Indices of the first poses of `with_close_ones`, as many of those close in proportion."""
+    if count >= whole:
+        return np.arange(whole)
+    close, of_all = int(CLOSE * count), whole - int(CLOSE * whole)
+    return np.concatenate([np.arange(count - close), of_all + np.arange(close)])
+
+
+def _table(
+    shape: Shape, numbers: Array, radius: float, made: Solves, lines: Array, Z: Array
+) -> PoseTable:
+    """Return the table of solves at lines (n, 6) of features Z (n, 14)."""
     free, root = made.best, root_of(made.free)
     there = [i for i, gait in enumerate(made.poses) if gait is not None]
     Y = np.array([targets(gait, root) for gait in made.there])
     C = np.array([carried(g, lines[i], radius) for i, g in zip(there, made.there, strict=True)])
-    Z = Z[there]
-    known, weights = scattered.known_of_both(Z, np.concatenate([Y, C], axis=1))
-    table = PoseTable(
+    known, weights = scattered.known_of_both(Z[there], np.concatenate([Y, C], axis=1))
+    return PoseTable(
         TUBE, np.ascontiguousarray(pack(free)), np.array([0.0, 0, 0, 1, 0, 0, radius]), numbers,
         shape.body, shape.tail, np.zeros(0), np.zeros((0, 0, 0, 0, 0)),
         known, weights[: Y.shape[1]].copy(), weights[Y.shape[1] :].copy(), root_of(free),
     )  # fmt: skip
-    error = error_of(table, free, [start_of(s) for s in asked[len(lines) :]], made.judged)
-    return SolvedPoses(free, table, start, error)
 
 
 def _tube_of(swimmer: Swimmer) -> Channel:

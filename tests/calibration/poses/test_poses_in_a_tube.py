@@ -256,15 +256,16 @@ def test_fewer_poses_are_solved_where_they_meet_those_left_out(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
     """A quarter, a half, all: as long as the error is above what is asked; the first stay."""
-    solved_poses, errors = [], []
+    solved_poses: list[list[Any]] = []
+    errors: list[float] = []
+    gait = ROBOT.gait()
 
-    def solves(free: ms.Swimmer, asked: list[ms.Swimmer], left_out: int, *_: Any, **__: Any) -> Any:
-        gait = free.gait("rft")
+    def solves(_: Any, asked: list[ms.Swimmer], left_out: int, *__: Any, **___: Any) -> Solves:
         solved_poses.append([s.channel for s in asked[: len(asked) - left_out]])
-        kept = replace(gait, info={**gait.info, "in_poiseuille": np.zeros(6)})
-        return Solves(kept, kept, [kept] * (len(asked) - left_out), [kept] * left_out)
+        return Solves(gait, gait, [], [])
 
     monkeypatch.setattr(tube, "solved", solves)
+    monkeypatch.setattr(tube, "_table", lambda *_: None)
     monkeypatch.setattr(tube, "error_of", lambda *_: {"us": errors.pop(0), "how": "planted"})
     robot = replace(ROBOT, channel=ms.Channel(diameter=3.0, length=9.0))
     for told, counts in (([0.02, 0.005], [100, 200]), ([0.02, 0.02, 0.02], [100, 200, 400])):

@@ -1,8 +1,9 @@
 """How well poses that were not solved are met in a tube.
 
 `python benchmarks/poses_in_a_tube.py RADIUS [POSES] [UNUSED] [FOLDER] [SEED]`: the paper's base
-case (body radius 0.5) in a tube. Unused poses lie at random in place and direction, their gaps from
-0.05 body radii; they are solved at level standard. Solves are kept in FOLDER.
+case (body radius 0.5) in a tube, at most POSES poses, as a path takes them. Unused poses lie at
+random in place and direction, their gaps from 0.05 body radii; they are solved at level standard.
+Solves are kept in FOLDER.
 """
 
 import sys
@@ -73,7 +74,8 @@ def main(radius="1.5", count="600", others="64", folder=None, seed=SEED):
         workers=0,
         progress=told,
     )
-    print(f"radius {radius}, {count} poses; left out, level standard (95 %):")
+    used = poses.table.known.shape[2]
+    print(f"radius {radius}, {used} poses; left out, level standard (95 %):")
     print("  ", {k: v if k == "how" else round(v, 4) for k, v in poses.expected_error.items()})
     lines, gaps = unused(swimmer, radius, int(others), int(seed))
     off = missed(poses, swimmer, radius, lines, folder)

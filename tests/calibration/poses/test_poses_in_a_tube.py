@@ -275,6 +275,9 @@ def test_fewer_poses_are_solved_where_they_meet_those_left_out(
         assert [len(p) for p in solved_poses] == counts
         assert all(set(map(repr, a)) <= set(map(repr, b)) for a, b in pairwise(solved_poses))
     assert Scatter(poses=400, within=0.0).parts == [400]
+    off = {"us": 0.015, "how": "planted"}
+    assert Scatter().enough(off, [7000, 6500])
+    assert not Scatter().enough(off, [7000, 2500])
 
 
 @pytest.mark.slow

@@ -15,6 +15,8 @@ from microswim.numerics.array import Array
 ENOUGH = 240
 #: Fewest poses with which it may be enough: an error of 16 others says too little of fewer.
 FEWEST = 100
+#: Unknowns of a pose, several seconds of a core, beyond which twice the error is enough.
+DEAR = 6000
 OF_L = 21  #: of a pose's targets are those of L
 
 
@@ -32,7 +34,7 @@ class Scatter:
         Further ones, that measure the error.
     within
         Error of those left out (95 %, each velocity in its scale) at which a quarter or a half of
-        the poses is enough; 0 to solve all.
+        the poses is enough, twice it where a pose takes seconds; 0 to solve all.
     """
 
     poses: int = 600
@@ -46,10 +48,11 @@ class Scatter:
         some = [self.poses // 4, self.poses // 2] if self.left_out and self.within > 0.0 else []
         return [n for n in some if n >= FEWEST] + [self.poses]
 
-    def enough(self, error: dict[str, Any]) -> bool:
-        """Return whether the poses left out are met well enough."""
+    def enough(self, error: dict[str, Any], unknowns: list[int]) -> bool:
+        """Return whether the poses left out are met well enough, for solves of this size."""
         off = [value for value in error.values() if not isinstance(value, str)]
-        return bool(off) and max(off) <= self.within
+        dear = bool(unknowns) and sum(unknowns) > DEAR * len(unknowns)
+        return bool(off) and max(off) <= self.within * (2.0 if dear else 1.0)
 
 
 def spread(Z: Array, count: int, others: Array | None = None) -> NDArray[np.int64]:

@@ -99,7 +99,8 @@ def in_tube(
         )  # fmt: skip
         table = _table(shape, numbers, radius, made, lines[some], Z[some])
         error = error_of(table, made.best, [start_of(s) for s in off], made.judged)
-        if scatter.enough(error) and not swimmer.tail.is_absent:
+        unknowns = [gait.info.get("unknowns", 0) for gait in made.there]
+        if scatter.enough(error, unknowns) and not swimmer.tail.is_absent:
             break  # what has no tail does not swim: its velocities judge nothing
     return SolvedPoses(made.best, table, start, error)
 

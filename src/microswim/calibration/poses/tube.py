@@ -7,6 +7,7 @@ from collections.abc import Callable, Iterator
 from dataclasses import replace
 
 import numpy as np
+from numpy.typing import NDArray
 
 from microswim.calibration.poses import scattered
 from microswim.calibration.poses.layout import Shape, shape_of
@@ -112,7 +113,7 @@ def _of_all(
     return None if progress is None else lambda done, _: progress(done, whole + 1)
 
 
-def _first(whole: int, count: int) -> Array:
+def _first(whole: int, count: int) -> NDArray[np.int64]:
     """Indices of the first poses of `with_close_ones`, as many of those close in proportion."""
     if count >= whole:
         return np.arange(whole)

@@ -252,6 +252,19 @@ def test_of_a_quarter_of_the_poses_the_tail_is_close() -> None:
     assert np.median(gaps[30:, 1]) < 5.0 * numbers[in_tube.LEAST]
 
 
+def test_a_tube_that_leaves_little_room_has_poses_all_over_it() -> None:
+    """Head a twenty-fifth of its radius from the tube: as far off the axis as it may be, tilted."""
+    radius = 0.52
+    shape = shape_of(ROBOT, 0.02)
+    numbers = tube.numbers_of(shape, 0.02)
+    lines, _ = tube.places(shape, numbers, radius, 200, among=400)
+    away = np.linalg.norm(lines[:, 3:], axis=1)
+    assert len(lines) == 200
+    assert 0.008 < away.max() < 0.01  # gaps from 0.01 on, of 0.02
+    # the tip's middle, 2.5 behind the centre and .1 off s, may be .46 from the axis
+    assert 0.1 < np.arccos(lines[:, 0].min()) < np.arcsin(0.57 / 2.5)
+
+
 def test_fewer_poses_are_solved_where_they_meet_those_left_out(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:

@@ -23,6 +23,7 @@ from microswim.calibration.poses.solved import (
 from microswim.errors import SpecError
 from microswim.gait.gait import Gait
 from microswim.gait.poses import in_tube as inside
+from microswim.gait.poses.beside_wall import REACH
 from microswim.gait.poses.table import TUBE, PoseTable
 from microswim.gait.stepping import length_of, pack
 from microswim.models.bem.solution import middle_of
@@ -224,20 +225,55 @@ def _that_fit(
     """Yield lines at random that fit, their features and the gaps of body and tail."""
     widest, steep, some = radius - numbers[inside.LEAST], 1.0, False
     for more in range(400):
-        u = points(LOOK, 4, first + more)
-        found = _lines(u, widest, steep)
-        gaps, z = np.empty((len(found), 2)), np.empty((len(found), inside.FEATURES))
-        with settled(True):
-            inside.of_lines(found, shape.body, shape.tail, numbers, radius, gaps, z)
+        found, z, gaps = _drawn(shape, numbers, radius, first + more, (widest, steep))
         fits = gaps.min(axis=1) > numbers[inside.LEAST]
-        if fits.sum() < 2**8 and not some:  # a narrow tube: what is steep does not fit
+        if fits.sum() < MANY and not some:  # a narrow tube: what is steep does not fit
             least = found[fits, 0].min() if fits.any() else 1.0 - steep / 4.0
             steep = min(1.5 * (1.0 - least), 0.5 * steep) if fits.any() else steep / 4.0
             if steep < 1e-9:
-                break
+                widest, steep = _room(shape, numbers, radius, first)
+                some = True
             continue
         some = True
+        if not fits.any():
+            break
         yield found[fits], z[fits], gaps[fits]
+
+
+#: Lines that have to fit among those that are looked at.
+MANY = 2**8
+
+
+def _room(shape: Shape, numbers: Array, radius: float, first: int) -> tuple[float, float]:
+    """Return how far the body's centre may be from the axis of a tight tube, and 1 - cos(tilt).
+
+    From bounds that hold for any swimmer, then with a margin about what fits.
+    """
+    widest = radius - numbers[inside.LEAST] - (numbers[inside.LENGTH] if len(shape.body) else 0.0)
+    slope = min(1.0, (widest + radius) / max(float(numbers[REACH]), 1e-300))
+    steep = 1.0 - np.sqrt(1.0 - slope * slope)
+    for _ in range(20):
+        found, _, gaps = _drawn(shape, numbers, radius, first, (widest, steep))
+        fits = gaps.min(axis=1) > numbers[inside.LEAST]
+        if fits.sum() >= MANY:
+            break
+        if fits.sum() < MANY // 8:
+            widest, steep = widest / 1.2, steep / 1.5
+            continue
+        away = np.linalg.norm(found[fits, 3:], axis=1).max()
+        widest, steep = min(widest, 1.2 * away), min(steep, 1.5 * (1.0 - found[fits, 0].min()))
+    return widest, steep
+
+
+def _drawn(
+    shape: Shape, numbers: Array, radius: float, draw: int, room: tuple[float, float]
+) -> tuple[Array, Array, Array]:
+    """Return lines at random, their features and the gaps of body and tail."""
+    found = _lines(points(LOOK, 4, draw), *room)
+    gaps, z = np.empty((len(found), 2)), np.empty((len(found), inside.FEATURES))
+    with settled(True):
+        inside.of_lines(found, shape.body, shape.tail, numbers, radius, gaps, z)
+    return found, z, gaps
 
 
 def _lines(u: Array, widest: float, steep: float) -> Array:

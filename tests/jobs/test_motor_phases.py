@@ -95,9 +95,16 @@ def test_what_was_solved_is_found_again_whatever_the_torque(motors, monkeypatch)
     assert back.error == motors.error
 
 
-def test_solves_that_were_stopped_are_gone_on_with():
+def test_solves_that_were_stopped_are_gone_on_with(monkeypatch):
     thick = swimmer(tails(1.0, 1.0)).with_({"fluid.viscosity": 2.0})
-    for begin, end in ((0, 5), (5, 8)):
+    solved, plain = [], motor_phases.at_own_phases
+
+    def counted(*args):
+        solved.append(args)
+        return plain(*args)
+
+    monkeypatch.setattr(motor_phases, "at_own_phases", counted)
+    for new, end in ((5, 5), (3, 8)):
         told = []
 
         def stop(done, _, told=told, end=end):
@@ -105,9 +112,19 @@ def test_solves_that_were_stopped_are_gone_on_with():
             if done == end:
                 raise KeyboardInterrupt
 
+        solved.clear()
         with pytest.raises(KeyboardInterrupt):
             motors_of(thick, TORQUE, model="bem", level=LEVEL, workers=0, progress=stop)
-        assert told == list(range(begin, end + 1))
+        assert told == sorted(told)
+        assert told[-1] == end
+        assert len(solved) == new
+
+
+def test_what_it_takes_is_known_before():
+    """Two tails: thirteen numbers fitted twice over, and eight phases that judge."""
+    two = ms.Swimmer.preset("several/two-tails")
+    solves, unknowns = motor_phases.foreseen(two, "coarse")
+    assert (solves, unknowns) == (34, 2448)
 
 
 def test_tails_that_touch_at_some_phases_are_refused_with_them():

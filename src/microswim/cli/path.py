@@ -185,6 +185,8 @@ def _gait(
     if given.swimmer.motor is not None:
         if level is not None and model != "bem":
             raise SpecError("--level", level, "left out with [motor]", "or take --model bem")
+        if model == "bem" and given.swimmer.hook is None:
+            _tell_cost(given, level)
         return {"model": model, "level": level}
     boundary = "beside the wall" if given.swimmer.wall is not None else "in the tube"
     if given.swimmer.wall is not None or given.swimmer.channel is not None:
@@ -203,6 +205,18 @@ def _many(poses: int | None) -> dict[str, Any]:
     from microswim.calibration.poses.scattered import Scatter
 
     return {} if poses is None else {"scatter": Scatter(poses=poses, within=0.0)}
+
+
+def _tell_cost(given: Given, level: str | None) -> None:
+    """Say before what boundary elements take for motors of given torque."""
+    from microswim.jobs.motor_phases import foreseen
+
+    solves, unknowns = foreseen(given.swimmer, level or "standard")
+    click.echo(
+        f"note: {solves} solves of {unknowns:,} unknowns at least, more if that many do not meet "
+        "other phases; each is kept as it comes: stopped, the same command goes on",
+        err=True,
+    )
 
 
 def _start(given: Given, time: str, start: str | None, tilt: str | None) -> dict[str, Any]:

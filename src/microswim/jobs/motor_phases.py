@@ -23,7 +23,7 @@ from microswim.errors import MicroswimError, SpecError
 from microswim.jobs import store
 from microswim.jobs.processes import answers, counted
 from microswim.jobs.worker import Lost
-from microswim.models.bem.levels import Level, coarser, get_level
+from microswim.models.bem.levels import Level, coarser, named
 from microswim.models.bem.own_phases import at_own_phases, with_phases
 from microswim.numerics import archive
 from microswim.numerics.array import Array
@@ -32,8 +32,9 @@ from microswim.numerics.series.harmonics import Harmonics, fitted, harmonics, ph
 from microswim.swimmer.swimmer import Swimmer
 
 #: Largest sum of the harmonics' orders, the share of a velocity that is left at phases left out at
-#: which no more are taken, and the share of the error before that must be left for more to pay.
-DEGREES, LEFT, PAYS = range(2, 9), 1e-3, 0.5
+#: which no more are taken, or of what the next coarser level misses, and the share of the error
+#: before that must be left for more to pay.
+DEGREES, LEFT, OF_LEVEL, PAYS = range(2, 9), 1e-3, 0.3, 0.5
 #: Phases left out, and those that the next coarser level is solved at.
 JUDGED, ROUGH = 8, 3
 OFTEN = 5.0  #: seconds between two times that the file is written
@@ -118,14 +119,18 @@ def motor_phases(
         If tails touch at some phases, or a solve fails.
     """
     n = len(swimmer.tail.each)
-    chosen = level if isinstance(level, Level) else get_level(level)
-    below = coarser(chosen.name)
-    rough = get_level(below) if below else replace(get_level("coarse", 1), name="coarse, order 1")
+    chosen, rough = _levels(swimmer, level)
     before = np.inf
     with _Solves(swimmer, n, workers, progress) as solves:
+        first = _needed(n, DEGREES[0]) + JUDGED
+        others = solves.first(ROUGH, rough, first)
+        rows = solves.first(first, chosen, ROUGH, done=ROUGH)
+        pairs = zip(others, rows, strict=False)
+        levels = np.array([missed(unpacked(a, n), unpacked(b, n)) for a, b in pairs])
+        enough_left = max(LEFT, OF_LEVEL * float(levels.max()))
         for degree in DEGREES:
-            enough = 2 * (1 + 2 * len(harmonics(n, degree)))
-            rows = solves.first(enough + JUDGED, chosen, ROUGH)
+            enough = _needed(n, degree)
+            rows = solves.first(enough + JUDGED, chosen, ROUGH, done=ROUGH)
             where = phases(len(rows), n)
             series = fitted(where[:enough], rows[:enough], degree)
             pairs = zip(where[enough:], rows[enough:], strict=True)
@@ -133,13 +138,34 @@ def motor_phases(
                 [missed(unpacked(series.at(p), n), unpacked(row, n)) for p, row in pairs]
             )
             left = float(off.max())
-            if left < LEFT or left > PAYS * before:
+            if left < enough_left or left > PAYS * before:
                 break
             before = left
-        others = solves.first(ROUGH, rough, 0)
-    pairs = zip(others, rows, strict=False)
-    levels = np.array([missed(unpacked(a, n), unpacked(b, n)) for a, b in pairs])
     return MotorPhases(series, n, len(rows), off, levels)
+
+
+def foreseen(swimmer: Swimmer, level: str | Level = "standard") -> tuple[int, int]:
+    """Return how many solves it takes at least, and of how many unknowns each is."""
+    from microswim.models.bem.patches.mesh import swimmer_surface
+
+    n = len(swimmer.tail.each)
+    at_rest = with_phases(swimmer, np.zeros(n))
+    size = swimmer_surface(at_rest.body, at_rest.tail, 0.0, _levels(swimmer, level)[0].resolution)
+    return _needed(n, DEGREES[0]) + JUDGED, size.unknowns
+
+
+def _levels(swimmer: Swimmer, level: str | Level) -> tuple[Level, Level]:
+    """Return the level, and the one that judges it."""
+    chosen = level if isinstance(level, Level) else named(level, swimmer)
+    below = coarser(chosen.name)
+    if below:
+        return chosen, named(below, swimmer)
+    return chosen, replace(named("coarse", swimmer, 1), name="coarse, order 1")
+
+
+def _needed(tails: int, degree: int) -> int:
+    """Return how many phases a fit takes: twice as many as it has numbers."""
+    return 2 * (1 + 2 * len(harmonics(tails, degree)))
 
 
 class _Solves:
@@ -159,11 +185,14 @@ class _Solves:
     def __exit__(self, *_: object) -> None:
         self._write()
 
-    def first(self, count: int, level: Level, more: int) -> Array:
-        """Return the rows (count, k) of the first phases at a level; `more` are foreseen."""
+    def first(self, count: int, level: Level, more: int, done: int = 0) -> Array:
+        """Return the rows (count, k) of the first phases at a level.
+
+        `more` of another level are foreseen, `done` of it are done.
+        """
         known = self.kept.setdefault(level.name.replace(", ", " "), {})
         left = [k for k in range(count) if k not in known]
-        done = count - len(left)
+        done += count - len(left)
         self._tell(done, count + more)
         alone = self.workers is None and len(left) < 2
         where = phases(count, self.n)

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 import microswim as ms
-from microswim.models.bem.levels import get_level
+from microswim.models.bem.levels import get_level, named
 from microswim.models.bem.patches.cells import cells_about
 from microswim.models.bem.patches.mesh import swimmer_surface
 from microswim.models.bem.solution import solve
@@ -240,6 +240,22 @@ def test_tails_that_touch_or_have_no_room_are_refused():
     ]
     with pytest.raises(ms.SpecError, match=r"tail\[0\]\.position.*no room"):
         solve(swimmer(close), level="coarse")
+
+
+def test_tails_without_room_at_a_later_phase_are_refused_before_the_first_solve():
+    two, told = ms.Swimmer.preset("several/two-tails", {"body.radius": 0.4}), []
+    with pytest.raises(ms.SpecError, match="no room"):
+        two.gait("bem", level="coarse", progress=lambda *done: told.append(done))
+    assert not told
+
+
+def test_coarse_is_no_finer_than_standard_for_several_slender_tails():
+    cell = ms.Swimmer.preset("several/four-flagella")
+    rough, standard = (
+        swimmer_surface(cell.body, cell.tail, 0.0, named(level, cell).resolution).unknowns
+        for level in ("coarse", "standard")
+    )
+    assert rough < 0.7 * standard
 
 
 def test_a_refusal_names_the_tail():

@@ -172,8 +172,8 @@ def gait(
 
 
 def _check_roots(swimmer: Swimmer, phases: Array, level: Level) -> None:
-    """Refuse, before the first solve, a tail that at a later phase has no room on its file."""
-    if swimmer.body.triangles is None:
+    """Refuse, before the first solve, tails that at a later phase have no room, or touch."""
+    if swimmer.body.triangles is None and len(swimmer.tail.each) == 1:
         return
     for phase in phases.tolist():
         rooting.check_all(swimmer.body, swimmer.tail, phase)

@@ -103,7 +103,7 @@ def _of_hooks(report: dict[str, Any]) -> list[tuple[str, str]]:
 
 def table(who: str, report: dict[str, Any]) -> Table:
     """Return the same as a table."""
-    from microswim.gait.readable import EXPLAINED, percent, quantity, significant
+    from microswim.gait.readable import EXPLAINED, but_rounding, percent, quantity, significant
     from microswim.gait.units import unit
     from microswim.output.report.html import Table
     from microswim.path.repeating import words
@@ -113,9 +113,9 @@ def table(who: str, report: dict[str, Any]) -> Table:
     def q(value: float, kind: str) -> str:
         return quantity(value, unit(units, kind))
 
-    length = [q(value, "length") for value in report["position"]]
+    length = [q(value, "length") for value in but_rounding(report["position"])]
     rows = [("at the end, x, y, z" if "paths" not in report else "mean end", ", ".join(length))]
-    rows.append(("drift, x, y, z", ", ".join(q(v, "speed") for v in report["drift"])))
+    rows.append(("drift, x, y, z", ", ".join(q(v, "speed") for v in but_rounding(report["drift"]))))
     if "paths" in report:
         spread = report["mean_square_displacement"] ** 0.5
         rows.append(("root mean square displacement", q(spread, "length")))

@@ -197,15 +197,16 @@ def _tables(found: GroupMotion, name: str) -> list[Table]:
 
 def _held(found: GroupMotion, header: tuple[str, ...]) -> list[Table]:
     """Return the wrenches by the fluid, where a swimmer is held."""
-    from microswim.gait.readable import quantity
+    from microswim.gait.readable import but_rounding, quantity
     from microswim.gait.units import unit
     from microswim.output.report.html import Table
 
     if found.group.free.all():
         return []
     kinds = [unit(found.units, "force")] * 3 + [unit(found.units, "torque")] * 3
+    wrenches = [[*but_rounding(w[:3]), *but_rounding(w[3:])] for w in found.mean_wrench]
     rows = [
-        (f"{'FT'[k > 2]}_{'sqr'[k % 3]}", *(quantity(float(w[k]), u) for w in found.mean_wrench))
+        (f"{'FT'[k > 2]}_{'sqr'[k % 3]}", *(quantity(w[k], u) for w in wrenches))
         for k, u in enumerate(kinds)
     ]
     return [Table("by the fluid", header, rows, "What a holder feels, each in its own axes.")]

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Iterable
 from typing import TYPE_CHECKING, Any
 
 from microswim.gait.units import is_dimensionless
@@ -135,6 +136,19 @@ def with_error(value: Any, error: float | None, unit: str) -> str:
     places = max(places - (half >= 10.0 ** (1 - places) * 9.95), 0)
     text = f"{value * factor:.{places}f} ± {half:.{places}f}"
     return text if is_dimensionless(unit) else f"{text} {name}"
+
+
+def but_rounding(values: Iterable[Any], share: float = 1e-9) -> list[float]:
+    """Return numbers of one kind, those that are nothing beside the largest as zero.
+
+    Examples
+    --------
+    >>> but_rounding([-13.1, 4e-15, 0.5])
+    [-13.1, 0.0, 0.5]
+    """
+    each = [float(x) for x in values]
+    largest = max((abs(x) for x in each), default=0.0)
+    return [0.0 if abs(x) < share * largest else x for x in each]
 
 
 def significant(value: float, digits: int = 4) -> str:

@@ -65,7 +65,11 @@ def path(found: xr.Dataset) -> Figure:
         grid = figure.add_gridspec(1 + by_torque, 6, height_ratios=[1.0, 0.7][: 1 + by_torque])
         above, side, time = (figure.add_subplot(grid[0, 2 * n : 2 * n + 2]) for n in range(3))
         if by_torque:
-            _motors(figure.add_subplot(grid[1, :3]), figure.add_subplot(grid[1, 3:]), found)
+            wide = 2 if "hook_bend" in found else 3
+            each = [grid[1, k : k + wide] for k in range(0, 6, wide)]
+            _motors(figure.add_subplot(each[0]), figure.add_subplot(each[1]), found)
+            if "hook_bend" in found:
+                _hooks(figure.add_subplot(each[2]), found)
         in_tube = found.attrs.get("boundary") == "tube"
         planes = ((0, 2), (1, 2)) if in_tube else ((0, 1), (0, 2))
         _planes((above, side), places, planes, length)
@@ -143,6 +147,16 @@ def _motors(rates: Axes, phases: Axes, found: xr.Dataset) -> None:
         phases.set(ylim=((low + high) / 2.0 - 0.5, (low + high) / 2.0 + 0.5))
     letter(rates, "d")
     letter(phases, "e")
+
+
+def _hooks(axes: Axes, found: xr.Dataset) -> None:
+    """The bend of each hook."""
+    per, label_t = readable(found.time.values, "time", found.time.attrs["units"])
+    for n, bend in enumerate(np.degrees(found.hook_bend.values.T)):
+        style = "-" if n == 0 else "--"
+        axes.plot(per * found.time.values, bend, color=CYCLE[n % len(CYCLE)], ls=style)
+    axes.set(xlabel=label_t, ylabel="bend of the hook (deg)", ylim=(0.0, None))
+    letter(axes, "f")
 
 
 def _in_time(axes: Axes, found: xr.Dataset, places: np.ndarray) -> None:

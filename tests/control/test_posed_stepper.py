@@ -11,7 +11,7 @@ import pytest
 import microswim as ms
 from boundaries import RADIUS, beside, inside
 from microswim.numerics.rigid_motion import rotation_matrix
-from microswim.path.weight import arm, excess
+from microswim.swimmer.surroundings.weight import arm, excess
 
 ROBOT = ms.Swimmer.preset("tabak/helix").with_({"motion.free": "all"})
 BY_WALL = replace(ROBOT, wall=ms.Wall(1.0, tilt=0.2))

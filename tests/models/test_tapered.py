@@ -86,7 +86,7 @@ def test_a_tip_that_does_not_fit_is_refused_and_it_is_a_field():
 
 def test_gravity_weighs_what_is_there():
     """Of a cone: a third of (1 + q + q^2) of the cylinder's volume."""
-    from microswim.path.weight import _of_one
+    from microswim.swimmer.surroundings.weight import _of_one
 
     volume = [
         float(_of_one(ms.HelicalTail(**WAVE, ramp=0.0, **more), np.zeros(1))[0][0])

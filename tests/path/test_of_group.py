@@ -28,6 +28,35 @@ def test_one_swimmer_follows_its_own_path():
     assert found.phase[:, 0].values == pytest.approx(2 * np.pi * times)
 
 
+HEAVY = replace(
+    HELIX,
+    gravity=ms.Gravity(
+        body_density=4.0, tail_density=9.0, acceleration=30.0, direction=(0.3, 0.1, -1.0),
+        centre_of_mass=(0.1, 0.0, 0.05),
+    ),
+)  # fmt: skip
+
+
+@pytest.mark.parametrize("model", ["estimate", "far"])
+def test_a_heavy_swimmer_follows_its_own_path(model):
+    """Against `path` with the same gait, whose loads are put together elsewhere."""
+    times = np.array([0.0, 1.0, 2.0])
+    alone = ms.Group((ms.Member(swimmer=HEAVY),))
+    found = ms.group_path(alone, times, level="coarse", model=model)
+    gait = HELIX.gait("bem", level="coarse")
+    upright = {"gait": gait, "quaternion": (1.0, 0.0, 0.0, 0.0), "samples": 3}
+    known, light = (ms.path(s, 2.0, **upright) for s in (HEAVY, HELIX))
+    sunk = np.linalg.norm(known.position[-1] - light.position[-1])
+    assert sunk > 0.08
+    off = np.linalg.norm(found.position[:, 0].values - known.position.values, axis=1)
+    if model == "far":  # averaged over the turns of the motor and about s
+        assert off.max() < 0.05 * sunk
+        return
+    assert off.max() < 1e-3 * sunk
+    cosine = np.sum(found.quaternion[-1, 0].values * known.quaternion[-1].values)
+    assert 1.0 - abs(cosine) < 1e-5
+
+
 def test_steps_are_of_order_four():
     times, ends = [0.0, 1.0], []
     for step in (1 / 8, 1 / 16, 1 / 64):

@@ -26,6 +26,7 @@ if TYPE_CHECKING:
     from microswim.models.group.far_field import FarField
     from microswim.models.group.mean import GroupMotion
     from microswim.output.report.html import Table
+    from microswim.swimmer.group import Group
 
 
 @click.command(
@@ -135,6 +136,7 @@ def command(
         what, files = ("path", PATH_FILES) if poses is None else ("run", POSES_FILES)
         _kept.check(out, what, files, "vtk", force)
     group = read_scene(scene, dict(change(text) for text in changes), trust)
+    _say_of_motors(group)
     if time is not None:
         asked = {"model": model, "level": level}
         follow(group, str(scene), time, samples, asked, as_json, out)
@@ -151,6 +153,16 @@ def command(
         with _files.or_else(show):
             _write(found, numbers, out, force)
     show()
+
+
+def _say_of_motors(group: Group) -> None:
+    """Say that motors turn at a frequency here, and that hooks do not bend."""
+    from microswim.swimmer.physical_sense import of_motors
+
+    first = {id(m.swimmer): n for n, m in reversed([*enumerate(group.members)])}
+    for n in sorted(first.values()):
+        for said in of_motors(group.members[n].swimmer):
+            click.echo(f"note: swimmer[{n}]: {said}", err=True)
 
 
 def _print(found: GroupMotion, name: str) -> None:

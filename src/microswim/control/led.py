@@ -17,7 +17,7 @@ from microswim.control.stepper import Stepper
 from microswim.errors import SpecError
 from microswim.numerics.array import Array
 from microswim.numerics.rigid_motion import rotation_matrix
-from microswim.path import weight
+from microswim.swimmer.surroundings import weight
 from microswim.swimmer.swimmer import Swimmer
 
 A_TURN = 32  #: commands in a turn of the field

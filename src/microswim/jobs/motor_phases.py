@@ -32,9 +32,10 @@ from microswim.numerics.series.harmonics import Harmonics, fitted, harmonics, ph
 from microswim.swimmer.swimmer import Swimmer
 
 #: Largest sum of the harmonics' orders, the share of a velocity that is left at phases left out at
-#: which no more are taken, or of what the next coarser level misses, and the share of the error
-#: before that must be left for more to pay.
-DEGREES, LEFT, OF_LEVEL, PAYS = range(2, 9), 1e-3, 0.3, 0.5
+#: which no more are taken, or of what the next coarser level misses (that error keeps its sign as
+#: phases go round, what harmonics leave averages out), and the share of the error before that must
+#: be left for more to pay.
+DEGREES, LEFT, OF_LEVEL, PAYS = range(2, 9), 1e-3, 2.0, 0.5
 #: Phases left out, and those that the next coarser level is solved at.
 JUDGED, ROUGH = 8, 3
 OFTEN = 5.0  #: seconds between two times that the file is written

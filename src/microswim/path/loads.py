@@ -10,11 +10,12 @@ import numpy as np
 from microswim.gait.gait import DEGREES_OF_FREEDOM, Gait
 from microswim.numerics.array import Array
 from microswim.numerics.series.fourier import series_of, trimmed
-from microswim.path import strain, weight
+from microswim.path import strain
 from microswim.path.contact import repulsion
 from microswim.path.velocity import CURVED, LINEAR, STILL, Loads
 from microswim.swimmer.magnetism.applied_field import AppliedField, unit
 from microswim.swimmer.magnetism.magnet import magnetic_of
+from microswim.swimmer.surroundings import weight
 from microswim.swimmer.surroundings.flow import Flow, PoiseuilleFlow
 from microswim.swimmer.swimmer import Swimmer
 

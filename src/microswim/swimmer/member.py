@@ -16,6 +16,7 @@ import numpy as np
 from microswim import checks
 from microswim.errors import SpecError
 from microswim.numerics.array import Array
+from microswim.swimmer.surroundings import weight
 from microswim.swimmer.swimmer import Swimmer
 
 NOWHERE = (0.0, 0.0, 0.0)
@@ -30,7 +31,7 @@ class Member:
     ----------
     swimmer
         The swimmer; its ``motion.free`` says what is free, its tail's frequency how it is driven
-        (in the lab frame: as it turns alone).
+        (in the lab frame: as it turns alone), its `Gravity` what it weighs (lab: the scene's axes).
     position
         Of its body's centre, or of the joint without a body (length, scene's frame).
     direction
@@ -83,18 +84,23 @@ class Member:
 
     @property
     def wrench(self) -> Array:
-        """External force and torque (6,) in the swimmer's axes."""
-        Q = self.rotation
-        return np.concatenate([np.array(self.force) @ Q, np.array(self.torque) @ Q])
+        """External force and torque (6,) in the swimmer's axes, its weight among them."""
+        Q, own = self.rotation, self.swimmer
+        load = np.concatenate([np.array(self.force) @ Q, np.array(self.torque) @ Q])
+        if own.gravity is None:
+            return load
+        down = own.gravity.vector @ Q
+        lever = weight.arm(own, np.array([self.phase]))[0]
+        return load + np.concatenate([weight.excess(own) * down, np.cross(lever, down)])
 
 
 def _check_alone(swimmer: Swimmer) -> None:
     """Refuse surroundings that a swimmer cannot bring into a group."""
-    for name in ("wall", "channel", "field", "gravity", "flow", "noise"):
+    for name in ("wall", "channel", "field", "flow", "noise"):
         if getattr(swimmer, name) is not None:
             raise SpecError(
                 f"{name}: a swimmer of a group stands in still, free fluid without fields; remove "
-                f"[{name}] from its spec (a scene has force, torque and [wall])"
+                f"[{name}] from its spec (a scene has force, torque and [wall], a spec [gravity])"
             )
 
 
@@ -140,6 +146,13 @@ def checked_members(members: Any) -> tuple[Member, ...]:
         checks.instance(f"members[{n}]", member, "Member")
     for n, member in enumerate(members[1:], start=1):
         _check_alike(n, member.swimmer, members[0].swimmer)
+    heavy = [(n, m.swimmer.gravity) for n, m in enumerate(members) if m.swimmer.gravity is not None]
+    for n, gravity in heavy[1:]:
+        if not np.allclose(gravity.vector, heavy[0][1].vector, rtol=1e-9, atol=0.0):
+            raise SpecError(
+                f"swimmer[{n}] gravity: must pull as on swimmer[{heavy[0][0]}], as strongly and "
+                "that way; make gravity.direction and gravity.acceleration the same"
+            )
     return members
 
 

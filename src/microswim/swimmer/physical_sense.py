@@ -48,7 +48,7 @@ def remarks(swimmer: Swimmer) -> tuple[str, ...]:
     swimmer
         Any swimmer; of complex numbers the real parts count.
     """
-    return (*_of_shape(swimmer), *_of_motion(swimmer), *_of_motors(swimmer))
+    return (*_of_shape(swimmer), *_of_motion(swimmer), *of_motors(swimmer))
 
 
 def remarks_on_drag(swimmer: Swimmer) -> tuple[str, ...]:
@@ -205,7 +205,8 @@ def _of_motion(swimmer: Swimmer) -> list[str]:
     ]
 
 
-def _of_motors(swimmer: Swimmer) -> list[str]:
+def of_motors(swimmer: Swimmer) -> list[str]:
+    """Return what is to be said of motors of given torque, and of hooks of rigid tails."""
     out = []
     if swimmer.motor is not None:
         out.append(

@@ -7,7 +7,8 @@ import pytest
 
 import microswim as ms
 from microswim.numerics.series.fourier import MIRROR_Q
-from microswim.path import strain, weight
+from microswim.path import strain
+from microswim.swimmer.surroundings import weight
 
 WAVE = {"length": 2.0, "amplitude": 0.1, "waves": 3, "radius": 0.05}
 PHASES = np.linspace(0.0, 6.0, 7)

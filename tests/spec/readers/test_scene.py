@@ -103,8 +103,15 @@ def test_overrides_are_of_one_swimmer_or_of_all(scene):
         (PRESET + PRESET + '[swimmer.set]\n"fluid.viscosity" = 2.0', "a group swims in one fluid"),
         (PRESET + "[swimmer.set]\nwall = {distance = 3.0}", "wall: a swimmer of a group stands in"),
         (
-            PRESET + "[swimmer.set]\ngravity = {density = 2.0, acceleration = 1.0}",
-            "gravity: a swimmer of a group sta",
+            PRESET
+            + "[swimmer.set]\ngravity = {density = 2.0, acceleration = 1.0}\n"
+            + PRESET
+            + "[swimmer.set]\ngravity = {density = 2.0, acceleration = 2.0}",
+            "swimmer[1] gravity: must pull as on swimmer[0]",
+        ),
+        (
+            PRESET + "[swimmer.set]\nflow = {kind = \"uniform\", speed = 1.0, direction = [1, 0, 0]}",
+            "flow: a swimmer of a group sta",
         ),
     ],
 )

@@ -20,14 +20,19 @@ import numpy as np
 from scipy.spatial import KDTree
 
 from microswim.errors import SpecError
+from microswim.models.bem.gait import turns_as_a_whole
 from microswim.models.group.from_afar import FromAfar, from_afar
 from microswim.models.group.singularities import flow, flow_of_pairs, flow_of_quadrupoles
 from microswim.numerics.array import Array
 from microswim.swimmer.group import Group
 from microswim.swimmer.member import about_s, towards
+from microswim.swimmer.surroundings import weight
+from microswim.swimmer.swimmer import Swimmer
 
 #: Sizes of a swimmer within which neighbours' quadrupoles count.
 NEAR = 8.0
+#: Phases that the arm of a weight is averaged over.
+OVER = np.linspace(0.0, 2.0 * np.pi, 12, endpoint=False)
 
 
 @dataclass(frozen=True, eq=False)
@@ -41,6 +46,9 @@ class Swarm:
         Which of them each swimmer is.
     wrench : (n, 6)
         External force and torque, in the scene's axes.
+    down, levers : (3,), (n, 3)
+        Acceleration of gravity, in the scene's axes, and what it pulls at, mass beyond the fluid's
+        times its arm, in the swimmers'; the weights are in `wrench`.
     viscosity : float
         Of the fluid.
     signs : (n,)
@@ -50,6 +58,8 @@ class Swarm:
     kinds: Sequence[FromAfar]
     kind: Array
     wrench: Array
+    down: Array
+    levers: Array
     viscosity: float
     signs: Array
 
@@ -89,10 +99,10 @@ class Swarm:
         V, F, D, quadrupoles = self._alone(Q)
         pairs = KDTree(X).query_pairs(NEAR * self.size, output_type="ndarray")
         apart = np.linalg.norm(X[pairs[:, 0]] - X[pairs[:, 1]], axis=1)
-        close, weight = apart < self.size, np.minimum(apart / self.size, 1.0) ** 5
+        close, share = apart < self.size, np.minimum(apart / self.size, 1.0) ** 5
         u, g = flow(X, F, D, self.viscosity)
-        over = flow_of_pairs(X, F, D, pairs[close], weight[close] - 1.0, self.viscosity)
-        ends = self._answer(Q, *flow_of_quadrupoles(X, quadrupoles, pairs, weight, self.viscosity))
+        over = flow_of_pairs(X, F, D, pairs[close], share[close] - 1.0, self.viscosity)
+        ends = self._answer(Q, *flow_of_quadrupoles(X, quadrupoles, pairs, share, self.viscosity))
         error = self._errors(V, ends)
         error[pairs[close]] = 1.0
         nearest = float(apart.min()) if len(apart) else float("inf")
@@ -116,6 +126,7 @@ class Swarm:
         load = np.ones((n, 7))
         load[:, :3] = np.einsum("nji,nj->ni", Q, self.wrench[:, :3])
         load[:, 3:6] = np.einsum("nji,nj->ni", Q, self.wrench[:, 3:])
+        load[:, 3:6] += np.cross(self.levers, self.down @ Q)
         for k, one in enumerate(self.kinds):
             r = self.kind == k
             q, w = Q[r], load[r]
@@ -150,10 +161,24 @@ def swarm(group: Group, level: str = "standard") -> Swarm:
         raise SpecError('wall: model = "far" knows free fluid alone; remove the wall')
     swimmers = {id(m.swimmer): m.swimmer for m in group.members}
     order = {key: k for k, key in enumerate(swimmers)}
+    heavy = [s.gravity.vector for s in swimmers.values() if s.gravity is not None]
+    pulls = [weight.pull(s) for s in swimmers.values()]
+    levers = [_lever(s) for s in swimmers.values()]
+    kind = np.array([order[id(m.swimmer)] for m in group.members])
+    wrench = np.array([[*m.force, *m.torque] for m in group.members])
+    wrench[:, :3] += np.array(pulls)[kind]
     return Swarm(
         kinds=[from_afar(s, level) for s in swimmers.values()],
-        kind=np.array([order[id(m.swimmer)] for m in group.members]),
-        wrench=np.array([[*m.force, *m.torque] for m in group.members]),
+        kind=kind,
+        wrench=wrench,
+        down=heavy[0] if heavy else np.zeros(3),
+        levers=np.array(levers)[kind],
         viscosity=float(group.viscosity),
         signs=np.array([m.swimmer.tail.sign for m in group.members]),
     )
+
+
+def _lever(swimmer: Swimmer) -> Array:
+    """Return what a weight pulls at (3,), on average: of what turns about s, along s alone."""
+    mean = weight.arm(swimmer, OVER).mean(axis=0)
+    return mean * [1.0, 0.0, 0.0] if turns_as_a_whole(swimmer) else mean

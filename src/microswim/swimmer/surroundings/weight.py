@@ -8,13 +8,17 @@ over body and tail, r_i the middle of each volume; mass off the middle of the bo
 
 from __future__ import annotations
 
+from typing import TYPE_CHECKING
+
 import numpy as np
 
 from microswim.numerics.array import Array
 from microswim.numerics.quadrature import gauss
 from microswim.swimmer.geometry.solids.volume import volume_and_middle
 from microswim.swimmer.geometry.tails.kinds import Tail
-from microswim.swimmer.swimmer import Swimmer
+
+if TYPE_CHECKING:
+    from microswim.swimmer.swimmer import Swimmer
 
 NODES = 48  #: along each smooth panel of a tail, per wave
 
@@ -28,6 +32,13 @@ def excess(swimmer: Swimmer) -> float:
     filament, _ = _tails(swimmer, np.zeros(1))
     rho = swimmer.fluid.density
     return float((body - rho) * volume + (tail - rho) * filament[0])
+
+
+def pull(swimmer: Swimmer) -> Array:
+    """Return the weight (3,) in the fluid, lab frame; zero without gravity."""
+    if swimmer.gravity is None:
+        return np.zeros(3)
+    return excess(swimmer) * swimmer.gravity.vector
 
 
 def arm(swimmer: Swimmer, phases: Array) -> Array:

@@ -110,7 +110,7 @@ def test_overrides_are_of_one_swimmer_or_of_all(scene):
             "swimmer[1] gravity: must pull as on swimmer[0]",
         ),
         (
-            PRESET + "[swimmer.set]\nflow = {kind = \"uniform\", speed = 1.0, direction = [1, 0, 0]}",
+            PRESET + "[swimmer.set]\nflow = {kind = 'uniform', speed = 1.0, direction = [1, 0, 0]}",
             "flow: a swimmer of a group sta",
         ),
     ],

@@ -52,9 +52,7 @@ def main(kind, count=3, first=0):
     rng = np.random.default_rng([19, first, len(kind)])
     pairs = [(away, *drawn(swimmer, away, rng)) for away in DISTANCES for _ in range(count)]
     blocks = {level: pairs[0][1].prepared(level) for level in ("standard", "fine")}
-    print(
-        "unknowns", {k: sum(a.block.unknowns for a in b.made.values()) for k, b in blocks.items()}
-    )
+    print("blocks made", flush=True)
     for away, pair, length in pairs:
         begun = time.process_time()
         try:

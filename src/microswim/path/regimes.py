@@ -17,6 +17,7 @@ from microswim import checks
 from microswim.errors import SpecError
 from microswim.gait import doors
 from microswim.gait.gait import Gait
+from microswim.gait.turning.long_axis import seen_along
 from microswim.gait.turning.slipping import drift
 from microswim.gait.turning.soft_turning import SoftTurning
 from microswim.gait.turning.steady_turning import SteadyTurning, Turned
@@ -24,9 +25,9 @@ from microswim.gait.turning.step_out import mobility_of
 from microswim.gait.turning.wobbling import Axisymmetric, closest, closest_soft
 from microswim.numerics.array import Array, read_only
 from microswim.path.regime_errors import expected, expected_of_elastic
-from microswim.path.regime_portrait import SPINS, Told
+from microswim.path.regime_portrait import Told
+from microswim.path.regime_remarks import long_axis_of, of_inertia, remarks_of, reynolds_of
 from microswim.swimmer.magnetism.applied_field import RotatingField
-from microswim.swimmer.physical_sense import INERTIA
 from microswim.swimmer.swimmer import Swimmer
 
 if TYPE_CHECKING:
@@ -186,7 +187,8 @@ def regimes(
     found = [_one(steady, rate, states) for rate, states in zip(rates, held)]
     angle, velocity, error = (np.array(column) for column in zip(*(f[1:] for f in found)))
     at_most = steady.at_step_out
-    reynolds = _reynolds(swimmer, rates, angle)
+    axis = long_axis_of(swimmer, gait)
+    reynolds = reynolds_of(swimmer, rates, angle, axis)
     return Regimes(
         frequency=frequencies,
         regime=tuple(f[0] for f in found),
@@ -206,7 +208,7 @@ def regimes(
         expected_error=expected(swimmer, gait),
         units=swimmer.units,
         model=gait.model,
-        remarks=tuple(_remarks(gait, steady, frequencies, reynolds)),
+        remarks=tuple(remarks_of(gait, steady, frequencies, reynolds, axis)),
     )
 
 
@@ -214,7 +216,7 @@ def _of_elastic(swimmer: Swimmer, frequencies: Array, judge: Any) -> Regimes:
     from microswim.path.elastic_regimes import held_at
 
     found, rates = held_at(swimmer, frequencies, judge), 2.0 * np.pi * frequencies
-    reynolds, nought = _reynolds(swimmer, rates, found.angle), np.isnan(found.angle)
+    reynolds, nought = reynolds_of(swimmer, rates, found.angle), np.isnan(found.angle)
     names = ["stepped out" if out else _named(a) for a, out in zip(found.angle, nought)]
     return Regimes(
         frequency=frequencies, regime=tuple(names), precession_angle=found.angle,
@@ -223,12 +225,12 @@ def _of_elastic(swimmer: Swimmer, frequencies: Array, judge: Any) -> Regimes:
         velocity_at_step_out=found.at_step_out, reversals=(), reynolds=reynolds, closed_form=None,
         expected_error=expected_of_elastic(swimmer, judge, found.torque), units=swimmer.units,
         model="elastic" if judge is None else judge[0],
-        remarks=(*found.remarks, *_of_inertia(frequencies, reynolds)),
+        remarks=(*found.remarks, *of_inertia(frequencies, reynolds)),
     )  # fmt: skip
 
 
 def steady_turning(swimmer: Swimmer, gait: Gait) -> SteadyTurning:
-    """Return the steady states of a robot in its rotating field.
+    """Return the steady states of a robot in its rotating field, seen along its long axis.
 
     Raises
     ------
@@ -249,9 +251,11 @@ def steady_turning(swimmer: Swimmer, gait: Gait) -> SteadyTurning:
                         '--set motion.free=all lets it tilt')  # fmt: skip
     sense = float(np.sign(applied.frequency))
     cone = sense * applied.cone
-    if magnet.susceptibility is not None:
-        return SoftTurning.of(mobility_of(gait), magnet.softness, applied.strength, cone)
-    return SteadyTurning(mobility_of(gait), magnet.vector, applied.strength, cone)
+    axis, mobility = long_axis_of(swimmer, gait), mobility_of(gait)
+    magnetic = magnet.vector if magnet.susceptibility is None else magnet.softness
+    mobility, magnetic = (seen_along(axis, np.asarray(of)) for of in (mobility, magnetic))
+    of = SteadyTurning if magnet.susceptibility is None else SoftTurning.of
+    return of(mobility, magnetic, applied.strength, cone)
 
 
 def _frequencies(values: Any) -> Array:
@@ -321,30 +325,3 @@ def _closed(steady: SteadyTurning) -> Axisymmetric | None:
     else:
         exact = closest(steady.mobility, steady.moment, steady.strength)
     return exact if exact is not None and exact.holds and not steady.cone else None
-
-
-def _reynolds(swimmer: Swimmer, rates: Array, angle: Array) -> Array:
-    """Return ``rho w a^2 / mu``, a the half length and half width as the robot turns."""
-    rs, *sides = (float(np.real(x)) for x in swimmer.body.semi_axes3)
-    tail = float(getattr(swimmer.tail, "amplitude", None) or 0.0) + float(swimmer.tail.radius)
-    long = rs + float(np.real(swimmer.tail.apparent_length)) / 2.0
-    tilt = np.where(np.isnan(angle), np.pi / 2.0, angle)
-    reach = np.hypot(max(*sides, tail), long * np.sin(tilt))
-    return swimmer.fluid.density * rates * reach**2 / swimmer.fluid.viscosity
-
-
-def _remarks(gait: Gait, steady: SteadyTurning, frequencies: Array, reynolds: Array) -> Any:
-    yield from gait.info.get("remarks", ())
-    if not steady.step_out:
-        why = SPINS if steady.cone else "its moment does not turn it"
-        yield f"the field never holds the robot: {why}"
-    yield from _of_inertia(frequencies, reynolds)
-
-
-def _of_inertia(frequencies: Array, reynolds: Array) -> Any:
-    if reynolds.max() > INERTIA:
-        first = frequencies[np.argmax(reynolds > INERTIA)]
-        yield (
-            f"from {first:.3g} turns per time on the Reynolds number of the turning is above "
-            f"{INERTIA:g} (largest {reynolds.max():.2g}): inertia, which is left out, is felt there"
-        )

@@ -82,7 +82,7 @@ def surrogate(swimmer: Swimmer) -> Gait:
 
 def describe(swimmer: Swimmer, gait: Gait) -> dict[str, Any]:
     """Return the shape, gait and readings of a swimmer, ready for JSON."""
-    magnetic = magnet.of(swimmer)
+    magnetic = magnet.of(swimmer, gait)
     leads = leading_end(gait)
     return {
         "units": {k: v[0] for k, v in units_of(swimmer).items()},

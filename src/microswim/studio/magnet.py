@@ -8,6 +8,8 @@ import numpy as np
 
 from microswim import checks
 from microswim.errors import MicroswimError, SpecError
+from microswim.gait.gait import Gait
+from microswim.path.regime_remarks import long_axis_of
 from microswim.studio import maps, nearby_field
 from microswim.studio.spec_tables import swimmer_of
 from microswim.swimmer.magnetism.applied_field import RotatingField
@@ -15,10 +17,10 @@ from microswim.swimmer.magnetism.magnet import vector_of
 from microswim.swimmer.swimmer import Swimmer
 
 
-def of(swimmer: Swimmer) -> dict[str, Any]:
+def of(swimmer: Swimmer, gait: Gait) -> dict[str, Any]:
     """Return the magnet in the body's axes, strength and turns per time of a rotating field.
 
-    ``driven``: readings that a rotating field gives;
+    ``driven``: readings that a rotating field gives; ``long``: the robot's long axis, 0 of s;
     ``own``: the field about the start, where it is more than one that turns a hard magnet.
     """
     field = swimmer.field if isinstance(swimmer.field, RotatingField) else None
@@ -28,6 +30,7 @@ def of(swimmer: Swimmer) -> dict[str, Any]:
         "softness": None,
         "field": None if field is None else float(field.strength),
         "frequency": None if field is None else abs(float(field.frequency)),
+        "long": long_axis_of(swimmer, gait),
         "own": None,
         "driven": maps.driven(swimmer),
         "remarks": [],

@@ -7,6 +7,7 @@ import type { Answer } from "../state/types";
 import { called, words } from "../state/words";
 import { Own } from "./own";
 
+const AXES: Vec[] = [[1, 0, 0], [0, 1, 0], [0, 0, 1]];
 const HISTORY = 240;
 /** T, of a spec that names no field */
 const USUAL = 5e-3;
@@ -302,7 +303,7 @@ export class Driver {
     const d = this.heading;
     const moment = rotate(pose.q, this.own);
     const m = moment.map((v, i) => v - dot(moment, d) * d[i]) as Vec; // across the field's axis
-    const axis = rotate(pose.q, [1, 0, 0]);
+    const axis = rotate(pose.q, AXES[this.store.design.answer.magnet.long]);
     if (this.before) this.angle += Math.atan2(dot(cross(this.before, m), d), dot(this.before, m));
     this.before = m;
     this.turned.push([pose.time, this.angle]);

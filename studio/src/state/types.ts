@@ -69,6 +69,8 @@ export interface Magnet {
   /** strength and turns per time of a rotating field */
   field: number | null;
   frequency: number | null;
+  /** axis of the body frame along which the robot is long */
+  long: 0 | 1 | 2;
   /** the field about the start, where it is more than one that turns a hard magnet */
   own: Nearby | null;
   /** quantities of a robot in its rotating field, which a map can show; none where nothing turns it */

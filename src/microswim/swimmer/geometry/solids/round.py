@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable
 from dataclasses import dataclass, replace
+from functools import lru_cache
 from typing import Any, ClassVar, Self
 
 import numpy as np
@@ -202,16 +203,7 @@ class Revolution(TurnedBody):
         return replace(self, profile=tuple((s * factor, rho * factor) for s, rho in self.profile))
 
     def outline(self) -> Profile:
-        from scipy.interpolate import CubicSpline
-
-        rows = np.real(np.array(self.profile)).astype(float)
-        s = -np.sign(rows[-1, 0] - rows[0, 0]) * (rows[:, 0] - rows[0, 0])
-        chord = np.concatenate([[0.0], np.cumsum(np.hypot(np.diff(s), np.diff(rows[:, 1])))])
-        even: Any = ((1, 0.0), (1, 0.0))  # at the poles, as s is there; rho is odd
-        odd: Any = ((2, 0.0), (2, 0.0))
-        along = CubicSpline(chord, s, bc_type=even)
-        across = CubicSpline(chord, rows[:, 1], bc_type=odd)
-        return Profile((Piece(float(chord[-1]), lambda x: np.stack([along(x), across(x)], -1)),))
+        return _spline(np.real(np.array(self.profile)).astype(float))
 
 
 def _rows(profile: Any) -> tuple[tuple[float, float], ...]:
@@ -227,18 +219,36 @@ def _rows(profile: Any) -> tuple[tuple[float, float], ...]:
     return tuple((row[0], row[1]) for row in rows)
 
 
+def _spline(rows: Array) -> Profile:
+    """Curve through the points of a profile, from the joint to the nose."""
+    from scipy.interpolate import CubicSpline
+
+    s = -np.sign(rows[-1, 0] - rows[0, 0]) * (rows[:, 0] - rows[0, 0])
+    chord = np.concatenate([[0.0], np.cumsum(np.hypot(np.diff(s), np.diff(rows[:, 1])))])
+    even: Any = ((1, 0.0), (1, 0.0))  # at the poles, as s is there; rho is odd
+    odd: Any = ((2, 0.0), (2, 0.0))
+    along = CubicSpline(chord, s, bc_type=even)
+    across = CubicSpline(chord, rows[:, 1], bc_type=odd)
+    return Profile((Piece(float(chord[-1]), lambda x: np.stack([along(x), across(x)], -1)),))
+
+
 def _check_simple(body: Revolution) -> None:
     """Refuse a profile whose spline crosses the axis or itself."""
-    _, P, _, _ = body.outline().dense
+    fault = _fault(tuple((float(np.real(s)), float(np.real(rho))) for s, rho in body.profile))
+    if fault:
+        raise SpecError(f"body.profile: the curve through it {fault} from the joint; add points "
+                        "there, or move them so that the curve through them is smooth")  # fmt: skip
+
+
+@lru_cache(64)
+def _fault(rows: tuple[tuple[float, float], ...]) -> str:
+    """What is wrong with a profile, and where; kept, as a map asks it of each design."""
+    _, P, _, _ = _spline(np.array(rows)).dense
     low = P[:, 1] <= 0.0
-    mend = "add points there, or move them so that the curve through them is smooth"
     if low.any():
-        place = abs(float(P[low.argmax(), 0]))
-        raise SpecError(f"body.profile: the curve through it meets the axis at {place:.4g} from "
-                        f"the joint; {mend}")  # fmt: skip
-    if (place := _crossing(P)) is not None:
-        raise SpecError(f"body.profile: the curve through it crosses itself at {abs(place):.4g} "
-                        f"from the joint; {mend}")  # fmt: skip
+        return f"meets the axis at {abs(float(P[low.argmax(), 0])):.4g}"
+    place = _crossing(P)
+    return "" if place is None else f"crosses itself at {abs(place):.4g}"
 
 
 def _crossing(P: Array) -> float | None:

@@ -16,6 +16,7 @@ import numpy as np
 from numpy.polynomial import chebyshev
 
 from microswim.errors import SpecError
+from microswim.numerics.quadrature import gauss
 from microswim.swimmer.geometry.tails.placed_tail import PlacedTail
 
 
@@ -65,16 +66,16 @@ class SampledTail(PlacedTail):
     @cached_property
     def _mean_ratio(self) -> tuple[float, float]:
         """Arc length, and mean of apparent over actual length, averaged over the cycle."""
-        xi, w = np.polynomial.legendre.leggauss(64)
+        share, w = gauss(64)
         L = float(np.real(self.length))
         total, ratio = 0.0, 0.0
         for a, b in zip(self.edges, self.edges[1:]):
-            s = L * (a + (b - a) * (xi + 1.0) / 2.0)
+            s = L * (a + (b - a) * share)
             _, slope, _ = self.curve(s[:, None], np.arange(16) * np.pi / 8)
             speed = np.linalg.norm(slope, axis=-1).mean(axis=1)
             cosine = (slope[..., 0] / np.linalg.norm(slope, axis=-1)).mean(axis=1)
-            total += w @ speed * L * (b - a) / 2.0
-            ratio += w @ cosine * (b - a) / 2.0
+            total += w @ speed * L * (b - a)
+            ratio += w @ cosine * (b - a)
         return float(total), float(ratio)
 
     @property

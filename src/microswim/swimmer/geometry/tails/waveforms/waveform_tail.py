@@ -18,6 +18,7 @@ from numpy.polynomial import legendre
 
 from microswim import checks
 from microswim.errors import SpecError
+from microswim.numerics.quadrature import gauss
 from microswim.swimmer.geometry.tails.tail import Sections, SurfaceMotion
 from microswim.swimmer.geometry.tails.waveforms.sampled_tail import SampledTail
 
@@ -168,14 +169,14 @@ def _position(
     modes: np.ndarray, out: np.ndarray | None, length: float, s: Any, phase: Any
 ) -> np.ndarray:
     """``int_0^s (cos theta cos psi, cos theta sin psi, sin theta) ds'`` by Gauss-Legendre."""
-    xi, w = np.polynomial.legendre.leggauss(NODES)
+    x0, w = gauss(NODES)
     s, phase = np.asarray(s, dtype=float), np.asarray(phase, dtype=float)
-    inner, half = s[..., None] * (xi + 1.0) / 2.0, s / 2.0
+    inner = s[..., None] * x0
     psi = tangent_angle(modes, length, inner, phase[..., None])
     theta = 0.0 if out is None else tangent_angle(out, length, inner, phase[..., None])
     flat = np.cos(theta)
-    x, y = half * ((flat * np.cos(psi)) @ w), half * ((flat * np.sin(psi)) @ w)
-    z = np.zeros_like(x) if out is None else half * (np.sin(theta) @ w)
+    x, y = s * ((flat * np.cos(psi)) @ w), s * ((flat * np.sin(psi)) @ w)
+    z = np.zeros_like(x) if out is None else s * (np.sin(theta) @ w)
     return np.stack([x, y, z], axis=-1)
 
 

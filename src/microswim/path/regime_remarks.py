@@ -1,0 +1,55 @@
+"""What is said beside the regimes of a magnetic robot: inertia, its long axis, no hold."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+
+import numpy as np
+
+from microswim.gait.gait import Gait
+from microswim.gait.turning.long_axis import AXES, long_axis
+from microswim.gait.turning.steady_turning import SteadyTurning
+from microswim.gait.turning.step_out import mobility_of
+from microswim.numerics.array import Array
+from microswim.path.regime_portrait import SPINS
+from microswim.swimmer.physical_sense import INERTIA
+from microswim.swimmer.swimmer import Swimmer
+from microswim.swimmer.geometry.tails.no_tail import NoTail
+
+
+def long_axis_of(swimmer: Swimmer, gait: Gait) -> int:
+    """Return the axis from which a robot's precession is counted: s, or the long one of a body."""
+    return long_axis(mobility_of(gait)) if isinstance(swimmer.tail, NoTail) else 0
+
+
+def reynolds_of(swimmer: Swimmer, rates: Array, angle: Array, axis: int = 0) -> Array:
+    """Return ``rho w a^2 / mu``, a the half length and half width as the robot turns."""
+    rs, *sides = np.roll([float(np.real(x)) for x in swimmer.body.semi_axes3], -axis)
+    tail = float(getattr(swimmer.tail, "amplitude", None) or 0.0) + float(swimmer.tail.radius)
+    long = rs + float(np.real(swimmer.tail.apparent_length)) / 2.0
+    tilt = np.where(np.isnan(angle), np.pi / 2.0, angle)
+    reach = np.hypot(max(*sides, tail), long * np.sin(tilt))
+    return swimmer.fluid.density * rates * reach**2 / swimmer.fluid.viscosity
+
+
+def remarks_of(
+    gait: Gait, steady: SteadyTurning, frequencies: Array, reynolds: Array, axis: int
+) -> Iterator[str]:
+    """Return what goes with the numbers of a rigid robot."""
+    yield from gait.info.get("remarks", ())
+    if axis:
+        yield f"the body is long along {AXES[axis]}: angles and regimes are those of that axis"
+    if not steady.step_out:
+        why = SPINS if steady.cone else "its moment does not turn it"
+        yield f"the field never holds the robot: {why}"
+    yield from of_inertia(frequencies, reynolds)
+
+
+def of_inertia(frequencies: Array, reynolds: Array) -> Iterator[str]:
+    """Return from which frequency on inertia, which is left out, is felt."""
+    if reynolds.max() > INERTIA:
+        first = frequencies[np.argmax(reynolds > INERTIA)]
+        yield (
+            f"from {first:.3g} turns per time on the Reynolds number of the turning is above "
+            f"{INERTIA:g} (largest {reynolds.max():.2g}): inertia, which is left out, is felt there"
+        )

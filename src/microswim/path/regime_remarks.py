@@ -14,12 +14,11 @@ from microswim.numerics.array import Array
 from microswim.path.regime_portrait import SPINS
 from microswim.swimmer.physical_sense import INERTIA
 from microswim.swimmer.swimmer import Swimmer
-from microswim.swimmer.geometry.tails.no_tail import NoTail
 
 
 def long_axis_of(swimmer: Swimmer, gait: Gait) -> int:
     """Return the axis from which a robot's precession is counted: s, or the long one of a body."""
-    return long_axis(mobility_of(gait)) if isinstance(swimmer.tail, NoTail) else 0
+    return long_axis(mobility_of(gait)) if swimmer.tail.is_absent else 0
 
 
 def reynolds_of(swimmer: Swimmer, rates: Array, angle: Array, axis: int = 0) -> Array:

@@ -8,7 +8,7 @@ import tomllib
 
 import numpy as np
 import pytest
-from chromium import PATIENCE, opened
+from chromium import calm, opened
 
 import microswim as ms
 from microswim.calibration.region.text import pack
@@ -555,8 +555,7 @@ def test_what_one_takes_away(page, browser, tmp_path):
     html = tmp_path / "snapshot.html"
     html.write_bytes(take(page, "#take-html"))
     asked = []
-    alone = browser.new_page(viewport={"width": 1280, "height": 720}, offline=True)
-    alone.set_default_timeout(PATIENCE)
+    alone = calm(browser, offline=True)
     alone.on("request", lambda r: asked.append(r.url))
     alone.goto(html.as_uri(), wait_until="commit")
     alone.wait_for_selector("body[data-ready]")
@@ -598,7 +597,7 @@ def test_a_field_that_the_server_tells_is_on_the_page(browser, server):
         start["answer"]["tables"]["fluid"] |= {"dye": "2 kg/m^3", "hue": "r"}
         route.fulfill(json=start)
 
-    fresh = browser.new_page()
+    fresh = calm(browser)
     fresh.route("**/api/start", with_dye)
     fresh.goto(server, wait_until="commit")
     fresh.wait_for_selector("body[data-ready]")

@@ -281,3 +281,12 @@ def test_designs_outside_the_atlas_are_answered_side_by_side_with_the_error_of_o
             row.mean_velocity, gait.mean_velocity, atol=3e-8 * np.abs(gait.mean_velocity).max()
         )
         assert float(row.expected_error) == pytest.approx(gait.info["expected_error"]["us"])
+
+
+def test_the_atlas_in_place_of_a_law_of_the_spec_says_its_error():
+    """Such designs are solved one by one."""
+    result = ms.sweep(HELIX, {"tail.waves": [2.0, 9.0]}, model="atlas")
+    inside = HELIX.with_({"tail.waves": 2.0})
+    told = ms.expected_error(inside, inside.gait("atlas"))["us"]
+    assert float(result.expected_error[0]) == pytest.approx(told)
+    assert np.isnan(result.expected_error[1])  # outside

@@ -14,6 +14,7 @@ from typing import Any
 import numpy as np
 
 from microswim.calibration.atlas.everywhere import Everywhere, errors_outside, everywhere
+from microswim.calibration.atlas.expected import expected_error
 from microswim.errors import MachineError, MicroswimError, SpecError
 from microswim.gait.basis import Basis
 from microswim.gait.quantities import QUANTITIES
@@ -134,6 +135,9 @@ def _solve_one(job: Job, values: dict[str, Any], out: dict[str, np.ndarray], row
             swimmer = vary(job.swimmer, values)
             gait = swimmer.gait(job.model, **job.options)
             results = outputs(gait) | driven(gait, drive_of(swimmer))
+            if np.isnan(results["expected_error"]):
+                told = expected_error(swimmer, gait)["us"]
+                results["expected_error"] = np.nan if told is None else told
     except (MachineError, MemoryError, OSError) as error:  # not the design's fault: row unsolved
         out["reason"][row] = in_words(error)
     except (SpecError, MicroswimError) as error:

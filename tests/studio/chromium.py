@@ -9,17 +9,18 @@ FLAGS = [
     "--disable-sync",
 ]
 PATIENCE = 120_000  # milliseconds; software WebGL on a busy machine draws a frame a second
-#: Four frames a second, each of a quarter of the points: graphics in software take a core else.
+#: Few frames a second, each of a quarter of the points: graphics in software take a core else.
 CALM = """(() => {
   const next = window.requestAnimationFrame.bind(window);
-  window.requestAnimationFrame = (draw) => setTimeout(() => next(draw), 250);
+  window.requestAnimationFrame = (draw) => setTimeout(() => next(draw), 150);
 })()"""
-SIZE = {"viewport": {"width": 1280, "height": 720}, "device_scale_factor": 0.5}
+SIZE = {"viewport": {"width": 1280, "height": 720}}
 
 
 def calm(browser, **options):
     """A page that is not opened yet and draws seldom."""
-    page = browser.new_page(**{**SIZE, **options})
+    coarse = {} if options.get("is_mobile") else {"device_scale_factor": 0.5}
+    page = browser.new_page(**{**SIZE, **coarse, **options})
     page.set_default_timeout(PATIENCE)
     page.add_init_script(CALM)
     return page
@@ -34,3 +35,19 @@ def opened(browser, address, **options):
     page.goto(address, wait_until="commit")
     page.wait_for_selector("body[data-ready]")
     return page
+
+
+COUNTED = """() => {
+  if (window.clicks === undefined) {
+    window.clicks = 0;
+    window.addEventListener("click", () => { window.clicks += 1; }, true);
+  }
+  return window.clicks;
+}"""
+
+
+def touch(page, selector):
+    """A finger on a button; what it does has begun."""
+    before = page.evaluate(COUNTED)
+    page.tap(selector)
+    page.wait_for_function("(n) => window.clicks > n", arg=before)

@@ -5,6 +5,7 @@ While a browser is open no other event loop can run in the process, so it is clo
 
 import os
 import re
+import signal
 import subprocess
 import sys
 
@@ -17,14 +18,15 @@ def server():
     code = "from microswim.cli import main; main(['studio', '--no-browser', '--port', '0'])"
     env = {**os.environ, "PYTHONUNBUFFERED": "1"}
     process = subprocess.Popen(
-        [sys.executable, "-c", code], stdout=subprocess.PIPE, text=True, env=env
-    )
+        [sys.executable, "-c", code], stdout=subprocess.PIPE, text=True, env=env,
+        start_new_session=True,
+    )  # fmt: skip
     try:
         line = process.stdout.readline()
         yield re.search(r"http://127\.0\.0\.1:\d+/", line).group()
     finally:
-        process.terminate()
-        process.wait(90)  # a solve under way ends first
+        os.killpg(process.pid, signal.SIGKILL)  # nobody waits for a solve that is under way
+        process.wait(90)
         process.stdout.close()
 
 

@@ -463,28 +463,48 @@ TILTED = {
 }
 
 
-def driven_by_its_field(browser, server, robot, known, folder):
-    """A page of its own with a robot in its field, paused; `known` of the magnet has come."""
-    spec = folder / "robot.toml"
+@pytest.fixture(scope="module")
+def another(browser, server):
+    """A page that goes from robot to robot in its field."""
+    made = opened(browser, server)
+    made.click("#tab-drive")
+    yield made
+    made.close()
+
+
+def driven_by_its_field(page, robot, known, folder):
+    """Put a robot in its field on the page, paused; `known` of the magnet has come."""
+    spec = folder / f"{folder.name}.toml"
     spec.write_text(robot.to_toml())
-    fresh = opened(browser, server)
-    fresh.set_input_files("#file", spec)
-    fresh.wait_for_function(f"() => studio.store.design.answer.magnet.{known} !== null")
-    fresh.click("#tab-drive")
-    fresh.click("#drive-field")
-    fresh.evaluate("() => { studio.view.paused = true; }")
-    return fresh
+    page.set_input_files("#file", spec)
+    page.wait_for_function("(name) => studio.store.design.name === name", arg=folder.name)
+    page.wait_for_function(f"() => studio.store.design.answer.magnet.{known} !== null")
+    page.click("#drive-field")
+    page.evaluate("() => { studio.view.paused = true; }")
 
 
-@pytest.mark.parametrize("frequency", [0.0008, 0.0025, 0.013])
+SCREW = ms.Swimmer.preset("tabak/helix-constant", TILTED)
+ACROSS = ms.Swimmer(  # as a file drawn along z
+    body=ms.Ellipsoid(semi_axes=(0.5, 0.5, 1.6)),
+    tail=ms.NoTail(),
+    fluid=ms.Fluid(viscosity=1.0),
+    magnet=ms.Magnet(moment=(float(np.sqrt(0.75)), 0.0, 0.5)),
+    field=ms.RotatingField(strength=60.0, frequency=1.0),
+)
+
+
+@pytest.mark.parametrize(
+    ("robot", "frequency"),
+    [(SCREW, 0.0008), (SCREW, 0.0025), (SCREW, 0.013), (ACROSS, 0.7)],
+    ids=["tumbling", "between", "in step", "a body long along r"],
+)
 def test_the_magnet_and_the_field_of_a_spec_drive_it_and_its_regime_is_told(
-    page, browser, server, frequency, tmp_path
+    another, robot, frequency, tmp_path
 ):
     """The page steps in time; `ms.regimes` finds the states of steady turning."""
-    robot = ms.Swimmer.preset("tabak/helix-constant", TILTED)
     robot = robot.with_({"field.frequency": frequency})
-    fresh = driven_by_its_field(browser, server, robot, "moment", tmp_path)
-    rate, strength, leans = fresh.evaluate(
+    driven_by_its_field(another, robot, "moment", tmp_path)
+    rate, strength, leans = another.evaluate(
         """(T) => { const { driver } = studio, a = studio.actors()[0];
         driver.restart(); a.restart();
         for (let i = 0; i < 16 * 60; i++) {
@@ -497,13 +517,12 @@ def test_the_magnet_and_the_field_of_a_spec_drive_it_and_its_regime_is_told(
     told = ms.regimes(robot, [frequency], gait=robot.gait())
     angles = [told.precession_angle[0], *(state[0] for state in told.others[0])]
     assert min(abs(np.degrees(a) - np.mean(leans)) for a in angles) < 1.0
-    assert fresh.inner_text("#step").lower().startswith(told.regime[0])
-    assert all(fresh.is_visible(f".arrows .{name}") for name in ("field", "moment"))
-    fresh.screenshot(path=tmp_path / "field.png")
-    fresh.close()
+    assert another.inner_text("#step").lower().startswith(told.regime[0])
+    assert all(another.is_visible(f".arrows .{name}") for name in ("field", "moment"))
+    another.screenshot(path=tmp_path / "field.png")
 
 
-def test_a_field_that_depends_on_place_drives_it_as_a_path_has_it(browser, server, tmp_path):
+def test_a_field_that_depends_on_place_drives_it_as_a_path_has_it(another, tmp_path):
     """Torque and force of a magnet's field, asked anew as the robot comes near it."""
     robot = ms.Swimmer(
         body=ms.Sphere(radius=5e-4),
@@ -514,8 +533,8 @@ def test_a_field_that_depends_on_place_drives_it_as_a_path_has_it(browser, serve
         field=ms.DipoleField(moment=(0, 8, 0), position=(0.05, 0, 0), velocity=(-0.01, 0, 0)),
         units="SI",
     )
-    fresh = driven_by_its_field(browser, server, robot, "own", tmp_path)
-    asked, x = fresh.evaluate(
+    driven_by_its_field(another, robot, "own", tmp_path)
+    asked, x = another.evaluate(
         """async () => { const { driver } = studio, a = studio.actors()[0];
         driver.restart(); a.restart();
         let asked = 0;
@@ -529,16 +548,15 @@ def test_a_field_that_depends_on_place_drives_it_as_a_path_has_it(browser, serve
     )
     gait = (
         robot.gait("atlas")
-        if fresh.evaluate("() => studio.store.design.answer.gait.model") == "atlas"
+        if another.evaluate("() => studio.store.design.answer.gait.model") == "atlas"
         else robot.gait()
     )
     found = ms.path(robot, 2.0, gait=gait)
     end = found.position.values[-1]
     assert asked  # the field goes on being known
     assert np.allclose(x, end, atol=5e-4 * np.linalg.norm(end))
-    assert "mT here" in fresh.inner_text("#step")
-    fresh.screenshot(path=tmp_path / "placed.png")
-    fresh.close()
+    assert "mT here" in another.inner_text("#step")
+    another.screenshot(path=tmp_path / "placed.png")
 
 
 def test_what_one_takes_away(page, browser, tmp_path):

@@ -27,15 +27,18 @@ LENGTH = "() => studio.actors()[0].sqr.children.length"
 
 @pytest.fixture(scope="module")
 def page(browser, server):
-    made = chromium.opened(browser, server)
+    made = chromium.opened(browser, server, device_scale_factor=1)  # pictures are looked at
     yield made
     made.close()
 
 
 def put(page, name):
+    page.evaluate("() => { window.former = studio.store.design.answer; }")
     page.select_option("#presets", value=name)
     page.wait_for_function(f"() => studio.store.design.name === '{name}'")
-    page.wait_for_function("() => studio.store.design.latest.idle")
+    page.wait_for_function(
+        "() => studio.store.design.answer !== window.former && studio.store.design.latest.idle"
+    )
 
 
 def rings(page):

@@ -7,11 +7,12 @@ series, 21 columns for the lower triangle of R and 6 for F_p, as `gait.stepping`
 from __future__ import annotations
 
 import time
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
 
-from microswim.calibration.atlas import atlas, choice, coordinates
+from microswim.calibration.atlas import choice
 from microswim.calibration.atlas.expected import expected_error, of_reference
 from microswim.errors import noted
 from microswim.gait.gait import Gait
@@ -25,6 +26,8 @@ from microswim.studio import magnet
 from microswim.studio.brought import surfaces as dropped
 from microswim.studio.drawing import shape
 from microswim.studio.spec_tables import canonical, swimmer_of, units_of
+from microswim.swimmer.drag.coefficients import Unchosen
+from microswim.swimmer.drag.interaction import Interaction
 from microswim.swimmer.surroundings import clearance
 from microswim.swimmer.swimmer import Swimmer
 
@@ -134,10 +137,10 @@ def trust(swimmer: Swimmer, gait: Gait) -> dict[str, Any]:
 
 def is_known_to_atlas(swimmer: Swimmer) -> bool:
     """Tell whether the atlas would answer, had nobody chosen a law or coefficients."""
-    free = swimmer.wall is None and swimmer.channel is None and not swimmer.tail.settles
-    if not free or swimmer.is_open or swimmer.region is not None or swimmer.tail.is_absent:
+    if swimmer.is_open:
         return False
-    return not coordinates.outside(swimmer) and atlas.of(swimmer) is not None
+    free = {"coefficients": Unchosen(), "interaction": Interaction(), "calibration": None}
+    return not choice.not_atlas(replace(swimmer, **free))
 
 
 def readings(swimmer: Swimmer, gait: Gait) -> dict[str, Any]:

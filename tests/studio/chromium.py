@@ -47,7 +47,12 @@ COUNTED = """() => {
 
 
 def touch(page, selector):
-    """A finger on a button; what it does has begun."""
-    before = page.evaluate(COUNTED)
+    """A finger on a button; what it does has begun. A tap right after a pinch may be lost."""
+    before, clicked = page.evaluate(COUNTED), "(n) => window.clicks > n"
     page.tap(selector)
-    page.wait_for_function("(n) => window.clicks > n", arg=before)
+    for _ in range(200):
+        if page.evaluate(clicked, before):
+            return
+        page.wait_for_timeout(50)
+    page.tap(selector)
+    page.wait_for_function(clicked, arg=before)

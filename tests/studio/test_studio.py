@@ -803,3 +803,15 @@ def test_a_spec_of_this_machine_brings_the_file_of_its_field(tmp_path, monkeypat
     told = answers.solve(brought.admitted(given))
     _, J = nearby_field.at(told["magnet"]["own"], 0.0, [[0.0, 0.0, 0.0]])
     assert np.allclose(J[0], np.diag([1.0, -1.0, 0.0]), atol=1e-9)
+
+
+@pytest.mark.parametrize("axis", [0, 2])
+def test_the_page_is_told_along_which_axis_a_body_alone_is_long(axis):
+    robot = ms.Swimmer(
+        body=ms.Ellipsoid(semi_axes=tuple(np.roll([1.6, 0.5, 0.5], axis))),
+        tail=ms.NoTail(),
+        fluid=ms.Fluid(viscosity=1.0),
+        magnet=ms.Magnet(moment=(0.0, 1.0, 0.0)),
+        field=ms.RotatingField(strength=1.0, frequency=0.02),
+    )
+    assert answers.describe(robot, robot.gait())["magnet"]["long"] == axis

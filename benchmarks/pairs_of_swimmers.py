@@ -16,7 +16,7 @@ import microswim as ms
 KINDS = {
     "helix": ("tabak/helix", {}),
     "wave": ("tabak/plane_wave", {}),
-    "cell": ("goto/C", {}),
+    "cell": ("goto/C", {"motion.free": "all"}),
 }
 DISTANCES = (0.6, 1.0, 1.5, 2.0, 3.0)
 PHASES = (0.4, 2.9)

@@ -88,3 +88,24 @@ def test_rows_of_designs_with_semicolons_and_decimal_commas(tmp_path):
         {"tail.amplitude": "0.1 mm", "tail.handedness": "left"},
         {"tail.amplitude": "0.12 mm", "tail.handedness": "right"},
     ]
+
+
+@pytest.mark.parametrize("mark", [",", ";"])
+@pytest.mark.parametrize("odd", ["", '"c1"', "#c1", " c1 "])
+def test_rows_read_at_once_are_those_read_one_by_one(tmp_path, monkeypatch, mark, odd):
+    """Names with quotes or a hash go the slow way; both ways say the same of the same file."""
+    path = tmp_path / "t.csv"
+    cells = [(i / 8, -i / 4, i * 1e-7, f"c{i % 3}") for i in range(40)]
+    lines = [mark.join(f"{v:g}" if isinstance(v, float) else v for v in row) for row in cells]
+    lines = [line.replace(".", ",") for line in lines] if mark == ";" else lines
+    if odd:
+        lines[7] = lines[7].replace("c1", odd)
+    path.write_text("\n".join([mark.join(["t", "x", "y", "track"]), *lines[:20], "", *lines[20:]]))
+    known = KNOWN | {"track": ("track",)}
+    fast = measured.read(path, known, ("x", "y"), "track")
+    monkeypatch.setattr("numpy.loadtxt", lambda *a, **k: (_ for _ in ()).throw(ValueError))
+    slow = measured.read(path, known, ("x", "y"), "track")
+    assert all((fast.numbers[n] == slow.numbers[n]).all() for n in ("time", "x", "y"))
+    assert fast.numbers["x"].tolist() == [row[1] for row in cells]
+    assert [w.strip() for w in fast.labels] == [w.strip() for w in slow.labels]
+    assert len(fast.labels) == 40

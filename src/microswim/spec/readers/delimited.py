@@ -11,9 +11,10 @@ import csv
 import io
 import math
 import re
-from collections.abc import Iterable, Iterator, Sequence
-from itertools import islice
+from collections.abc import Iterator, Sequence
+from itertools import chain, islice
 from os import PathLike
+from typing import Any
 
 import numpy as np
 
@@ -26,27 +27,92 @@ MISSING = {"", "nan", "na", "n/a", "none", "null", "-"}
 _UNSURE = re.compile(r"[+-]?[1-9]\d{0,2},\d{3}")  # 1,234: a decimal comma or a thousand
 
 
-def cells(path: str | PathLike[str]) -> Iterator[list[str]]:
-    """Yield the rows of a table as lists of texts, the header first.
+class Rows:
+    """The rows of a table as lists of texts, empty ones left out, one after the other.
+
+    Parameters
+    ----------
+    path
+        Of the file, for errors.
+    text
+        All that it holds.
+    mark
+        What stands between its cells.
+    """
+
+    def __init__(self, path: str | PathLike[str], text: str, mark: str) -> None:
+        self._path, self._text, self._mark = path, text, mark
+        self._lines = _content(text)
+        self._rows = csv.reader(self._lines, delimiter=mark, skipinitialspace=mark != "\t")
+
+    def __iter__(self) -> Iterator[list[str]]:
+        return self
+
+    def __next__(self) -> list[str]:
+        try:
+            for row in self._rows:
+                if any(row) and (len(row) > 1 or not row[0].isspace()):
+                    return row
+        except csv.Error as error:
+            raise SpecError(f"{self._path}: not a CSV: {error}") from None
+        raise StopIteration
+
+    def all_numbers(
+        self, wanted: Sequence[int], labels: int | None
+    ) -> tuple[np.ndarray, list[str]] | None:
+        """Return what `columns` does of the rows that are left, at once; None where a cell is not
+        a bare number, and no row is taken then.
+
+        Parameters
+        ----------
+        wanted
+            Indices of the columns of numbers.
+        labels
+            Index of the column of words, or None.
+        """
+        lines = self._lines
+        if not isinstance(lines, io.StringIO) or self._mark == " ":
+            return None
+        at = lines.tell()
+        rest = self._text[at:]
+        if not rest.strip() or '"' in rest:
+            return None
+        pointed = self._mark == "," or "." in self._text
+        read: dict[str, Any] = {"delimiter": self._mark, "comments": None, "encoding": None}
+        try:
+            numbers = np.loadtxt(
+                io.StringIO(rest if pointed else rest.replace(",", ".")),
+                usecols=wanted, ndmin=2, **read,
+            )  # fmt: skip
+            words: list[str] = []
+            if labels is not None:
+                words = np.loadtxt(
+                    io.StringIO(rest), usecols=labels, dtype=object, ndmin=1, **read
+                ).tolist()
+        except ValueError:
+            return None
+        lines.seek(0, io.SEEK_END)
+        return numbers, words
+
+
+def cells(path: str | PathLike[str]) -> Rows:
+    """Return the rows of a table as lists of texts, the header first.
 
     Raises
     ------
     SpecError
-        If the file cannot be read or is no table.
+        If the file cannot be read or, once its rows are asked for, is no table.
     """
     text = read_text(path, LARGEST_TABLE, windows=True)
-    first = next((line for line in io.StringIO(text) if line.strip(" \t\r\n;,")), "")
+    first = _first(text[:BLOCK]) or _first(text)
     said = re.fullmatch(r"sep=(.)\s*", first.strip().strip('"'))  # Excel's own first line
     if said:
         text = text.partition(first)[2]
-        first = first.strip().strip('"')
-    mark = said[1] if said else _between(list(islice(_content(text), SEEN)))
-    try:
-        for row in csv.reader(_content(text), delimiter=mark, skipinitialspace=mark != "\t"):
-            if any(row) and (len(row) > 1 or not row[0].isspace()):
-                yield row
-    except csv.Error as error:
-        raise SpecError(f"{path}: not a CSV: {error}") from None
+    return Rows(path, text, said[1] if said else _between(list(islice(_content(text), SEEN))))
+
+
+def _first(text: str) -> str:
+    return next((line for line in io.StringIO(text) if line.strip(" \t\r\n;,")), "")
 
 
 def _content(text: str) -> Iterator[str]:
@@ -121,7 +187,11 @@ def is_number(cell: str) -> bool:
 
 
 def columns(
-    path: str | PathLike[str], table: Iterable[list[str]], wanted: Sequence[int], labels: int | None
+    path: str | PathLike[str],
+    first: list[str],
+    table: Rows,
+    wanted: Sequence[int],
+    labels: int | None,
 ) -> tuple[np.ndarray, list[str]]:
     """Return the numbers of some columns, NaN where a cell is empty, and the words of another.
 
@@ -129,8 +199,8 @@ def columns(
     ----------
     path
         Of the file, for errors.
-    table
-        Its rows below the header.
+    first, table
+        Its first row below the header, and the others.
     wanted
         Indices of the columns of numbers.
     labels
@@ -147,12 +217,15 @@ def columns(
         If a cell holds something else, or commas may be decimal or group thousands.
     """
     blocks, words = [np.empty((0, len(wanted)))], []
-    table = iter(table)
-    while block := list(islice(table, BLOCK)):
-        most = max([*wanted, labels or 0])
+    most, alike = max([*wanted, labels or 0]), table.all_numbers(wanted, labels)
+    rows = chain([first], table)
+    while block := list(islice(rows, BLOCK)):
         block = [row if len(row) > most else row + [""] * (most + 1 - len(row)) for row in block]
         blocks.append(np.stack([_numbers(path, block, i) for i in wanted], axis=-1))
         words += [] if labels is None else [row[labels] for row in block]
+    if alike is not None:
+        blocks.append(alike[0])
+        words += alike[1]
     return np.concatenate(blocks), words
 
 

@@ -60,11 +60,7 @@ def loops_of(path: AveragePath) -> Loops | None:
     rate = rate_of_winding(float(t[1] - t[0]), path.mean, least=0.0)
     if abs(rate) * np.ptp(t) < 2.0 * np.pi * FEWEST:
         return None
-    off: Any = minimize_scalar(
-        lambda w: float(np.sum(np.abs(_circle(t, z, w)[1]) ** 2)), method="bounded",
-        bounds=(rate - np.pi / np.ptp(t), rate + np.pi / np.ptp(t)), options={"xatol": 1e-6 * rate},
-    )  # fmt: skip
-    rate = float(off.x)
+    rate = _rate_near(t, z, rate)
     c, left, errors = _circle(t, z, rate)
     v = np.diff(left)
     swung = np.diff(c[2] * np.exp(1j * rate * t))
@@ -77,6 +73,24 @@ def loops_of(path: AveragePath) -> Loops | None:
         return None
     low = drift - half if drift > SURELY * half else 0.0
     return Loops(rate, Estimate.around(radius, wide), Estimate(drift, low, drift + half))
+
+
+def _rate_near(t: np.ndarray, z: np.ndarray, rate: float) -> float:
+    """Rate of the best circle within half a loop in the track; t has mean 0."""
+    straight = np.stack([np.ones_like(t), t], axis=1)
+    straight /= np.linalg.norm(straight, axis=0)
+    z = z - straight @ (straight.T @ z)
+
+    def held(w: float) -> float:
+        swing = np.exp(1j * w * t)
+        own = len(t) - float(np.sum(np.abs(straight.T @ swing) ** 2))
+        return -float(abs(np.vdot(swing, z)) ** 2) / own
+
+    half = np.pi / float(np.ptp(t))
+    off: Any = minimize_scalar(
+        held, method="bounded", bounds=(rate - half, rate + half), options={"xatol": 1e-7 * half}
+    )
+    return float(off.x)
 
 
 def _circle(t: np.ndarray, z: np.ndarray, rate: float) -> tuple[np.ndarray, np.ndarray, np.ndarray]:

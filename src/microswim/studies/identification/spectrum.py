@@ -14,6 +14,7 @@ from typing import Any
 import numpy as np
 from scipy import fft
 from scipy.optimize import minimize_scalar
+from scipy.special import digamma, gammaincc, gammaincinv
 
 FINER = 10  #: frequencies per natural one, 1 / duration
 SHORT = 1500  #: samples that are fitted one by one
@@ -148,8 +149,6 @@ def line(t: np.ndarray, x: np.ndarray, above: float = 0.0) -> Line:
     above
         Frequency below which nothing is looked for.
     """
-    from scipy.stats import gamma
-
     n, d = x.shape
     slow = _slow(t, min(DEGREE, n // 8))
     y = x - slow @ np.linalg.lstsq(slow, x, rcond=None)[0]
@@ -163,12 +162,12 @@ def line(t: np.ndarray, x: np.ndarray, above: float = 0.0) -> Line:
     f, P = f[usable], P[usable]
     around = _surroundings(f, P, d)
     i = int(np.argmax(P / around))
-    alone = min(float(gamma.sf(d * P[i] / around[i], d)), 1.0 - 1e-12)
+    alone = min(float(gammaincc(d, d * P[i] / around[i])), 1.0 - 1e-12)
     chance = float(-np.expm1(3.0 * f.size / FINER * np.log1p(-alone)))
     if np.ptp(y, axis=0).max() <= ROUNDING * np.abs(x).max():
         chance = 1.0
     s2 = around[i] / (2.0 * d)
-    top = np.median(P[2 * f.size // 3 :: FINER]) / (2.0 * gamma.median(d))
+    top = np.median(P[2 * f.size // 3 :: FINER]) / (2.0 * gammaincinv(d, 0.5))
     frequency, wave = _sine(t, x, float(f[i]), slow)
     A = float(np.sqrt(2.0 * np.mean(np.sum(wave**2, axis=1))))
     T = float(t[-1] - t[0])
@@ -204,18 +203,22 @@ def _sine(t: np.ndarray, x: np.ndarray, near: float, slow: np.ndarray) -> tuple[
     Q = np.linalg.qr(slow)[0]
     x = x - Q @ (Q.T @ x)
 
-    def fitted(f: float) -> tuple[np.ndarray, np.ndarray]:
+    def sine(f: float) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
         angle = 2.0 * np.pi * f * t
         basis = np.stack([np.cos(angle), np.sin(angle)], axis=-1)
-        beside = basis - Q @ (Q.T @ basis)
-        c = np.linalg.solve(beside.T @ beside, beside.T @ x)
-        return basis @ c, x - beside @ c
+        slowly, seen = Q.T @ basis, basis.T @ x
+        return basis, np.linalg.solve(basis.T @ basis - slowly.T @ slowly, seen), seen
+
+    def held(f: float) -> float:
+        _, c, seen = sine(f)
+        return -float(np.sum(c * seen))
 
     found: Any = minimize_scalar(
-        lambda f: float(np.sum(fitted(f)[1] ** 2)),
+        held,
         bounds=(near - step, near + step), method="bounded", options={"xatol": 1e-4 * step},
     )  # fmt: skip
-    return float(found.x), fitted(float(found.x))[0]
+    basis, c, _ = sine(float(found.x))
+    return float(found.x), basis @ c
 
 
 NEAR = 12  #: natural frequencies to either side that are the surroundings
@@ -227,8 +230,6 @@ HIDES = 10.0  #: times the power around it, below which a line is not told from 
 
 def _surroundings(f: np.ndarray, P: np.ndarray, d: int) -> np.ndarray:
     """Mean power around each frequency: robust straight lines through the logarithms nearby."""
-    from scipy.special import digamma
-
     x, z = np.log(f[::FINER]), np.log(np.maximum(P[::FINER], 1e-300)) - digamma(d) + np.log(d)
     count = x.size
     knots = np.unique(np.round(np.geomspace(1, count, 40)).astype(int)) - 1
@@ -243,11 +244,12 @@ def _surroundings(f: np.ndarray, P: np.ndarray, d: int) -> np.ndarray:
 
 def _line_at(x: np.ndarray, z: np.ndarray) -> float:
     """Value at zero of a straight line that points far above it do not pull up."""
-    basis = np.stack([np.ones_like(x), x], axis=-1)
-    weight = np.ones(z.size)
+    level, weight = 0.0, np.ones(z.size)
     for _ in range(12):
-        B = basis * np.sqrt(weight)[:, None]
-        c = np.linalg.lstsq(B, z * np.sqrt(weight), rcond=None)[0]
-        off = z - basis @ c
-        weight = 1.0 / np.maximum(off, 1.0) ** 2
-    return float(c[0])
+        total = float(weight.sum())
+        x0, z0 = float(weight @ x) / total, float(weight @ z) / total
+        beside = weight * (x - x0)
+        slope = float(beside @ z) / max(float(beside @ x), 1e-300)
+        level = z0 - slope * x0
+        weight = 1.0 / np.maximum(z - level - slope * x, 1.0) ** 2
+    return level

@@ -19,6 +19,9 @@ def module(path):
     return made
 
 
+GALLERY = module(ROOT.parent / "docs" / "hooks" / "gallery.py")
+
+
 def first_swim(r):
     """Independent quadrature of the paper's model: data set `base-case`."""
     free = r["swimmer"].with_({"motion.free": ("us", "uq", "ur", "os")}).gait()
@@ -245,6 +248,7 @@ def test_numbers_and_axes(path):
     results = script.main()
     KNOWN[path.stem](results)
     figure = script.figure(results)
+    GALLERY.keep(path, results, figure)
     framed = [a for a in figure.axes if a.axison and a.get_label() != "<colorbar>"]
     assert framed
     for axes in framed:

@@ -7,6 +7,7 @@ import subprocess
 import sys
 from pathlib import Path
 
+import pytest
 from threadpoolctl import threadpool_info
 
 ROOT = Path(__file__).parents[1]
@@ -17,6 +18,7 @@ SENSITIVE = [
 ]
 
 
+@pytest.mark.slow
 def test_last_bits_hold_without_the_lanes_of_this_processor():
     """Compiled code and BLAS as on a processor with AVX2 alone."""
     other = {"NUMBA_CPU_NAME": "haswell", "OPENBLAS_CORETYPE": "Haswell"}

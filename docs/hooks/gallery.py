@@ -1,13 +1,15 @@
 """The gallery: runs every script of examples/ and makes its page; one that fails ends the build.
 
 Scripts run beside each other, each in a process of its own with one thread: `gallery.py SCRIPT`
-prints what `run` makes of it as JSON.
+prints what `run` makes of it as JSON. The tests, which run them too, keep what they saw (`keep`):
+as long as neither the script nor the package has changed since, it is not run a second time.
 Each figure is saved twice, for the light and for the dark page: blacks and greys are inverted,
 colours stay.
 """
 
 import ast
 import colorsys
+import hashlib
 import importlib.util
 import io
 import json
@@ -20,11 +22,10 @@ import time
 from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 
-from mkdocs.structure.files import File, InclusionLevel
-
 log = logging.getLogger("mkdocs.hooks.gallery")
 ROOT = Path(__file__).parents[2]
-KEPT = re.compile(r'(<image\b.*?/>|<g id="Quad\w+">.*?</g>)', re.DOTALL)
+KEEP = ROOT / "build" / "gallery"
+LEFT_ALONE = re.compile(r'(<image\b.*?/>|<g id="Quad\w+">.*?</g>)', re.DOTALL)
 COLOUR = re.compile(r"#[0-9a-fA-F]{6}\b")
 ONE_THREAD = dict.fromkeys(("OMP_NUM_THREADS", "MKL_NUM_THREADS", "NUMBA_NUM_THREADS"), "1")
 
@@ -62,8 +63,8 @@ def dark(svg):
             lightness = 0.55
         return "#" + "".join(f"{round(255 * c):02x}" for c in colorsys.hls_to_rgb(h, lightness, s))
 
-    parts = KEPT.split(svg)
-    svg = "".join(p if KEPT.fullmatch(p) else COLOUR.sub(turned, p) for p in parts)
+    parts = LEFT_ALONE.split(svg)
+    svg = "".join(p if LEFT_ALONE.fullmatch(p) else COLOUR.sub(turned, p) for p in parts)
     return svg.replace("<svg ", '<svg fill="#e6e6e6" ', 1)
 
 
@@ -117,19 +118,50 @@ def index(cards):
 
 
 def run(path):
-    """Page, pictures and card of a script."""
-    title, caption = described(path)
+    """What `composed` makes of a script that runs now."""
     module = loaded(path)
     results = module.main()
-    light = drawn(module.figure(results))
+    return composed(path, results, module.figure(results))
+
+
+def composed(path, results, figure):
+    """Page, pictures and card of a script."""
+    title, caption = described(path)
+    light = drawn(figure)
     names = {shade: f"{path.stem}-{shade}.svg" for shade in ("light", "dark")}
     text = page(path, title, caption, results, names)
     files = {names["light"]: light, names["dark"]: dark(light), f"{path.stem}.md": text}
     return files, card(path, title, names)
 
 
+def digest(path):
+    """What a script's page hangs on, in one number: script, package, this file."""
+    found = hashlib.sha256()
+    for file in (path, Path(__file__), *sorted((ROOT / "src").rglob("*.py"))):
+        found.update(file.read_bytes())
+    return found.hexdigest()
+
+
+def keep(path, results, figure):
+    """Keep a script's page for the next build of the site."""
+    KEEP.mkdir(parents=True, exist_ok=True)
+    kept = {"of": digest(path), "page": composed(path, results, figure)}
+    (KEEP / f"{path.stem}.json").write_text(json.dumps(kept), encoding="utf-8")
+
+
+def kept(path):
+    """A page that was kept, None where there is none or its sources have changed."""
+    file = KEEP / f"{path.stem}.json"
+    found = json.loads(file.read_text(encoding="utf-8")) if file.is_file() else {"of": ""}
+    return found["page"] if found["of"] == digest(path) else None
+
+
 def made(path):
     """What `run` makes of a script, in a process of its own."""
+    seen = kept(path)
+    if seen:
+        log.info("gallery: %s as the tests saw it", path.name)
+        return seen
     start = time.perf_counter()
     command = [sys.executable, __file__, str(path)]
     done = subprocess.run(
@@ -142,6 +174,8 @@ def made(path):
 
 
 def on_files(files, config):
+    from mkdocs.structure.files import File, InclusionLevel  # the tests run without it
+
     pages, cards, paths = {}, {}, scripts()
     with ThreadPoolExecutor(os.cpu_count()) as side_by_side:
         for path, (content, entry) in zip(paths, side_by_side.map(made, paths)):

@@ -116,6 +116,7 @@ def test_a_noisy_path_that_was_killed_goes_on_to_the_same_numbers(tmp_path):
     )
 
 
+@pytest.mark.slow
 def test_noise_averages_jefferys_orbit_out():
     """In strong noise a spheroid in shear has lost its orbit: its mean attitude is isotropic."""
     swimmer = warm(

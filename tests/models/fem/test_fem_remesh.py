@@ -70,6 +70,7 @@ def test_both_constructions_give_the_same_motion(gentle):
     assert anew[3] == pytest.approx(carried[3], rel=0.02)
 
 
+@pytest.mark.slow
 def test_only_the_new_mesh_carries_a_steep_wave():
     """Beside the boundary elements in free space: apart by mesh (2 % at this size) and walls."""
     wave = wave_in(CHANNEL, STEEP)

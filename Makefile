@@ -16,13 +16,18 @@ INSTALL := $(BIN)/python -m pip install --quiet --disable-pip-version-check --no
 # pip compiles on one core, and the tests of every package too; this is quicker.
 COMPILE := $(BIN)/python -m compileall -q -j 0 -x '/tests?/' $(VENV)/lib >/dev/null || true
 
-.PHONY: demo test lint slow bench docs site studio atlas clean
+.PHONY: demo test lint kernels slow bench docs site studio atlas clean
 
 demo: $(VENV)/.core
 	@$(BIN)/microswim demo
 
-test: lint
+# One core checks while the other compiles what both workers would compile at once.
+test: $(VENV)/.test
+	@$(MAKE) --no-print-directory --jobs=2 lint kernels
 	@$(BIN)/pytest $(PYTEST_ARGS)
+
+kernels: $(VENV)/.test
+	@$(BIN)/python -c "import microswim as ms; ms.warm_up()"
 
 lint: $(VENV)/.test
 	@$(BIN)/ruff check .

@@ -21,6 +21,15 @@ def kept(values: Any, kind: Any = None) -> np.ndarray:
     return own
 
 
+def lent(values: Any, kind: Any = None) -> np.ndarray:
+    """Return a contiguous array that the borrower cannot write into: to compiled code, which is
+    compiled anew for arrays that it may write into, all of one kind.
+    """
+    view = np.ascontiguousarray(values, dtype=kind).view()
+    view.setflags(write=False)
+    return view
+
+
 def read_only(cls: Class) -> Class:
     """Make the arrays that a frozen dataclass holds its own, so that nobody writes to them.
 

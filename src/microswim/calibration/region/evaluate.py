@@ -10,6 +10,7 @@ from microswim.calibration.region import body_flow as shaded
 from microswim.calibration.region import positive_definite as blocks
 from microswim.calibration.region.beats import HALF, OTHER_HAND, PHASES, SAMPLES, beat, scales
 from microswim.calibration.region.surfaces import Surfaces, predict, scratch
+from microswim.numerics.array import lent
 from microswim.numerics.compiling.compiled import njit, prange
 from microswim.numerics.compiling.cores import loop
 from microswim.numerics.series.fourier import MIRROR_Q, MIRROR_R
@@ -125,7 +126,7 @@ def matrices(many: Swimmer, Z: Any, N: Any, surfaces: Surfaces, size: Any = None
         By what each correction is multiplied, (n, columns); one by default.
     """
     n = len(Z)
-    p = np.ascontiguousarray(np.broadcast_to(shaded.parameters(many), (n, 11)))
+    p = np.broadcast_to(shaded.parameters(many), (n, 11))
     drags = many.body.diagonal(many.fluid.viscosity)
     D = np.empty((n, 6), dtype=np.result_type(*drags))
     for column, drag in zip(D.T, drags):
@@ -134,7 +135,7 @@ def matrices(many: Swimmer, Z: Any, N: Any, surfaces: Surfaces, size: Any = None
     *packed, mean = surfaces.packed
     size = np.ones((n, len(mean))) if size is None else size
     kind = np.result_type(Z, p, D, mu, size, np.float64)
-    arrays = (np.ascontiguousarray(x, dtype=kind) for x in (p, D, mu, Z, N, size))
+    arrays = (lent(x, kind) for x in (p, D, mu, Z, N, size))
     turn = shaded.hand(many) > 0
     run = (helices if turn else waves).over(n)
     sizes = shaded.sizes(N)

@@ -32,6 +32,7 @@ from microswim.models.rft.segment import (
     sums_at,
     tip,
 )
+from microswim.numerics.array import lent
 from microswim.numerics.compiling.compiled import FAST, prange
 from microswim.numerics.compiling.cores import loop
 from microswim.numerics.quadrature import gauss
@@ -65,7 +66,7 @@ def solve_helices(
     negative the result is NaN. Returns (n, 6) and (n,).
     """
     order = np.argsort(counts.astype(np.int8), kind="stable")
-    return _helices.over(len(p))(arc, p, drag, free, counts, order, _ramp_rules())
+    return _helices.over(len(p))(arc, lent(p), lent(drag), free, counts, order, _ramp_rules())
 
 
 @loop(error_model="numpy", fastmath=FAST)

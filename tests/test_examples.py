@@ -137,6 +137,15 @@ def one_point_calibration(r):
     assert r["plain over reference"] == pytest.approx(2.2, abs=0.05)
 
 
+def error_of_a_number(r):
+    """What is told bounds what is wrong, and local drag alone is off by a factor."""
+    at = [np.abs(r["radius"] - a).argmin() for a in module(ROOT / "error_of_a_number.py").SOLVED]
+    assert r["radius"][at] == pytest.approx([0.2, 0.35, 0.5, 0.65])
+    assert (np.abs(r["speed"][at] - r["solved"]) < r["band"][at]).all()
+    assert r["largest stated error (%)"] < 3.0
+    assert r["local drag over the truth"] > 2.0
+
+
 def beside_a_wall(r):
     """Slower and turning near the wall, undisturbed far from it; the turning decays quickly."""
     assert 0.5 < r["speed ratio at 0.7"] < 0.95
@@ -222,7 +231,14 @@ KNOWN = {
             best_helix,
             seven_cells,
         ),
-        *(one_point_calibration, beside_a_wall, step_out, made_robots_differ, cells_in_noise),
+        *(
+            one_point_calibration,
+            error_of_a_number,
+            beside_a_wall,
+            step_out,
+            made_robots_differ,
+            cells_in_noise,
+        ),
         screws_from_a_formula,
         *(follow_path, follow_with_coils, learn_to_steer, receding_horizon),
     )

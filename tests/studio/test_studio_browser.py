@@ -509,6 +509,22 @@ def test_the_magnet_and_the_field_of_a_spec_drive_it_and_its_regime_is_told(
     another.screenshot(path=tmp_path / "field.png")
 
 
+def test_a_body_that_is_long_across_s_steps_out_as_it_turns_about_its_long_axis(another, tmp_path):
+    """At ``m B`` over the drag of turning about r; it turns a fourth as readily about s."""
+    robot = ms.Swimmer(
+        body=ms.Ellipsoid(semi_axes=(0.4, 0.3, 1.2)),
+        tail=ms.NoTail(),
+        fluid=ms.Fluid(viscosity=1.0),
+        motion=ms.Motion(free="all"),
+        magnet=ms.Magnet(moment=(0.0, 2.0, 0.0)),
+        field=ms.RotatingField(strength=3.0, frequency=0.3),
+    )
+    driven_by_its_field(another, robot, "moment", tmp_path)
+    about_r = np.linalg.inv(robot.gait().resistance(0.0))[5, 5]
+    found = another.evaluate("() => [studio.driver.stepOut, studio.driver.rate]")
+    assert found == pytest.approx([2.0 * 3.0 * about_r, 2.0 * np.pi * 0.3], rel=1e-6)
+
+
 def test_a_field_that_depends_on_place_drives_it_as_a_path_has_it(another, tmp_path):
     """Torque and force of a magnet's field, asked anew as the robot comes near it."""
     robot = ms.Swimmer(

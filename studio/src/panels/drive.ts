@@ -71,12 +71,13 @@ export class Driver {
     if (other) this.changed();
   }
 
-  /** Magnet and field of the spec; without a magnet one across the body that steps out at the motor's own frequency. */
+  /** Magnet and field of the spec; without a magnet one across its long axis that steps out at the motor's own frequency. */
   private calibrate(): void {
     const { gait, magnet, dimensional } = this.store.design.answer;
     const rate = Math.abs(gait.rate) || 1;
     this.first = magnet.field ?? (dimensional ? USUAL : 1);
-    this.own = magnet.moment ?? [0, rate / Math.max(spinMobility(gait), 1e-300) / this.first, 0];
+    this.own = magnet.moment ?? [0, 0, 0];
+    if (!magnet.moment) this.own[(magnet.long + 1) % 3] = rate / Math.max(spinMobility(gait, magnet.long), 1e-300) / this.first;
     this.strength = this.size = 0;
     if (magnet.frequency !== null) this.share = Math.min(2, (2 * Math.PI * magnet.frequency) / this.usualStepOut);
     for (const show of this.shows) show();
@@ -97,8 +98,9 @@ export class Driver {
   }
 
   private get usualStepOut(): number {
-    const across = Math.hypot(this.own[1], this.own[2]) || Math.hypot(...this.own);
-    return this.first * across * spinMobility(this.store.design.answer.gait);
+    const { gait, magnet } = this.store.design.answer;
+    const across = Math.hypot(...this.own.filter((_, i) => i !== magnet.long)) || Math.hypot(...this.own);
+    return this.first * across * spinMobility(gait, magnet.long);
   }
 
   /** Rate at which a swimmer on a rail along the field's axis can no longer follow. */

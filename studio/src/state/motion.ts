@@ -163,7 +163,9 @@ export function turnMobility(gait: GaitData): number {
   return Math.max(about(3), about(4), about(5));
 }
 
-/** Rotational mobility about s of the rigid swimmer: rate of turning per torque. */
-export function spinMobility(gait: GaitData): number {
-  return twist(gait, 0, 0, [0, 0, 0, 1, 0, 0])[3];
+/** Rotational mobility about an axis, 0 of s, of the rigid swimmer: rate of turning per torque. */
+export function spinMobility(gait: GaitData, axis: 0 | 1 | 2): number {
+  const torque = [0, 0, 0, 0, 0, 0];
+  torque[3 + axis] = 1;
+  return twist(gait, 0, 0, torque)[3 + axis];
 }

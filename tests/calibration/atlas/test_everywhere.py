@@ -3,6 +3,7 @@
 import json
 import subprocess
 import sys
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -45,6 +46,20 @@ def test_a_sweep_takes_each_design_by_the_model_that_serves_it():
             speed, error = made.swimming_speed.values[i, j], made.expected_error.values[i, j]
             assert speed == pytest.approx(ms.summary(gait)["swimming_speed"], rel=1e-7)
             assert error == pytest.approx(gait.info["expected_error"]["us"], rel=1e-7)
+
+
+@pytest.mark.parametrize(
+    ("name", "values"),
+    [("tail.amplitude", [0.05, 0.1, 0.15]), ("coefficients.normal", [4.0, 6.0]),
+     ("interaction.tail[0]", [0.8, 1.0])],
+)  # fmt: skip
+def test_a_sweep_by_a_law_of_the_spec_says_how_far_it_lies_from_the_atlas(name, values):
+    robot = replace(ROBOT, coefficients=ms.Constant(normal=5.0, tangential=3.0))
+    made = ms.sweep(robot, {name: values}, "auto")
+    for value, error in zip(values, made.expected_error.values):
+        gait = robot.with_({name: value}).gait("auto")
+        assert gait.model == "rft"
+        assert error == pytest.approx(gait.info["expected_error"]["us"], rel=1e-6)
 
 
 def test_the_atlas_alone_says_why_it_does_not_serve():

@@ -23,6 +23,9 @@ from microswim.swimmer.fields import in_terms_of, lifted
 from microswim.swimmer.parts import replaced
 from microswim.swimmer.swimmer import Swimmer
 
+#: How the names of numbers begin that the atlas does not know: they are the user's own.
+OWN = ("interaction.", "coefficients.")
+
 
 @dataclass(frozen=True, eq=False)
 class Everywhere:
@@ -96,6 +99,27 @@ def errors_outside(swimmer: Swimmer, numbers: Mapping[str, Any]) -> np.ndarray:
     return out
 
 
+def errors_inside(swimmer: Swimmer, numbers: Mapping[str, Any], forward: np.ndarray) -> np.ndarray:
+    """Return the expected relative error of u_s (n,) by the user's own law or coefficients, of
+    designs that the atlas covers: how far it lies from the atlas, whose own error is added.
+
+    NaN of others. `forward` : mean u_s (n,) of the designs by that law.
+    """
+    atlas, own = of(swimmer), np.full(forward.size, np.nan)
+    if atlas is None or coordinates.unlike(swimmer) or swimmer.motion.frequency_frame != "body":
+        return own
+    judge, amplitude = Everywhere(atlas), swimmer.numbers["tail.amplitude"]
+    bare = Swimmer(body=swimmer.body, tail=swimmer.tail, fluid=swimmer.fluid,
+                   motion=swimmer.motion, region=judge)  # fmt: skip
+    every = {"tail.amplitude": np.full(forward.size, amplitude)}
+    every |= {n: v for n, v in numbers.items() if not n.startswith(OWN)}
+    theirs = evaluate(bare, every)["mean_velocity"][:, 0]
+    with np.errstate(all="ignore"), warnings.catch_warnings():
+        warnings.simplefilter("ignore")
+        own = judge.expected_of_many(lifted(in_terms_of(bare, every), every), forward.size)
+        return (np.abs(forward - theirs) + np.abs(own * theirs)) / np.abs(forward)
+
+
 def _spread(atlas: Atlas, many: Swimmer, count: int) -> tuple[np.ndarray, np.ndarray]:
     """Return the numbers (6, count) and scaled coordinates (count, f) of designs."""
     x, z, _ = atlas.place(many)
@@ -113,7 +137,7 @@ def warm_up(swimmer: Swimmer) -> None:
 
 def holding(swimmer: Swimmer, numbers: Mapping[str, Any]) -> Swimmer:
     """Return a swimmer whose designs the atlas answers where it holds for all; else itself."""
-    own = any(name.startswith(("interaction.", "coefficients.")) for name in numbers)
+    own = any(name.startswith(OWN) for name in numbers)
     served = None if own else everywhere(swimmer)
     if served is None:
         return swimmer

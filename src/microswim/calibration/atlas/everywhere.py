@@ -108,16 +108,21 @@ def errors_inside(swimmer: Swimmer, numbers: Mapping[str, Any], forward: np.ndar
     atlas, own = of(swimmer), np.full(forward.size, np.nan)
     if atlas is None or coordinates.unlike(swimmer) or swimmer.motion.frequency_frame != "body":
         return own
-    judge, amplitude = Everywhere(atlas), swimmer.numbers["tail.amplitude"]
+    judge, n = Everywhere(atlas), forward.size
     bare = Swimmer(body=swimmer.body, tail=swimmer.tail, fluid=swimmer.fluid,
                    motion=swimmer.motion, region=judge)  # fmt: skip
-    every = {"tail.amplitude": np.full(forward.size, amplitude)}
-    every |= {n: v for n, v in numbers.items() if not n.startswith(OWN)}
-    theirs = evaluate(bare, every)["mean_velocity"][:, 0]
+    every = {"tail.amplitude": swimmer.numbers["tail.amplitude"], **numbers}
+    every = {m: np.broadcast_to(v, n) for m, v in every.items() if not m.startswith(OWN)}
     with np.errstate(all="ignore"), warnings.catch_warnings():
         warnings.simplefilter("ignore")
-        own = judge.expected_of_many(lifted(in_terms_of(bare, every), every), forward.size)
-        return (np.abs(forward - theirs) + np.abs(own * theirs)) / np.abs(forward)
+        many = lifted(in_terms_of(bare, every), every)
+        doubt = judge.expected_of_many(many, n)
+    rows = np.isfinite(doubt) & np.isfinite(forward)
+    if rows.any():
+        theirs = evaluate(bare, {m: v[rows] for m, v in every.items()})["mean_velocity"][:, 0]
+        off = np.abs(forward[rows] - theirs) + np.abs(doubt[rows] * theirs)
+        own[rows] = off / np.abs(forward[rows])
+    return own
 
 
 def _spread(atlas: Atlas, many: Swimmer, count: int) -> tuple[np.ndarray, np.ndarray]:

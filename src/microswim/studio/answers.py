@@ -7,7 +7,6 @@ series, 21 columns for the lower triangle of R and 6 for F_p, as `gait.stepping`
 from __future__ import annotations
 
 import time
-from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -26,10 +25,9 @@ from microswim.studio import magnet
 from microswim.studio.brought import surfaces as dropped
 from microswim.studio.drawing import shape
 from microswim.studio.spec_tables import canonical, swimmer_of, units_of
-from microswim.swimmer.drag.coefficients import Unchosen
-from microswim.swimmer.drag.interaction import Interaction
 from microswim.swimmer.surroundings import clearance
 from microswim.swimmer.swimmer import Swimmer
+from microswim.swimmer.variants import unchosen
 
 #: Readings that are as far off as a velocity.
 MEASURES = {
@@ -139,8 +137,7 @@ def is_known_to_atlas(swimmer: Swimmer) -> bool:
     """Tell whether the atlas would answer, had nobody chosen a law or coefficients."""
     if swimmer.is_open:
         return False
-    free = {"coefficients": Unchosen(), "interaction": Interaction(), "calibration": None}
-    return not choice.not_atlas(replace(swimmer, **free))
+    return not choice.not_atlas(unchosen(swimmer))
 
 
 def readings(swimmer: Swimmer, gait: Gait) -> dict[str, Any]:

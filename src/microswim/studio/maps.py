@@ -110,8 +110,7 @@ def _served(
 
     Where it does not hold beside that there is no answer: two models on one map would make a cliff.
     """
-    own = any(name.startswith(("interaction.", "coefficients.")) for name in (fx, fy))
-    by_atlas = None if own else everywhere(swimmer)
+    by_atlas = everywhere(swimmer, (fx, fy))
     if by_atlas is not None:
         results = _grid(by_atlas, fx, X, fy, Y, in_field)
         if np.isfinite(results["swimming_speed"]).any():

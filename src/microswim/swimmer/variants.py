@@ -15,7 +15,8 @@ import numpy as np
 
 from microswim.checks import required
 from microswim.errors import SpecError, nearest
-from microswim.swimmer.drag.coefficients import LAWS
+from microswim.swimmer.drag.coefficients import LAWS, Unchosen
+from microswim.swimmer.drag.interaction import Interaction
 from microswim.swimmer.geometry.bodies import SHAPES
 from microswim.swimmer.geometry.tails.kinds import TAILS, WaveTail
 from microswim.swimmer.swimmer import Swimmer
@@ -25,6 +26,18 @@ KINDS = {
     "body.shape": SHAPES,
     "coefficients.law": LAWS,
 }
+
+
+def unchosen(swimmer: Swimmer) -> Swimmer:
+    """Return the swimmer as if nobody had chosen a law of local resistance or coefficients.
+
+    Examples
+    --------
+    >>> import microswim as ms
+    >>> unchosen(ms.Swimmer.preset("tabak/helix-constant")).is_open
+    True
+    """
+    return replace(swimmer, coefficients=Unchosen(), interaction=Interaction(), calibration=None)
 
 
 def vary(swimmer: Swimmer, values: Mapping[str, Any]) -> Swimmer:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import warnings
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field, replace
 from typing import Any
 
@@ -22,6 +22,7 @@ from microswim.numerics.compiling.cores import MANY
 from microswim.swimmer.fields import in_terms_of, lifted
 from microswim.swimmer.parts import replaced
 from microswim.swimmer.swimmer import Swimmer
+from microswim.swimmer.variants import unchosen
 
 #: How the names of numbers begin that the atlas does not know: they are the user's own.
 OWN = ("interaction.", "coefficients.")
@@ -70,59 +71,53 @@ class Everywhere:
         return out
 
 
-def everywhere(swimmer: Swimmer) -> Swimmer | None:
+def everywhere(swimmer: Swimmer, varied: Iterable[str] = ()) -> Swimmer | None:
     """Return a swimmer whose batches the atlas answers; None where `auto` would not take it.
 
-    Also for a motor whose rate is that in the lab, which batches do not know.
+    Nor does it where the user's own law or coefficients are among the numbers that are `varied`, or
+    for a motor whose rate is that in the lab, which batches do not know.
     """
-    atlas = of(swimmer)
+    atlas, own = of(swimmer), any(name.startswith(OWN) for name in varied)
     serves = swimmer.region is None and swimmer.is_open and not coordinates.unlike(swimmer)
+    serves = serves and not own
     if atlas is None or not serves or swimmer.motion.frequency_frame != "body":
         return None
     return replace(swimmer, region=Everywhere(atlas))
 
 
-def errors_outside(swimmer: Swimmer, numbers: Mapping[str, Any]) -> np.ndarray:
-    """Return the expected relative error of u_s (n,) by the surrogate as it comes, of designs that
-    the atlas does not cover; NaN of others, and where it was not measured.
+def errors_of_law(swimmer: Swimmer, numbers: Mapping[str, Any], forward: np.ndarray) -> np.ndarray:
+    """Return the expected relative error of u_s (n,) by local resistance, by the spec's own law or
+    as it comes.
+
+    Of designs that the atlas covers how far they lie from it, its own error added; of others what
+    the law missed of the nearest solved. NaN where neither is known.
+
+    Parameters
+    ----------
+    forward
+        Mean u_s (n,) of the designs by that law.
     """
-    count = max(np.size(value) for value in numbers.values())
-    out, atlas, misses = np.full(count, np.nan), of(swimmer), as_it_comes(swimmer)
-    if atlas is None or misses is None:
+    out, atlas = np.full(forward.size, np.nan), of(swimmer)
+    if atlas is None or coordinates.unlike(swimmer):
         return out
     with np.errstate(all="ignore"), warnings.catch_warnings():
         warnings.simplefilter("ignore")
         many = lifted(in_terms_of(swimmer, numbers), numbers)
-        x, z = _spread(atlas, many, count)
-        rows = np.isfinite(z).all(axis=1) & ~coordinates.inside(x, coordinates.kind_of(many))
-    out[rows] = misses.of_many(z[rows])
+        x, z = _spread(atlas, many, forward.size)
+    covered, misses = coordinates.inside(x, coordinates.kind_of(many)), as_it_comes(swimmer)
+    if misses is not None:
+        beyond = ~covered & np.isfinite(z).all(axis=1)
+        out[beyond] = misses.of_many(z[beyond])
+    within = covered & np.isfinite(forward)
+    if within.any() and swimmer.motion.frequency_frame == "body":
+        judge = replace(unchosen(swimmer), region=Everywhere(atlas))
+        every = {"tail.amplitude": swimmer.numbers["tail.amplitude"], **numbers}
+        every = {m: np.broadcast_to(v, forward.size)[within] for m, v in every.items()}
+        known = {m: v for m, v in every.items() if not m.startswith(OWN)}
+        theirs, own = evaluate(judge, known)["mean_velocity"][:, 0], forward[within]
+        doubt = np.abs(atlas.misses.of_many(z[within]) * theirs)
+        out[within] = (np.abs(own - theirs) + doubt) / np.abs(own)
     return out
-
-
-def errors_inside(swimmer: Swimmer, numbers: Mapping[str, Any], forward: np.ndarray) -> np.ndarray:
-    """Return the expected relative error of u_s (n,) by the user's own law or coefficients, of
-    designs that the atlas covers: how far it lies from the atlas, whose own error is added.
-
-    NaN of others. `forward` : mean u_s (n,) of the designs by that law.
-    """
-    atlas, own = of(swimmer), np.full(forward.size, np.nan)
-    if atlas is None or coordinates.unlike(swimmer) or swimmer.motion.frequency_frame != "body":
-        return own
-    judge, n = Everywhere(atlas), forward.size
-    bare = Swimmer(body=swimmer.body, tail=swimmer.tail, fluid=swimmer.fluid,
-                   motion=swimmer.motion, region=judge)  # fmt: skip
-    every = {"tail.amplitude": swimmer.numbers["tail.amplitude"], **numbers}
-    every = {m: np.broadcast_to(v, n) for m, v in every.items() if not m.startswith(OWN)}
-    with np.errstate(all="ignore"), warnings.catch_warnings():
-        warnings.simplefilter("ignore")
-        many = lifted(in_terms_of(bare, every), every)
-        doubt = judge.expected_of_many(many, n)
-    rows = np.isfinite(doubt) & np.isfinite(forward)
-    if rows.any():
-        theirs = evaluate(bare, {m: v[rows] for m, v in every.items()})["mean_velocity"][:, 0]
-        off = np.abs(forward[rows] - theirs) + np.abs(doubt[rows] * theirs)
-        own[rows] = off / np.abs(forward[rows])
-    return own
 
 
 def _spread(atlas: Atlas, many: Swimmer, count: int) -> tuple[np.ndarray, np.ndarray]:
@@ -142,8 +137,7 @@ def warm_up(swimmer: Swimmer) -> None:
 
 def holding(swimmer: Swimmer, numbers: Mapping[str, Any]) -> Swimmer:
     """Return a swimmer whose designs the atlas answers where it holds for all; else itself."""
-    own = any(name.startswith(OWN) for name in numbers)
-    served = None if own else everywhere(swimmer)
+    served = everywhere(swimmer, numbers)
     if served is None:
         return swimmer
     many = lifted(in_terms_of(swimmer, numbers), numbers)

@@ -38,9 +38,8 @@ from microswim.jobs import references
 from microswim.jobs.processes import counted
 from microswim.numerics.sobol import points
 from microswim.spec.values import all_from_python
-from microswim.swimmer.drag.coefficients import Unchosen
-from microswim.swimmer.drag.interaction import Interaction
 from microswim.swimmer.swimmer import Swimmer
+from microswim.swimmer.variants import unchosen
 
 POOL = 512  #: Sobol points of a region
 CANDIDATES = 300  #: of them, those among which the next designs are chosen
@@ -149,7 +148,7 @@ def calibrate_region(
         about["set_aside"] = [_values_of(s.swimmer, region) for s in doubtful]
         about["refused"] = [_values_of(s, region) | {"reason": why} for s, why in refused]
         made = _correction(swimmer, region, solved, doubtful + unresolved, fitted, about)
-    bare = replace(swimmer, coefficients=Unchosen(), interaction=Interaction(), region=None)
+    bare = unchosen(replace(swimmer, region=None))
     told = replace(bare, region=made, calibration=record.of_region(made))
     return RegionCalibration(swimmer=told)
 

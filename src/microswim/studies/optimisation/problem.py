@@ -150,8 +150,7 @@ class Problem:
             If the atlas is asked for and does not serve.
         """
         plain = replace(self, limits=self.limits + _buildable(self.swimmer))
-        own = any(name.startswith(("interaction.", "coefficients.")) for name in self.ranges)
-        served = None if own or self.model == "rft" else everywhere(self.swimmer)
+        served = None if self.model == "rft" else everywhere(self.swimmer, self.ranges)
         if served is not None:
             made = replace(self, swimmer=served, limits=self.limits + _buildable(served))
             goals, _ = made.many(points(PROBES, max(1, len(self.ranges)), 0))

@@ -13,13 +13,7 @@ from typing import Any
 
 import numpy as np
 
-from microswim.calibration.atlas.everywhere import (
-    OWN,
-    Everywhere,
-    errors_inside,
-    errors_outside,
-    everywhere,
-)
+from microswim.calibration.atlas.everywhere import Everywhere, errors_of_law, everywhere
 from microswim.calibration.atlas.expected import expected_error
 from microswim.errors import MachineError, MicroswimError, SpecError
 from microswim.gait.basis import Basis
@@ -111,12 +105,8 @@ def _solve_batched(
     if swimmer.region is not None:
         results["expected_error"] = expected_errors(swimmer, numbers)
     elif job.model == "auto":
-        known, forward = errors_outside(swimmer, numbers), results["mean_velocity"][:, 0]
-        covered = np.isnan(
-            known
-        ).any()  # what the atlas covers and does not answer: a law of its own
-        beside = errors_inside(swimmer, numbers, forward) if covered else known
-        results["expected_error"] = np.where(np.isnan(known), beside, known)
+        forward = results["mean_velocity"][:, 0]
+        results["expected_error"] = errors_of_law(swimmer, numbers, forward)
     good = np.isfinite(results["mean_velocity"]).all(axis=1) & np.isfinite(results["mean_power"])
     for name, values in results.items():
         if name in out:
@@ -131,8 +121,7 @@ def _solve_batched(
 
 def _by_model(swimmer: Swimmer, model: str, numbers: Any) -> Swimmer:
     """Return the swimmer that answers batches by a model: with the atlas, where it serves."""
-    own = any(name.startswith(OWN) for name in numbers)
-    found = None if own or model == "rft" else everywhere(swimmer)
+    found = None if model == "rft" else everywhere(swimmer, numbers)
     in_lab = model == "auto" and swimmer.motion.frequency_frame == "lab"
     if found is None and (model == "atlas" or in_lab):
         raise SpecError("model", model, "one by one, each with its reason")

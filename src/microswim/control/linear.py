@@ -13,6 +13,8 @@ from typing import NamedTuple
 
 import numpy as np
 
+from microswim.numerics.rigid_motion import skew
+
 
 class StateSpace(NamedTuple):
     """``x[k+1] = A x[k] + B u[k]``, ``y[k] = C x[k] + D u[k]``, in small differences.
@@ -52,6 +54,5 @@ def continuous(slope: np.ndarray, A: np.ndarray, B: np.ndarray, q: np.ndarray) -
     into = np.zeros((8, 7))
     into[:3, :3], into[3:7, 3:6], into[7, 6] = np.eye(3), attitude_columns(q), 1.0
     A = A @ into
-    x, y, z = slope[3:6]
-    A[3:6, 3:6] -= np.array([[0.0, -z, y], [z, 0.0, -x], [-y, x, 0.0]])
+    A[3:6, 3:6] -= skew(slope[3:6])
     return StateSpace(A, B, np.eye(7), np.zeros_like(B))

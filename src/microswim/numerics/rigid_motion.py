@@ -59,6 +59,14 @@ def quaternion_of(Q: Any) -> np.ndarray:
     return np.roll(Rotation.from_matrix(Q).as_quat(), 1)
 
 
+def skew(v: Any) -> np.ndarray:
+    """Return the matrices (..., 3, 3) of ``v x``, for v (..., 3); transposed, of ``x v``."""
+    x, y, z = np.moveaxis(np.asarray(v), -1, 0)
+    zero = 0.0 * x
+    rows = [[zero, -z, y], [z, zero, -x], [-y, x, zero]]
+    return np.moveaxis(np.array(rows), (0, 1), (-2, -1))
+
+
 def along_twist(twist: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     """Return displacement (3,) and quaternion (4,) after unit time of a constant body twist (6,).
 

@@ -25,6 +25,7 @@ from microswim.errors import MicroswimError, SpecError
 from microswim.models.rft.gait import body_resistance, tail_series
 from microswim.models.rft.placed import at_own_rates
 from microswim.numerics.array import Array
+from microswim.numerics.rigid_motion import skew
 from microswim.numerics.series.fourier import evaluate
 from microswim.path.torque_law import TorqueLaw
 from microswim.swimmer.geometry.tails.kinds import Tail
@@ -153,10 +154,7 @@ class OnHooks:
 
 def smallest_turns(start: Array, end: Array) -> Array:
     """Return the smallest rotations (n, 3, 3) from unit vectors (n, 3) to others, not opposite."""
-    x, y, z = np.cross(start, end).T
-    W = np.zeros((len(start), 3, 3))
-    W[:, 0, 1], W[:, 0, 2], W[:, 1, 2] = -z, y, -x
-    W -= np.swapaxes(W, 1, 2)
+    W = skew(np.cross(start, end))
     share = 1.0 / (1.0 + np.sum(start * end, axis=1))
     return np.eye(3) + W + share[:, None, None] * (W @ W)
 
@@ -206,10 +204,7 @@ def _both(Q: Array) -> Array:
 def _at_root(roots: Array) -> Array:
     """Return (n, 6, 6) that takes the body's twist to that of a point at each root."""
     out = np.tile(np.eye(6), (len(roots), 1, 1))
-    x, y, z = roots.T
-    out[:, 0, 4], out[:, 0, 5] = z, -y
-    out[:, 1, 3], out[:, 1, 5] = -z, x
-    out[:, 2, 3], out[:, 2, 4] = y, -x
+    out[:, :3, 3:] = -skew(roots)
     return out
 
 

@@ -18,8 +18,8 @@ import numpy as np
 from microswim.gait.gait import Gait
 from microswim.gait.turning.slipping import drift
 from microswim.gait.turning.slopes import with_slopes
-from microswim.gait.turning.steady_turning import cross
 from microswim.gait.turning.step_out import Drive, check_free, mobility_of, steady
+from microswim.numerics.rigid_motion import skew
 
 STEPS = 12
 
@@ -49,7 +49,7 @@ def driven_velocity(gait: Gait, drive: Drive) -> Any:
 
 def _followed(gait: Gait, drive: Drive, b: np.ndarray) -> Any:
     M, m = mobility_of(gait), np.asarray(drive.moment)
-    N, lean = M[3:] @ cross(m), np.sin(drive.cone)
+    N, lean = M[3:] @ skew(m), np.sin(drive.cone)
     size = np.linalg.norm(np.real(N))  # all of size one, or rounding rules the small equations
     N, square = N / size, (drive.rate / (drive.strength * size)) ** 2
     A, S = N.T @ N, (N + N.T) / 2.0
@@ -63,7 +63,7 @@ def _followed(gait: Gait, drive: Drive, b: np.ndarray) -> Any:
         if np.abs(step).max() < 1e-15:
             break
     turn = N @ b
-    return drive.strength * (M[:3] @ cross(m) @ b) @ turn / np.sqrt(turn @ turn)
+    return drive.strength * (M[:3] @ skew(m) @ b) @ turn / np.sqrt(turn @ turn)
 
 
 def _mean(gait: Gait, drive: Drive) -> np.ndarray:

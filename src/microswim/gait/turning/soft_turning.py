@@ -27,11 +27,11 @@ from microswim.gait.turning.steady_turning import (
     Curve,
     SteadyTurning,
     Turned,
-    cross,
     principal,
 )
 from microswim.gait.turning.traced import curves_of
 from microswim.numerics.array import Array
+from microswim.numerics.rigid_motion import skew
 
 ONE_AXIS = 1e-6  #: of the spread of C: two of its eigenvalues are one
 LEAST = np.radians(1.0)  #: angle of a cone: curves of smaller ones lie too close to each other
@@ -84,8 +84,8 @@ class SoftTurning(SteadyTurning):
         twist = square * np.cross(moment, b) @ M.T
         rate = np.linalg.norm(twist[..., 3:], axis=-1)
         n = twist[..., 3:] / np.where(rate > 0, rate, 1.0)[..., None]
-        slope = (cross(moment) - cross(b) @ C) @ cross(b)
-        J = square * M[3:] @ slope - rate[..., None, None] * cross(n)
+        slope = (skew(moment) - skew(b) @ C) @ skew(b)
+        J = square * M[3:] @ slope - rate[..., None, None] * skew(n)
         growth = np.linalg.eigvals(J).real.max(axis=-1)
         if self.cone:
             b = b * np.where(self.cone * np.sum(n * b, axis=-1) < 0.0, -1.0, 1.0)[..., None]
@@ -119,7 +119,7 @@ class SoftTurning(SteadyTurning):
         """Return W (..., 3) at b and its derivatives (..., 3, 3), over the size of M C."""
         M, moment = self.mobility[3:], b @ self.softness
         M = M / (np.linalg.norm(M) * np.linalg.norm(self.softness))
-        return np.cross(moment, b) @ M.T, M @ (cross(moment) - cross(b) @ self.softness)
+        return np.cross(moment, b) @ M.T, M @ (skew(moment) - skew(b) @ self.softness)
 
     def _leaning(self, b: Array) -> tuple[Array, Array]:
         """Return ``f^2 - sin(psi)^2 W . W`` and its gradient, both over the size squared."""

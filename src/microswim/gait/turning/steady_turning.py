@@ -25,19 +25,12 @@ from typing import Any
 import numpy as np
 
 from microswim.numerics.array import Array
+from microswim.numerics.rigid_motion import skew
 
 Curve = Callable[[Any], Array]
 
 SAMPLES = 1440  #: of a curve; the ends of what is held are found between them
 NEUTRAL = 1e-7  #: growth relative to the fastest that the field can turn the robot: rounding
-
-
-def cross(v: Array) -> Array:
-    """Return the matrix [v] of ``v x``, for v (..., 3)."""
-    x, y, z = np.moveaxis(np.asarray(v), -1, 0)
-    zero = 0.0 * x
-    rows = [[zero, -z, y], [z, zero, -x], [-y, x, zero]]
-    return np.moveaxis(np.array(rows), (0, 1), (-2, -1))
 
 
 @dataclass(frozen=True, eq=False)
@@ -108,7 +101,7 @@ class SteadyTurning:
         twist = B * np.cross(m, b) @ M.T
         rate = np.linalg.norm(twist[..., 3:], axis=-1)
         n = twist[..., 3:] / np.where(rate > 0, rate, 1.0)[..., None]
-        J = B * M[3:] @ cross(m) @ cross(b) - rate[..., None, None] * cross(n)
+        J = B * M[3:] @ skew(m) @ skew(b) - rate[..., None, None] * skew(n)
         growth = np.linalg.eigvals(J).real.max(axis=-1)
         if self.cone:  # the mirror image of a state belongs to a field that leans the other way
             growth = np.where(self.cone * np.sum(n * b, axis=-1) > 0, growth, np.inf)
@@ -276,7 +269,7 @@ class SteadyTurning:
 
 def principal(mobility: Array, moment: Array) -> tuple[Array, Array]:
     """Return eigenvalues of S and vectors as columns; the last has a sign of its own."""
-    N = mobility[3:] @ cross(moment)
+    N = mobility[3:] @ skew(moment)
     values, vectors = np.linalg.eigh((N + N.T) / 2.0)
     if np.abs(values).max() < 1e-12 * np.linalg.norm(N):
         # the moment is an axis of symmetry: every plane through it is as good

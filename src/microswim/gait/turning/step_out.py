@@ -19,7 +19,8 @@ from microswim.errors import SpecError
 from microswim.gait.gait import Gait
 from microswim.gait.turning.slopes import with_slopes
 from microswim.gait.turning.soft_turning import SoftTurning
-from microswim.gait.turning.steady_turning import SteadyTurning, cross
+from microswim.gait.turning.steady_turning import SteadyTurning
+from microswim.numerics.rigid_motion import skew
 
 SCAN = 720  #: directions of the field that are looked at
 STEPS = 12
@@ -79,11 +80,11 @@ def fastest(gait: Gait, drive: Drive) -> tuple[Any, Any]:
     if drive.softness is not None:
         return tuple(with_slopes(_of_a_soft_one, gait, drive)[:2])
     M, m = mobility_of(gait), np.asarray(drive.moment)
-    N, lean = M[3:] @ cross(m), np.sin(drive.cone)
+    N, lean = M[3:] @ skew(m), np.sin(drive.cone)
     b = _of_the_largest(N, lean, steady(gait, drive))
     turn = N @ b
     size = np.sqrt(turn @ turn)
-    along = (M[:3] @ cross(m) @ b) @ turn / size
+    along = (M[:3] @ skew(m) @ b) @ turn / size
     return drive.strength * size, drive.strength * along
 
 
@@ -101,7 +102,7 @@ def onset(gait: Gait, drive: Drive) -> Any:
     if drive.softness is not None:
         return with_slopes(_of_a_soft_one, gait, drive)[2]
     M = mobility_of(gait)
-    N = M[3:] @ cross(np.asarray(drive.moment))
+    N = M[3:] @ skew(np.asarray(drive.moment))
     S = (N + N.T) / 2.0
     values, vectors = np.linalg.eigh(np.real(S))
     b, value = vectors[:, 1].astype(N.dtype), values[1]
@@ -161,7 +162,7 @@ def _start(states: SteadyTurning) -> np.ndarray:
         at_most = states.at_step_out
         return np.array([1.0, 0.0, 0.0]) if at_most is None else at_most.field
     b = states.curves[0](np.linspace(0.0, 2.0 * np.pi, SCAN, endpoint=False))
-    N = states.mobility[3:] @ cross(states.moment)
+    N = states.mobility[3:] @ skew(states.moment)
     return b[np.argmax(np.linalg.norm(b @ N.T, axis=-1))]
 
 

@@ -20,6 +20,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from microswim.models.elastic.filament import Filament
+from microswim.numerics.rigid_motion import skew
 
 AXIS = np.array([1.0, 0.0, 0.0])
 
@@ -230,13 +231,6 @@ def dots(a: np.ndarray, b: np.ndarray) -> np.ndarray:
     """Return the scalar products of vectors (..., 3) and columns of vectors (..., 3, k)."""
     x, y, z = (a[..., i, None] * b[..., i, :] for i in range(3))
     return x + y + z
-
-
-def skew(a: np.ndarray) -> np.ndarray:
-    """Return the matrices (..., 3, 3) of ``a x``; transposed, of ``x a``."""
-    x, y, z = a[..., 0], a[..., 1], a[..., 2]
-    o = np.zeros_like(x)
-    return np.stack([o, -z, y, z, o, -x, -y, x, o], axis=-1).reshape(*a.shape, 3)
 
 
 def cross(a: np.ndarray, b: np.ndarray) -> np.ndarray:

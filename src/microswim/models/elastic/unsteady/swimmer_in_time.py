@@ -30,12 +30,11 @@ from microswim.models.elastic.space import (
     pose,
     rigid_motions,
     shapes_of,
-    skew,
     swap,
     worked,
 )
 from microswim.models.elastic.unsteady.loads import Loads, Pull, pull
-from microswim.numerics.rigid_motion import multiply, rotation_matrix
+from microswim.numerics.rigid_motion import multiply, rotation_matrix, skew
 from microswim.swimmer.geometry.tails.elastic.elastic_tail import Drive
 
 POSE = 7  #: numbers of the state before the strains

@@ -23,6 +23,7 @@ import numpy as np
 
 from microswim import checks
 from microswim.errors import SpecError
+from microswim.numerics.rigid_motion import skew
 
 AT_JOINT, ALONG_S = (0.0, 0.0, 0.0), (1.0, 0.0, 0.0)
 
@@ -80,9 +81,7 @@ class Placement:
             Reference point (3,) in the frame ``sqr``.
         """
         A = self.rotation
-        x, y, z = self.placed(own) - centre
-        zero = 0.0 * x
-        arm = np.array([[zero, -z, y], [z, zero, -x], [-y, x, zero]])
+        arm = skew(self.placed(own) - centre)
         return np.block([[A, np.zeros((3, 3))], [arm @ A, A]])
 
 

@@ -145,5 +145,5 @@ def carried(swimmer: Swimmer, quaternion: Array) -> dict[str, Array]:
         down = np.asarray(swimmer.gravity.vector, float)
         Q = rotation_matrix(np.asarray(quaternion, float))
         lever = weight.arm(swimmer, np.zeros(1))[0]
-        inputs |= {"force": weight.excess(swimmer) * down, "torque": np.cross(Q @ lever, down)}
+        inputs |= {"force": weight.pull(swimmer), "torque": np.cross(Q @ lever, down)}
     return inputs

@@ -185,9 +185,8 @@ def at_phases(swimmer: Swimmer, phases: Any, axes: Any = None) -> Swimmer:
 
     if axes is not None:
         swimmer, phases = _bent(swimmer, np.array(phases, float), axes)
-    for n, phase in enumerate(np.atleast_1d(phases)):
-        name = f"tail[{n}]" if len(swimmer.tail.each) > 1 else "tail"
-        tail: Any = swimmer.tail.each[n]
+    tails: dict[str, Any] = swimmer.tail.named
+    for (name, tail), phase in zip(tails.items(), np.atleast_1d(phases), strict=True):
         new = replace(tail, phase=float(np.mod(phase, 2.0 * np.pi)))
         swimmer = replace(swimmer, **with_part(swimmer, name, new))
     return swimmer
@@ -201,13 +200,12 @@ def _bent(swimmer: Swimmer, phases: Array, axes: Array) -> tuple[Swimmer, Array]
     """
     from dataclasses import replace
 
-    for n, tail in enumerate(swimmer.tail.each):
+    tails: dict[str, Any] = swimmer.tail.named
+    for n, (name, tail) in enumerate(tails.items()):
         rest = tail.placement.rotation
         bent = smallest_turns(rest[None, :, 0], axes[n][None])[0] @ rest
-        name = f"tail[{n}]" if len(phases) > 1 else "tail"
-        placed: Any = tail
         position = tuple(float(x) for x in tail.placement.root)
-        placed = replace(placed, direction=tuple(axes[n].tolist()), position=position)
+        placed = replace(tail, direction=tuple(axes[n].tolist()), position=position)
         roll = placed.placement.rotation.T @ bent
         phases[n] += float(tail.sign) * np.arctan2(roll[2, 1], roll[1, 1])
         swimmer = replace(swimmer, **with_part(swimmer, name, placed))

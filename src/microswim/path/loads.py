@@ -38,17 +38,15 @@ def loads_of(
     reach
         Range of the repulsion between swimmer and boundary (length).
     """
-    pull = np.zeros(3) if swimmer.gravity is None else swimmer.gravity.vector
-    whole = np.asarray(force, float) + weight.excess(swimmer) * pull
     magnetic = swimmer.magnet is not None and swimmer.field is not None
     bends = _bends(swimmer.flow)
     flow = swimmer.flow
     return Loads(
         rate=float(np.real(gait.rate)),
         free=np.array(gait.free),
-        force=whole,
+        force=np.asarray(force, float) + weight.pull(swimmer),
         torque=np.array(torque, float),
-        gravity=pull,
+        gravity=np.zeros(3) if swimmer.gravity is None else swimmer.gravity.vector,
         arm=periodic(lambda p: weight.arm(swimmer, p), swimmer.gravity is not None, 3),
         magnetic=magnetic_of(swimmer.magnet if magnetic else None),
         field=_waves(swimmer.field) if magnetic else np.zeros((3, 3)),

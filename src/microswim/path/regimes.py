@@ -252,10 +252,11 @@ def steady_turning(swimmer: Swimmer, gait: Gait) -> SteadyTurning:
     sense = float(np.sign(applied.frequency))
     cone = sense * applied.cone
     axis, mobility = long_axis_of(swimmer, gait), mobility_of(gait)
-    magnetic = magnet.vector if magnet.susceptibility is None else magnet.softness
+    turning, magnetic = SteadyTurning, magnet.vector
+    if magnet.susceptibility is not None:
+        turning, magnetic = SoftTurning.of, magnet.softness
     mobility, magnetic = (seen_along(axis, np.asarray(of)) for of in (mobility, magnetic))
-    of = SteadyTurning if magnet.susceptibility is None else SoftTurning.of
-    return of(mobility, magnetic, applied.strength, cone)
+    return turning(mobility, magnetic, applied.strength, cone)
 
 
 def _frequencies(values: Any) -> Array:

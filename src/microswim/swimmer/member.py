@@ -91,7 +91,7 @@ class Member:
             return load
         down = own.gravity.vector @ Q
         lever = weight.arm(own, np.array([self.phase]))[0]
-        return load + np.concatenate([weight.excess(own) * down, np.cross(lever, down)])
+        return load + np.concatenate([weight.pull(own) @ Q, np.cross(lever, down)])
 
 
 def _check_alone(swimmer: Swimmer) -> None:

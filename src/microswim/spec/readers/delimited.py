@@ -41,7 +41,7 @@ class Rows:
     """
 
     def __init__(self, path: str | PathLike[str], text: str, mark: str) -> None:
-        self._path, self._text, self._mark = path, text, mark
+        self.path, self._text, self._mark = path, text, mark
         self._lines = _content(text)
         self._rows = csv.reader(self._lines, delimiter=mark, skipinitialspace=mark != "\t")
 
@@ -54,7 +54,7 @@ class Rows:
                 if any(row) and (len(row) > 1 or not row[0].isspace()):
                     return row
         except csv.Error as error:
-            raise SpecError(f"{self._path}: not a CSV: {error}") from None
+            raise SpecError(f"{self.path}: not a CSV: {error}") from None
         raise StopIteration
 
     def all_numbers(
@@ -187,18 +187,12 @@ def is_number(cell: str) -> bool:
 
 
 def columns(
-    path: str | PathLike[str],
-    first: list[str],
-    table: Rows,
-    wanted: Sequence[int],
-    labels: int | None,
+    first: list[str], table: Rows, wanted: Sequence[int], labels: int | None
 ) -> tuple[np.ndarray, list[str]]:
     """Return the numbers of some columns, NaN where a cell is empty, and the words of another.
 
     Parameters
     ----------
-    path
-        Of the file, for errors.
     first, table
         Its first row below the header, and the others.
     wanted
@@ -221,7 +215,7 @@ def columns(
     rows = chain([first], table)
     while block := list(islice(rows, BLOCK)):
         block = [row if len(row) > most else row + [""] * (most + 1 - len(row)) for row in block]
-        blocks.append(np.stack([_numbers(path, block, i) for i in wanted], axis=-1))
+        blocks.append(np.stack([_numbers(table.path, block, i) for i in wanted], axis=-1))
         words += [] if labels is None else [row[labels] for row in block]
     if alike is not None:
         blocks.append(alike[0])

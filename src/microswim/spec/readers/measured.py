@@ -111,7 +111,7 @@ def read(
         raise SpecError(f"{path}: no rows below its header")
     units = _own_column(titles, first, needed) | {n: u for n, u in units.items() if u}
     wanted = [name for name in places if name != label]
-    numbers, labels = columns(path, first, table, [places[n] for n in wanted], places.get(label))
+    numbers, labels = columns(first, table, [places[n] for n in wanted], places.get(label))
     return Table(
         path=str(path),
         titles={name: titles[i] for name, i in places.items()},

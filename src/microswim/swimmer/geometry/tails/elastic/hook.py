@@ -105,9 +105,8 @@ class Hook:
                 raise SpecError(name, float(length), f"at most {SHORT:g} of the tail's length")
 
     def _check_rigid(self, tail: Tail) -> None:
-        for n, one in enumerate(tail.each):
+        for name, one in tail.named.items():
             if one.is_absent or not one.turns_whole:
-                name = f"tail[{n}]" if len(tail.each) > 1 else "tail"
                 raise SpecError(
                     "hook", f"{name} of kind {one.kind}",
                     "between the body and an elastic tail, or rigid helices",

@@ -13,6 +13,7 @@ import pytest
 
 import microswim as ms
 from microswim.calibration.poses import scattered, tube
+from microswim.calibration.poses import solved as all_solved
 from microswim.calibration.poses.layout import shape_of
 from microswim.calibration.poses.scattered import Scatter
 from microswim.calibration.poses.solved import Solves, level_of
@@ -291,6 +292,29 @@ def test_fewer_poses_are_solved_where_they_meet_those_left_out(
     off = {"us": 0.015, "how": "planted"}
     assert Scatter().enough(off, [7000, 6500])
     assert not Scatter().enough(off, [7000, 2500])
+
+
+def test_each_part_finds_the_solves_of_the_one_before_without_a_cache(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    """Where nothing can be kept for good, as beside a home that cannot be written."""
+    folders: list[Any] = []
+    gait = ROBOT.gait()
+
+    def solves(*_: Any, folder: Any, **__: Any) -> Solves:
+        folders.append(folder)
+        assert Path(folder).is_dir()
+        return Solves(gait, gait, [], [])
+
+    monkeypatch.setattr(all_solved, "cache_folder", lambda _: None)
+    monkeypatch.setattr(tube, "solved", solves)
+    monkeypatch.setattr(tube, "_table", lambda *_: None)
+    monkeypatch.setattr(tube, "error_of", lambda *_: {"us": 1.0})
+    robot = replace(ROBOT, channel=ms.Channel(diameter=3.0, length=9.0))
+    tube.in_tube(robot, scatter=Scatter(poses=400, left_out=2))
+    assert len(folders) == 3
+    assert len(set(folders)) == 1
+    assert not Path(folders[0]).exists()
 
 
 @pytest.mark.slow

@@ -4,7 +4,9 @@ from __future__ import annotations
 
 import os
 from collections.abc import Callable
+from contextlib import AbstractContextManager, nullcontext
 from dataclasses import dataclass, replace
+from tempfile import TemporaryDirectory
 from typing import Any
 
 import numpy as np
@@ -92,6 +94,14 @@ class SolvedPoses(Tabulated):
     table: PoseTable
     start: tuple[Array, Array]
     expected_error: dict[str, Any]
+
+
+def kept_in(folder: str | os.PathLike[str] | None) -> AbstractContextManager[Any]:
+    """Return where several calls of `solved` find the solves of one another: for a while, if
+    neither a folder is given nor the user's cache is to be had.
+    """
+    place = cache_folder("poses") if folder is None else folder
+    return TemporaryDirectory() if place is None else nullcontext(place)
 
 
 def solved(

@@ -17,6 +17,7 @@ from microswim.calibration.poses.solved import (
     Solves,
     added_power,
     error_of,
+    kept_in,
     power_of,
     solved,
 )
@@ -93,17 +94,18 @@ def in_tube(
     free_swimmer = replace(swimmer, wall=None, channel=None)
     asked = [beside(free_swimmer, radius, line) for line in np.concatenate([lines, out])]
     on, off = asked[: len(lines)], asked[len(lines) :]
-    for count in scatter.parts:
-        some = _first(len(lines), count)
-        made = solved(
-            free_swimmer, [on[i] for i in some] + off, len(off), level, folder=folder,
-            workers=workers, progress=_of_all(progress, len(asked)), lost=LOST,
-        )  # fmt: skip
-        table = _table(shape, numbers, radius, made, lines[some], Z[some])
-        error = error_of(table, made.best, [start_of(s) for s in off], made.judged)
-        unknowns = [gait.info.get("unknowns", 0) for gait in made.there]
-        if scatter.enough(error, unknowns) and not swimmer.tail.is_absent:
-            break  # what has no tail does not swim: its velocities judge nothing
+    with kept_in(folder) as place:
+        for count in scatter.parts:
+            some = _first(len(lines), count)
+            made = solved(
+                free_swimmer, [on[i] for i in some] + off, len(off), level, folder=place,
+                workers=workers, progress=_of_all(progress, len(asked)), lost=LOST,
+            )  # fmt: skip
+            table = _table(shape, numbers, radius, made, lines[some], Z[some])
+            error = error_of(table, made.best, [start_of(s) for s in off], made.judged)
+            unknowns = [gait.info.get("unknowns", 0) for gait in made.there]
+            if scatter.enough(error, unknowns) and not swimmer.tail.is_absent:
+                break  # what has no tail does not swim: its velocities judge nothing
     return SolvedPoses(made.best, table, start, error)
 
 

@@ -20,6 +20,7 @@ import subprocess
 import sys
 import time
 from concurrent.futures import ThreadPoolExecutor
+from functools import cache
 from pathlib import Path
 
 log = logging.getLogger("mkdocs.hooks.gallery")
@@ -136,10 +137,17 @@ def composed(path, results, figure):
 
 def digest(path):
     """What a script's page hangs on, in one number: script, package, this file."""
-    found = hashlib.sha256()
-    for file in (path, Path(__file__), *sorted((ROOT / "src").rglob("*.py"))):
-        found.update(file.read_bytes())
-    return found.hexdigest()
+    return hashlib.sha256(path.read_bytes() + _of_package()).hexdigest()
+
+
+@cache
+def _of_package():
+    """The same of all that the scripts share: code and data of the package, this file."""
+    found = hashlib.sha256(Path(__file__).read_bytes())
+    for file in sorted((ROOT / "src").rglob("*")):
+        if file.is_file() and "__pycache__" not in file.parts:
+            found.update(file.read_bytes())
+    return found.digest()
 
 
 def keep(path, results, figure):

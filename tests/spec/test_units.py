@@ -6,6 +6,7 @@ import pint
 import pytest
 
 import microswim as ms
+from microswim.spec.file import from_dict
 from microswim.spec.units import SIZES, _registry, parse, to_si
 
 TURN = 2 * math.pi
@@ -165,3 +166,9 @@ def test_what_is_beyond_what_swims_is_refused(text, name):
 @pytest.mark.parametrize("text", ["19.1 rad/mm", "0.0191 1/um", "19.1 1/mm", "1094.349388 deg/mm"])
 def test_a_curvature_is_an_angle_per_length_or_one_over_a_length(text):
     assert to_si(text, "1/m") == pytest.approx(19.1e3, rel=1e-8)
+
+
+def test_a_spec_with_units_of_its_own_is_told_where_they_go():
+    said = "units: no such field here; write a unit with each number"
+    with pytest.raises(ms.SpecError, match=said):
+        from_dict({"units": "SI", "body": {"shape": "sphere", "radius": "0.5 mm"}})

@@ -94,6 +94,8 @@ def _suggest(path: str, tables: dict[str, Any]) -> str:
     owners = [f'"{word(kind, part)}"' for kind in TABLES.get(part, ()) if tag and _has(kind, path)]
     if owners:
         return f"it belongs to {part}.{tag} = {' or '.join(owners)}"
+    if path == "units":
+        return 'write a unit with each number, radius = "0.5 mm", or none at all'
     if path in SYNONYMS:
         return f'did you mean "{SYNONYMS[path]}"?'
     return nearest(path, _fields(tables) if "." in path else TABLES)

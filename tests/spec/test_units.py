@@ -1,6 +1,7 @@
 """Units at the door: what each means, which are none, and one rule for every door."""
 
 import math
+import tomllib
 
 import pint
 import pytest
@@ -169,6 +170,7 @@ def test_a_curvature_is_an_angle_per_length_or_one_over_a_length(text):
 
 
 def test_a_spec_with_units_of_its_own_is_told_where_they_go():
+    tables = tomllib.loads(ms.Swimmer.preset("goto/C").to_toml()) | {"units": "SI"}
     said = "units: no such field here; write a unit with each number"
     with pytest.raises(ms.SpecError, match=said):
-        from_dict({"units": "SI", "body": {"shape": "sphere", "radius": "0.5 mm"}})
+        from_dict(tables)

@@ -16,8 +16,11 @@ of beads (`beaded`): ``beads``, fitted by a surrogate that is calibrated at one 
 ``beads-law``, by a law whose stated error is the difference of the two over 60 other designs.
 
 Where several designs are listed the one that a value is asked of is chosen by the *other* values:
-that whose other values lie nearest to the truth. Choosing by the value itself would be kind. Column
-``inside`` is whether one listed design holds *all* values, which needs no choice.
+that whose other values lie nearest to the truth. Choosing by the value itself would be kind. Where
+the others do not tell designs apart, as where the model is off, that choice is chance: an interval
+holds *if this design it is*. So ``own_low`` and ``own_high`` are those of the design that *is* that
+of the truth, where least squares lead from it; a list without it holds nothing. Column ``inside``
+is whether one listed design holds *all* values, which needs no choice.
 """
 
 from __future__ import annotations
@@ -41,6 +44,7 @@ from microswim.studies.identification.fitting import first_guesses, honesty, out
 from microswim.studies.identification.paths import path_of
 from microswim.swimmer.drag.coefficients import Unchosen
 
+SAME = 1e-3  #: relative, within which two fits are one design
 NAMES = ("tail.amplitude", "tail.waves", "tail.frequency")
 OFF = np.array([0.1, 0.1, 0.0, 0.0, 0.0, 0.1])  #: stated relative errors of ``off``
 COLUMNS: tuple[str, ...] = (
@@ -55,6 +59,8 @@ COLUMNS: tuple[str, ...] = (
     "why",
     "seconds",
     "inside",
+    "own_low",
+    "own_high",
 )
 
 
@@ -186,15 +192,34 @@ def tried(kind: str, seed: int) -> list[dict[str, Any]]:
     if not found.branches:
         return [line | {"name": name, "truth": value} for name, value in truth.items()]
     line["inside"] = int(any(holds(b.interval(), wanted) for b in found.branches))
+    own = truths_own(known, track, truth, found.branches)
+    ends = np.full((len(truth), 2), np.nan) if own is None else own.interval()
     lines = []
     for i, name in enumerate(truth):
         one = min(found.branches, key=lambda b, i=i: elsewhere(b.values, wanted, i))
         low, high = one.interval()[i]
         value = one.values[i]
+        of_own = {"own_low": ends[i, 0], "own_high": ends[i, 1]}
         lines.append(
-            line | {"name": name, "truth": wanted[i], "value": value, "low": low, "high": high}
-        )
+            line | of_own
+            | {"name": name, "truth": wanted[i], "value": value, "low": low, "high": high}
+        )  # fmt: skip
     return lines
+
+
+def truths_own(
+    known: ms.Swimmer, track: ms.Track, truth: dict[str, float], listed: tuple[Any, ...]
+) -> Any:
+    """Return the listed design to which least squares lead from the truth, None if none is it."""
+    reached = ms.identify_swimmer(known, track, tuple(truth), start=truth, model_error=False).values
+    same = [b for b in listed if np.allclose(b.values, reached, rtol=SAME, atol=0.0)]
+    around = [b for b in listed if within(b.interval(), reached)]
+    return min(same or around, key=lambda b: elsewhere(b.values, reached, None), default=None)
+
+
+def within(ends: np.ndarray, values: np.ndarray) -> bool:
+    """Return whether all values lie in their intervals."""
+    return bool(((ends[:, 0] <= values) & (values <= ends[:, 1])).all())
 
 
 def holds(ends: np.ndarray, wanted: np.ndarray) -> bool:
@@ -207,9 +232,10 @@ def holds(ends: np.ndarray, wanted: np.ndarray) -> bool:
     return bool((abs(wanted - middle) <= wide * (high - low) / 2.0).all())
 
 
-def elsewhere(values: np.ndarray, wanted: np.ndarray, i: int) -> float:
-    """Return how far the values other than number i are from the truth."""
-    return float(np.sum(np.delete((values - wanted) / wanted, i) ** 2))
+def elsewhere(values: np.ndarray, wanted: np.ndarray, i: int | None) -> float:
+    """Return how far the values other than number i are from those wanted; all without i."""
+    off = (values - wanted) / wanted
+    return float(np.sum((off if i is None else np.delete(off, i)) ** 2))
 
 
 def none(own: Any) -> None:
@@ -244,13 +270,19 @@ def told(path: Path) -> None:
             some = [row for row in some if not only or int(row["listed"]) == 1]
             if not some:
                 continue
-            hits = sum(float(r["low"]) <= float(r["truth"]) <= float(r["high"]) for r in some)
-            n = len(some)
-            low = beta.ppf(0.025, hits, n - hits + 1) if hits else 0.0
-            high = beta.ppf(0.975, hits + 1, n - hits) if hits < n else 1.0
             said = f"{name} (one design)" if only else name
-            rate = f"{hits}/{n} = {hits / n:.3f}   ({low:.3f} to {high:.3f})"
-            print(f"  {said:34s} {rate}   {deviation(some)}")
+            print(f"  {said:34s} {rate(some, 'low', 'high')}   {deviation(some)}")
+            if not only and some[0].get("own_low"):
+                print(f"  {'  the design of the truth':34s} {rate(some, 'own_low', 'own_high')}")
+
+
+def rate(rows: list[dict[str, str]], low: str, high: str) -> str:
+    """Return how many of the intervals in two columns hold the truth, with the rate's own."""
+    hits = sum(float(r[low]) <= float(r["truth"]) <= float(r[high]) for r in rows)
+    n = len(rows)
+    least = beta.ppf(0.025, hits, n - hits + 1) if hits else 0.0
+    most = beta.ppf(0.975, hits + 1, n - hits) if hits < n else 1.0
+    return f"{hits}/{n} = {hits / n:.3f}   ({least:.3f} to {most:.3f})"
 
 
 def deviation(rows: list[dict[str, str]]) -> str:

@@ -54,6 +54,16 @@ FILES = {
         + rows(lambda k, i, x, y, u, v: f"{i},{v},{u},1,2,.1,9,3,.05,{i},{float(k)}"),
         BOTH,
     ),
+    "cell-id.csv": (
+        "# made by a program\nCell ID,Time (ms),Centroid X (nm),CentroidY (nm),Area (px)\n"
+        + rows(lambda k, i, x, y, u, v: f"{k},{1e3 * i / FPS},{1e3 * x},{1e3 * y},44"),
+        {},
+    ),
+    "no-spaces.csv": (
+        "trackNo,T,PosX,PosY\n,s,micron,micron\n"
+        + rows(lambda k, i, x, y, u, v: f"{k},{i / FPS},{x},{y}"),
+        {},
+    ),
     "imaris.csv": (
         "\nPosition\n ==================== \n"
         "Position X,Position Y,Position Z,Unit,Category,Collection,Time,TrackID,ID,\n"
@@ -145,6 +155,15 @@ def test_a_column_that_names_points_names_no_tracks(tmp_path):
     tracks = ms.read_tracks(tmp_path / "one.csv", fps=25)
     assert list(tracks) == ["0"]
     assert tracks.ignored == ("ID",)
+
+
+def test_a_row_that_stands_twice_is_taken_once(tmp_path):
+    lines = [f"{i},{2 * i},0,{k}" for k in (0, 1) for i in range(20)]
+    file = tmp_path / "twice.csv"
+    file.write_text("\n".join(["frame,x (um),y (um),track", *lines, lines[3], lines[25]]))
+    tracks = ms.read_tracks(file, fps=25)
+    assert [len(track.time) for track in tracks.values()] == [20, 20]
+    assert tracks.remarks == ("2 rows stand twice, each is taken once",)
 
 
 BROKEN = {

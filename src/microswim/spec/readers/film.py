@@ -15,15 +15,15 @@ from microswim.spec.units import DIMENSIONS, to_si
 #: What columns may be called, in lower case; in the languages that their programs speak.
 TIME = ("time", "t", "position_t", "timestamp", "zeit", "temps", "tiempo", "tempo", "tijd", "tid",
         "czas", "čas", "время", "时间", "時間")  # fmt: skip
-FRAMES = ("frame", "frames", "frame number", "frame_number", "slice", "slice n°", "frameid",
+FRAMES = ("frame", "frames", "frame_number", "slice", "slice n°", "frameid",
           "imagenumber", "bild",
           "bildnummer", "image", "imagen", "fotograma", "cuadro", "fotogramma",
           "quadro")  # fmt: skip
-TRACKS = ("track_id", "track id", "trackid", "track", "track n°", "tid", "particle",
-          "trackobjects_label",  "trajectory", "cell", "cell_id",
-          "track_number", "spur", "piste", "traza", "traccia", "teilchen", "partikel", "zelle",
-          "trajectoire", "particule", "cellule", "trayectoria", "partícula", "célula",
-          "traiettoria", "particella", "cellula", "id")  # fmt: skip
+TRACKS = ("track_id", "track", "track n°", "tid", "particle_id", "particle",
+          "trackobjects_label", "trajectory_id", "trajectory", "cell_id", "cell",
+          "track_number", "track_no", "spur", "piste", "traza", "traccia", "teilchen",
+          "partikel", "zelle", "trajectoire", "particule", "cellule", "trayectoria",
+          "partícula", "célula", "traiettoria", "particella", "cellula", "id")  # fmt: skip
 #: Columns by number, as ilastik and scikit-image have them: which is which.
 _NUMBERED = {"x": ("object_center_0", "center_of_the_object_0", "centroid-1"),
              "y": ("object_center_1", "center_of_the_object_1", "centroid-0"), "z": ()}  # fmt: skip

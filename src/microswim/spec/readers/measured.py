@@ -33,6 +33,7 @@ WORDS = {
            "micrometro", "micrometros", "micrometri"),
     "mm": ("millimètre", "millimètres", "milímetro", "milímetros", "millimetro", "millimetri"),
 }  # fmt: skip
+_BETWEEN = str.maketrans("", "", " _-")
 _UNIT_OF = {word: unit for unit, words in WORDS.items() for word in words}
 #: x (um), x [um], x / um, x in um
 _TITLE = re.compile(
@@ -163,7 +164,7 @@ def _known(
     places: dict[str, int] = {}
     for name, words in known.items():
         for word in words:
-            here = [i for i, (title, _) in enumerate(parts) if title == word]
+            here = [i for i, (title, _) in enumerate(parts) if title == bare(word)]
             if len(here) > 1:
                 raise SpecError(
                     f"{path}: {titles[here[0]]} and {titles[here[1]]} are one column; remove one"
@@ -181,20 +182,31 @@ def _known(
 def name_of(title: str, known: Mapping[str, tuple[str, ...]]) -> str:
     """Return the name that a title means, empty if it is not known."""
     word = _parts(title.strip().strip("\ufeff"), known)[0]
-    return next((name for name, words in known.items() if word in words), "")
+    return next((name for name, words in known.items() if word in map(bare, words)), "")
+
+
+def bare(word: str) -> str:
+    """Return a title as it is compared: Cell ID, cell_id and cellID are one.
+
+    Examples
+    --------
+    >>> bare("Cell ID"), bare("pos-X")
+    ('cellid', 'posx')
+    """
+    return word.lower().translate(_BETWEEN)
 
 
 def _parts(title: str, known: Mapping[str, tuple[str, ...]]) -> tuple[str, str | None]:
-    """Name in lower case and unit of a title."""
-    words = {word for words in known.values() for word in words}
+    """Bare name and unit of a title."""
+    words = {bare(word) for words in known.values() for word in words}
     match = _TITLE.fullmatch(title)
     if match:
         unit = next(match[k] for k in "abcd" if match[k] is not None)
-        return match["name"].strip().lower(), unit.strip() or None
+        return bare(match["name"].strip()), unit.strip() or None
     name, _, unit = title.rpartition("_")
-    if title.lower() not in words and name.lower() in words:
-        return name.lower(), None if unit.isdigit() else unit
-    return title.lower(), None
+    if bare(title) not in words and bare(name) in words:
+        return bare(name), None if unit.isdigit() else unit
+    return bare(title), None
 
 
 def _row_of_units(

@@ -135,11 +135,11 @@ def read_tracks(
     if all(name in table.numbers for name in ATTITUDE):
         attitude = np.stack([table.numbers[name] for name in ATTITUDE], axis=-1)
     wanted = None if track is None else {str(t) for t in np.atleast_1d(track).tolist()}
-    found, left_out = _split(table, time, position, attitude, wanted)
+    found, left_out, again = _split(table, time, position, attitude, wanted)
     if not found and left_out:
         name, why = next(iter(left_out.items()))
         raise SpecError(f"{table.path}: " + (f"track {name}: {why}" if table.labels else why))
-    return Tracks(found, left_out, table.left_out, remarks + said, units)
+    return Tracks(found, left_out, table.left_out, remarks + said + again, units)
 
 
 def _table(path: str | PathLike[str]) -> Table:
@@ -170,8 +170,10 @@ def _split(
     position: np.ndarray,
     attitude: np.ndarray | None,
     wanted: set[str] | None,
-) -> tuple[dict[str, Track], dict[str, str]]:
-    """One track for each name; rows with a hole are left out, and what is no track with why."""
+) -> tuple[dict[str, Track], dict[str, str], tuple[str, ...]]:
+    """One track for each name; what is no track with why; and what is said. Rows with a hole or
+    that stand twice are left out.
+    """
     whole = np.isfinite(time) & np.isfinite(position).all(axis=1)
     if attitude is not None:
         whole &= np.isfinite(attitude).all(axis=1)
@@ -186,6 +188,8 @@ def _split(
         raise SpecError("--track", missing[0], "a track of the file", nearest(missing[0], known))
     order = np.lexsort((time, codes))
     order = order[whole[order]]
+    twice = _twice(codes[order], time[order], position[order])
+    order = order[~twice]
     ends = np.searchsorted(codes[order], np.arange(len(known) + 1))
     tracks: dict[str, Track] = {}
     left_out: dict[str, str] = {}
@@ -199,7 +203,15 @@ def _split(
             continue
         q = None if attitude is None else attitude[here]
         tracks[name] = Track(time=time[here], position=position[here], quaternion=q)
-    return tracks, left_out
+    count = np.count_nonzero(twice)
+    again = f"{count} {'row stands' if count == 1 else 'rows stand'} twice, each is taken once"
+    return tracks, left_out, (again,) if count else ()
+
+
+def _twice(codes: np.ndarray, time: np.ndarray, position: np.ndarray) -> np.ndarray:
+    """Whether a row says the time and place of the one before it, of the same track."""
+    same = (np.diff(codes) == 0) & (np.diff(time) == 0) & (np.diff(position, axis=0) == 0).all(1)
+    return np.concatenate([[False], same])[: len(codes)]
 
 
 def _no_track(time: np.ndarray) -> str:

@@ -8,12 +8,12 @@ from __future__ import annotations
 import base64
 from collections.abc import Iterable
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import numpy as np
 
 from microswim.numerics.rigid_motion import rotation_matrix
-from microswim.output.io.surface import bent, surface
+from microswim.output.io.surface import Surface, bent, surface
 from microswim.path.by_torque import at_phases
 from microswim.swimmer.swimmer import Swimmer
 
@@ -135,13 +135,18 @@ def _array(name: str, values: np.ndarray) -> str:
     return f"<DataArray {head}>{text}</DataArray>"
 
 
-def _at(swimmer: Swimmer, run: xr.Dataset, i: int) -> Any:
-    """The surface at the phase of the motor, or with each tail at its own, and its own axis."""
+def surface_at(swimmer: Swimmer, run: xr.Dataset, i: int, fineness: float = 0.75) -> Surface:
+    """Return the surface in the lab at a sample of a path: each tail at its own phase and axis, a
+    filament as it is bent.
+    """
+    x, turn = run.position.values[i], rotation_matrix(run.quaternion.values[i])
+    if "filament" in run:
+        return bent(swimmer, run.filament.values[i], x, turn, fineness=fineness)
     phase = run.motor_phase.values[i]
     if np.ndim(phase):
         axes = run.tail_axis.values[i] if "tail_axis" in run else None
-        return surface(at_phases(swimmer, phase, axes), 0.0, fineness=0.75)
-    return surface(swimmer, float(phase), fineness=0.75)
+        return surface(at_phases(swimmer, phase, axes), 0.0, fineness=fineness).moved(x, turn)
+    return surface(swimmer, float(phase), fineness=fineness).moved(x, turn)
 
 
 def write_swimmer(folder: Path, swimmer: Swimmer, run: xr.Dataset, frames: int = 120) -> Path:
@@ -164,15 +169,11 @@ def write_swimmer(folder: Path, swimmer: Swimmer, run: xr.Dataset, frames: int =
         The ``.pvd`` file to open in ParaView.
     """
     (folder / "vtk").mkdir()
-    time, x, q = run.time.values, run.position.values, run.quaternion.values
+    time, x = run.time.values, run.position.values
     pick = np.unique(np.linspace(0, len(time) - 1, min(frames, len(time))).astype(int))
     series: list[tuple[float, str]] = []
     for number, i in enumerate(pick):
-        turn = rotation_matrix(q[i])
-        if "filament" in run:
-            mesh = bent(swimmer, run.filament.values[i], x[i], turn, fineness=0.75)
-        else:
-            mesh = _at(swimmer, run, i).moved(x[i], turn)
+        mesh = surface_at(swimmer, run, int(i))
         name = f"vtk/swimmer_{number:04d}.vtp"
         points, part = mesh.points.astype("<f4"), mesh.part.astype("|u1")
         text = poly_data(points, polys=mesh.quads, cell_data={"part": part})

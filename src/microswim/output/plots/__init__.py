@@ -6,6 +6,7 @@ __getattr__, __dir__, __all__ = lazy_loader.attach(
     __name__,
     submod_attrs={
         "design": ["design_map", "front"],
+        "film": ["film"],
         "group": ["group"],
         "mobility": ["mobility"],
         "path": ["group_path", "path"],

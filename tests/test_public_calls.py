@@ -315,6 +315,13 @@ FUNCTIONS = {
     "plots.velocity": {"run": RUN},
     "plots.path": {"found": RUN},
     "plots.group_path": {"found": RUN},
+    "plots.film": {
+        "swimmer": HELIX,
+        "found": RUN,
+        "file": "path.gif",
+        "frames": 2,
+        "progress": told,
+    },
     "data.load": {"name": "tabak-table-2"},
     "data.names": {},
     "Swimmer.from_toml": {"path": "spec.toml", "overrides": {}, "trust": "own.py"},

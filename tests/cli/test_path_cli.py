@@ -42,11 +42,19 @@ def test_the_table_says_so_in_words():
     assert "level of local drag" in run.stdout
 
 
+@pytest.mark.parametrize("more", [[], ["--over", "tilt=0,0.1", "--out", "map"]])
+def test_a_film_is_of_one_path_and_in_a_folder(more):
+    run = call(*CELL, "--time", "0.1s", "--film", *more)
+    assert run.exit_code == 2
+    assert "--film: with --out DIR, and of one path" in run.stderr
+
+
 def test_files_are_those_that_are_said(tmp_path):
-    out = tmp_path / "o"
-    run = call(*CELL, "--time", "0.1s", "--out", out)
+    out, few = tmp_path / "o", ["--samples", "3"]
+    run = call(*CELL, "--time", "0.1s", *few, "--out", out, "--film")
     assert run.exit_code == 0, run.output
-    for name in ("path.png", "path.nc", "path.csv", "swimmer.pvd", "path.vtp", "spec.toml"):
+    for name in ("path.png", "path.gif", "path.nc", "path.csv", "swimmer.pvd", "path.vtp",
+                 "spec.toml"):  # fmt: skip
         assert (out / name).stat().st_size > 0
         assert name in run.stderr
     data = ms.io.load(out / "path.nc")
@@ -61,10 +69,10 @@ def test_files_are_those_that_are_said(tmp_path):
     assert "another path" in other.stderr
     before = {p.name: p.read_bytes() for p in out.iterdir() if p.is_file()}
     asked = ("--set", "fluid.viscosity=2 mPa s", "--out", out, "--resume")
-    changed = call(*CELL, "--time", "0.1s", *asked)
+    changed = call(*CELL, "--time", "0.1s", *few, *asked)
     assert "another path" in changed.stderr, changed.output
     assert {p.name: p.read_bytes() for p in out.iterdir() if p.is_file()} == before
-    assert call(*CELL, "--time", "0.1s", "--out", out, "--resume").exit_code == 0
+    assert call(*CELL, "--time", "0.1s", *few, "--out", out, "--resume").exit_code == 0
 
 
 def test_many_paths_with_noise_give_their_spread(tmp_path):

@@ -33,6 +33,7 @@ if TYPE_CHECKING:
 
 FILES = {
     "path.png": "the path from above, from the side and in time",
+    "path.gif": "a film of it, from above and close by (--film)",
     "path.nc": "everything, netCDF with units",
     "path.csv": "position and quaternion in time",
     "swimmer.pvd": "the swimmer in time, for ParaView (frames in vtk/)",
@@ -50,6 +51,7 @@ FRAMES = 120  #: of the swimmer for ParaView
     epilog=example(
         "microswim path robot.toml --time 10s",
         "microswim path robot.toml --time 60s --from 0um,0um,20um --tilt 10deg --out path",
+        "microswim path robot.toml --time 60s --out path --film",
         "microswim path robot.toml --time 60s --out path --resume     after it was killed",
         "microswim path soft.toml --time 2s --from-rest     an elastic tail from rest on",
         "microswim path cell.toml --time 30s --paths 200 --seed 1 --json     with [noise]",
@@ -107,6 +109,7 @@ FRAMES = 120  #: of the swimmer for ParaView
 )
 @json_option
 @out_option
+@click.option("--film", is_flag=True, help="A film in --out too, from above and close by.")
 @click.option("--resume", is_flag=True, help="Go on with the path in --out, if there is one.")
 @force_option
 def command(
@@ -121,6 +124,7 @@ def command(
     over: tuple[str, ...],
     as_json: bool,
     out: Path | None,
+    film: bool,
     resume: bool,
     force: bool,
     **asked: Any,
@@ -137,6 +141,8 @@ def command(
 
     asked |= _start(given, time, start, tilt)
     _check(out, resume, force)
+    if film and (out is None or asked["paths"] > 1 or over):
+        raise SpecError("--film: with --out DIR, and of one path")
     if poses is not None and (given.swimmer.channel is None or over):
         raise SpecError("--poses", poses, "left out but for one path in a [channel]")
     if over:
@@ -155,6 +161,8 @@ def command(
     if out is not None:
         with _files.or_else(show):
             _write(out, given, found)
+            if film:
+                _film(out / "path.gif", given, found)
     show()
     if out is not None:
         click.echo(f"written to {out}/", err=True)
@@ -244,6 +252,14 @@ def _check(out: Path | None, resume: bool, force: bool) -> None:
         raise SpecError("--resume needs --out DIR")
     if out is not None and not resume:
         _kept.check(out, "path", FILES, "vtk", force)
+
+
+def _film(file: Path, given: Given, found: xr.Dataset) -> None:
+    from microswim.cli._progress import bar
+    from microswim.output.plots.film import film
+
+    with bar(f"film of {given.name}") as progress:
+        film(given.swimmer, found, file, progress=progress)
 
 
 def _write(out: Path, given: Given, found: xr.Dataset) -> None:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from os import PathLike
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -11,7 +12,7 @@ import xarray as xr
 
 from microswim import checks
 from microswim.errors import SpecError
-from microswim.gait.readable import quantity
+from microswim.gait.readable import prefixed, quantity
 from microswim.numerics.files import fresh
 from microswim.output.io.surface import BODY as OF_BODY
 from microswim.output.io.surface import Surface
@@ -44,8 +45,16 @@ ROOM = 0.6  #: half width of what is seen close by, of twice the swimmer's reach
     found=checks.dataset,
     file=checks.place,
     frames=checks.at_least(2),
+    progress=checks.function,
 )
-def film(swimmer: Swimmer, found: xr.Dataset, file: str | PathLike[str], frames: int = 120) -> Path:
+def film(
+    swimmer: Swimmer,
+    found: xr.Dataset,
+    file: str | PathLike[str],
+    *,
+    frames: int = 120,
+    progress: Callable[[int, int], None] | None = None,
+) -> Path:
     """Write a film (GIF) of a path: all of it from above, and close by from the side.
 
     In a tube close by from the side, and along the tube.
@@ -60,6 +69,8 @@ def film(swimmer: Swimmer, found: xr.Dataset, file: str | PathLike[str], frames:
         To write, ending in ``.gif``; what stands there is replaced.
     frames
         At most, evenly spaced in time; six seconds for 120.
+    progress
+        Called with the frames done and of all.
 
     Returns
     -------
@@ -88,7 +99,11 @@ def film(swimmer: Swimmer, found: xr.Dataset, file: str | PathLike[str], frames:
     pick = np.unique(np.linspace(0, count - 1, min(int(frames), count)).astype(int))
     with look():
         scene = _Scene(run, surface_at(drawn, run, 0, FINENESS))
-        shots = [scene.shot(i, surface_at(drawn, run, i, FINENESS)) for i in pick.tolist()]
+        shots = []
+        for i in pick.tolist():
+            shots.append(scene.shot(i, surface_at(drawn, run, i, FINENESS)))
+            if progress is not None:
+                progress(len(shots), len(pick))
     with fresh(file) as part:
         _save(part, shots)
     return Path(file)
@@ -119,7 +134,8 @@ class _Scene:
         self.radius = float(run.attrs["tube_radius"]) if in_tube else 0.0
         self.units = run.position.attrs["units"], run.time.attrs["units"]
         self.reach = 2.0 * float(np.linalg.norm(first.points - self.x[0], axis=1).max())
-        self.factor, _ = readable([self.reach, np.ptp(self.x, axis=0).max()], "", self.units[0])
+        self.size = max(self.reach, float(np.ptp(self.x, axis=0).max()))
+        self.factor, _ = prefixed(self.size, self.units[0])
         figure = blank(WIDE, 3.6)
         figure.set_dpi(DOTS)
         left, right = figure.subplots(1, 2)
@@ -190,8 +206,7 @@ class _Whole(_View):
         axes.set(xlim=(middle[0] - half, middle[0] + half))
         axes.set(ylim=(middle[1] - half, middle[1] + half))
         few_ticks(axes, 4)
-        sizes = [scene.reach, np.ptp(scene.x, axis=0).max()]
-        names = [readable(sizes, "xyz"[k], scene.units[0])[1] for k in self.plane]
+        names = [readable(scene.size, "xyz"[k], scene.units[0])[1] for k in self.plane]
         names = [name.replace(" (length)", "") for name in names]
         title = "along the tube" if scene.radius else "from above"
         axes.set(xlabel=names[0], ylabel=names[1], title=title)
@@ -220,7 +235,7 @@ class _Near(_View):
         bar *= max(k for k in (1.0, 2.0, 5.0) if k * bar <= 0.3 * scene.reach)
         wide = scene.factor * bar
         axes.plot([-half, -half + wide], [-half, -half], color=BLACK, linewidth=2.0, clip_on=False)
-        name = quantity(bar, scene.units[0]) if scene.units[0] else f"{bar:g}"
+        name = f"{wide:.3g} {prefixed(scene.size, scene.units[0])[1]}".replace(" length", "")
         axes.text(-half + 0.5 * wide, -0.97 * half, name, ha="center", va="bottom", fontsize=7)
 
     def show(self, i: int, mesh: Surface) -> None:

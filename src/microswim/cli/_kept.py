@@ -54,6 +54,19 @@ def begin(out: Path, spec: str) -> Path:
 
 
 @contextmanager
+def solves() -> Iterator[None]:
+    """Tell whoever interrupts what is within that its solves are kept, if they are."""
+    from microswim.numerics.files import cache_folder
+
+    try:
+        yield
+    except KeyboardInterrupt:
+        if cache_folder("poses") is not None:
+            click.echo("what was solved is kept: the same command goes on", err=True)
+        raise
+
+
+@contextmanager
 def resumable(out: Path | None) -> Iterator[None]:
     """Tell whoever interrupts what is within how it goes on, where something was kept."""
     try:

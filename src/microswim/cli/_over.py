@@ -164,6 +164,23 @@ def _plain(said: str, text: str, kind: str, units: str) -> float:
     return float(text) if bare and kind == "rad" else in_unit(said, text.strip(), kind, units)
 
 
+def _solve_poses(given: Given, over: dict[str, Any]) -> None:
+    """Solve the poses of each design of a map, seen to come, so that the paths find them kept."""
+    from microswim.calibration.poses.around import around
+    from microswim.cli import _kept
+    from microswim.cli._progress import bar
+    from microswim.numerics.files import cache_folder
+    from microswim.studies.sweeps.starts import with_poses
+
+    if cache_folder("poses") is None:
+        return
+    designs = with_poses(given.swimmer, over)
+    for n, design in enumerate(designs):
+        of = f", design {n + 1} of {len(designs)}" if len(designs) > 1 else ""
+        with _kept.solves(), bar(f"poses of {given.name}{of}") as progress:
+            around(design, progress=progress)
+
+
 def map_starts(
     given: Given, texts: tuple[str, ...], time: float, model: Any, out: Path | None, as_json: bool
 ) -> None:
@@ -181,6 +198,7 @@ def map_starts(
     from microswim.studies.sweeps.starts import starts
 
     over = of_starts(texts, given.swimmer.units)
+    _solve_poses(given, over)
     with bar(f"starts of {given.name}") as progress:
         found = starts(
             given.swimmer, time, over, model=model, progress=progress,

@@ -101,6 +101,16 @@ def _of_hooks(report: dict[str, Any]) -> list[tuple[str, str]]:
     return rows
 
 
+def _between(poses: dict[str, Any] | None) -> str:
+    """Return how well poses that were not solved are met, in words."""
+    from microswim.gait.readable import percent
+
+    if not poses:
+        return ""
+    most = max(poses[name] for name in _LINEAR)
+    return f"between the poses solved velocities within {percent(most)} of the speed (95 %)"
+
+
 def table(who: str, report: dict[str, Any]) -> Table:
     """Return the same as a table."""
     from microswim.gait.readable import EXPLAINED, but_rounding, percent, quantity, significant
@@ -151,7 +161,7 @@ def table(who: str, report: dict[str, Any]) -> Table:
             rows.append(("phases against the first, at the end", ", ".join(late)))
     rows += _of_hooks(report)
     known = f"end within {q(error, 'length')} by the time steps" if error == error else ""
-    note = "; ".join(part for part in (known, model) if part)
+    note = "; ".join(part for part in (known, _between(off["poses"]), model) if part)
     steps = "" if report["steps"] is None else f", {report['steps']:,} steps"
     title = f"{who}: path over {q(report['time'], 'time')}{steps}"
     note = f"{note}; {significant(report['wall_seconds'], 2)} s".lstrip("; ")

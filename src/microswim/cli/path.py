@@ -203,7 +203,7 @@ def _gait(
         from microswim.path.in_tube import check
 
         check(given.swimmer)
-        with bar(f"poses of {given.name} {boundary}") as progress:
+        with _kept.solves(), bar(f"poses of {given.name} {boundary}") as progress:
             return {"poses": around(given.swimmer, level=level, progress=progress, **_many(poses))}
     return {"gait": _print.timed_gait(given.swimmer, model, level)[0]}
 

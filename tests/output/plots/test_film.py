@@ -71,7 +71,7 @@ def test_in_a_tube_its_wall_is_round_it(tmp_path):
 
 def test_many_paths_and_other_files_are_refused(tmp_path):
     found = ms.path(ROBOT, 0.1, model="rft", samples=2)
-    with pytest.raises(ms.SpecError, match="ends in .gif"):
+    with pytest.raises(ms.SpecError, match=r"ends in \.gif"):
         ms.plots.film(ROBOT, found, tmp_path / "path.mp4")
     with pytest.raises(ms.SpecError, match="many paths"):
         ms.plots.film(ROBOT, found.expand_dims("path"), tmp_path / "path.gif")

@@ -3,11 +3,11 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from dataclasses import replace
 from typing import Any
 
+from microswim.calibration.poses import tube, wall
 from microswim.calibration.poses.solved import SolvedPoses
-from microswim.calibration.poses.tube import in_tube
-from microswim.calibration.poses.wall import beside_wall
 from microswim.swimmer.swimmer import Swimmer
 
 
@@ -29,7 +29,7 @@ def around(
     progress
         Called with (solved, all).
     options
-        As `beside_wall` or `in_tube` take them.
+        As `wall.beside_wall` or `tube.in_tube` take them.
 
     Raises
     ------
@@ -38,6 +38,22 @@ def around(
     MicroswimError
         If a pose cannot be solved.
     """
-    solve: Any = beside_wall if swimmer.channel is None else in_tube
+    solve: Any = wall.beside_wall if swimmer.channel is None else tube.in_tube
     found: SolvedPoses = solve(swimmer, level=level, progress=progress, **options)
     return found
+
+
+def same_poses(swimmer: Swimmer) -> str:
+    """Return what poses depend on: body, tail and boundary, not where the swimmer starts."""
+    bounds: Any = None if swimmer.wall is None else "wall"
+    if swimmer.channel is not None:
+        bounds = swimmer.channel.shape, swimmer.channel.diameter
+    seen = (swimmer.body, swimmer.tail, swimmer.fluid, swimmer.motion, bounds)
+    return repr((*seen, swimmer.coefficients, swimmer.interaction))
+
+
+def started(poses: SolvedPoses, swimmer: Swimmer) -> SolvedPoses:
+    """Return poses that start where the wall or the channel of a swimmer says."""
+    if swimmer.channel is not None:
+        return replace(poses, start=tube.start_of(swimmer))
+    return replace(poses, start=wall.start_of(swimmer.wall))

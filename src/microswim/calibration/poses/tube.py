@@ -72,7 +72,7 @@ def in_tube(
     workers
         Processes; all cores by default.
     progress
-        Called with (solved, most).
+        Called with (solved, all of this part): more follow where these are not enough.
 
     Raises
     ------
@@ -99,7 +99,7 @@ def in_tube(
             some = _first(len(lines), count)
             made = solved(
                 free_swimmer, [on[i] for i in some] + off, len(off), level, folder=place,
-                workers=workers, progress=_of_all(progress, len(asked)), lost=LOST,
+                workers=workers, progress=progress, lost=LOST,
             )  # fmt: skip
             table = _table(shape, numbers, radius, made, lines[some], Z[some])
             error = error_of(table, made.best, [start_of(s) for s in off], made.judged)
@@ -107,13 +107,6 @@ def in_tube(
             if scatter.enough(error, unknowns) and not swimmer.tail.is_absent:
                 break  # what has no tail does not swim: its velocities judge nothing
     return SolvedPoses(made.best, table, start, error)
-
-
-def _of_all(
-    progress: Callable[[int, int], None] | None, whole: int
-) -> Callable[[int, int], None] | None:
-    """Return what counts a part of the poses as of all that there may be."""
-    return None if progress is None else lambda done, _: progress(done, whole + 1)
 
 
 def _first(whole: int, count: int) -> NDArray[np.int64]:

@@ -231,8 +231,9 @@ def _check(swimmer: Swimmer, region: Region, solves: int) -> None:
         if name.startswith(("wall.", "channel.")):
             raise SpecError(
                 "region", name, "a number of tail or body, in free fluid",
-                "where the boundary varies, microswim path and ms.Stepper.of solve the poses of "
-                "this design themselves",
+                f"design and boundary vary together in microswim path --over {name}=LOW:HIGH:N,"
+                "tail.waves=... (ms.starts), which solves the poses of each design once, and at "
+                "single poses in microswim sweep --model bem",
             )  # fmt: skip
         if not (np.isfinite([low, high]).all() and 0 < low < high):
             raise SpecError(f"region {name}", bounds, "two positive numbers, the lower one first")

@@ -13,7 +13,8 @@ def remark(boundary: str) -> str:
     """Return what an answer says, for ``"wall"`` or ``"channel"``."""
     return (
         f"holds at this pose of the {boundary}: no path is followed, along which the {boundary} "
-        "would turn with the swimmer, so its speed, radius and pitch are left out"
+        "would turn with the swimmer, so its speed, radius and pitch are left out; microswim path "
+        "and ms.path follow it where that stays in the lab"
     )
 
 

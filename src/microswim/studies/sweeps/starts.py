@@ -19,6 +19,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from microswim import checks
+from microswim.calibration.poses.around import around, same_poses, started
 from microswim.errors import MicroswimError, SpecError
 from microswim.gait import doors
 from microswim.gait.poses.face import FreePoses
@@ -168,6 +169,19 @@ def _attitude(swimmer: Swimmer, poses: Any, start: dict[str, Any]) -> tuple[Any,
     return q, float(start.get("phase", 0.0))
 
 
+def is_bounded(swimmer: Swimmer) -> bool:
+    """Return whether a wall or a tube is there."""
+    return swimmer.wall is not None or swimmer.channel is not None
+
+
+def with_poses(swimmer: Swimmer, over: Mapping[str, Sequence[Any]]) -> list[Swimmer]:
+    """Return the designs of a grid of starts whose poses are solved, each once."""
+    names = [name for name in over if name not in STARTS]
+    points = product(*(np.asarray(over[name]).tolist() for name in names))
+    found = [_changed(swimmer, dict(zip(names, point, strict=True))) for point in points]
+    return list({same_poses(one): one for one in found if is_bounded(one)}.values())
+
+
 class _Poses:
     """Gaits at every pose, once for each body, tail and boundary."""
 
@@ -178,16 +192,12 @@ class _Poses:
         """Return the gait at every pose of a swimmer."""
         if self.given is not None:
             return self.given
-        seen = (swimmer.body, swimmer.tail, swimmer.fluid, swimmer.motion, swimmer.wall)
-        key = repr((*seen, swimmer.channel, swimmer.coefficients, swimmer.interaction))
+        key, bounded = same_poses(swimmer), is_bounded(swimmer)
         if key not in self.made:
-            bounded = swimmer.wall is not None or swimmer.channel is not None
             self.made[key] = (
-                doors.go(doors.AT_POSES, swimmer)
-                if bounded
-                else FreePoses(swimmer.gait(self.model))  # type: ignore[arg-type]
+                around(swimmer) if bounded else FreePoses(swimmer.gait(self.model))  # type: ignore[arg-type]
             )
-        return self.made[key]
+        return started(self.made[key], swimmer) if bounded else self.made[key]
 
 
 def _changed(swimmer: Swimmer, point: dict[str, Any]) -> Swimmer:

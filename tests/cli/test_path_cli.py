@@ -4,12 +4,15 @@ import json
 import subprocess
 import sys
 import time
+from dataclasses import replace
 
 import numpy as np
 import pytest
 from click.testing import CliRunner
 
 import microswim as ms
+from boundaries import beside
+from microswim.calibration.poses import around as poses_around
 from microswim.cli import main
 
 CELL = ["--preset", "goto/C", "--model", "rft", "--set", "gravity.density=1100 kg/m^3"]
@@ -179,3 +182,24 @@ def test_tails_on_hooks_tell_how_they_stand(tmp_path):
     refused = call(*args, "--model", "bem")
     assert refused.exit_code == 2
     assert "remove [hook]" in refused.stderr
+
+
+def test_poses_tell_their_error_and_what_is_kept_of_them(monkeypatch):
+    """How well others are met stands in the table; who interrupts the solves is told of them."""
+    robot = ["--preset", "tabak/helix", "--set", "wall.distance=1", "--set", "motion.free=all"]
+    swimmer = ms.Swimmer.preset("tabak/helix", {"wall.distance": 1, "motion.free": "all"})
+    off = {"us": 0.01, "uq": 0.02, "ur": 0.005, "os": 0.0, "oq": 0.0, "or": 0.0, "how": "of two"}
+    made = replace(beside(swimmer), expected_error=off)
+    monkeypatch.setattr(poses_around, "around", lambda *_, **__: made)
+    run = call(*robot, "--time", "1")
+    assert run.exit_code == 0, run.output
+    assert "velocities within 2 % of the speed" in " ".join(run.stdout.split())
+
+    def stopped(*_, **__):
+        raise KeyboardInterrupt
+
+    monkeypatch.setattr(poses_around, "around", stopped)
+    for more in ([], ["--over", "tilt=0,0.1"]):
+        run = call(*robot, "--time", "1", *more)
+        assert run.exit_code == 130
+        assert "what was solved is kept: the same command goes on" in run.stderr

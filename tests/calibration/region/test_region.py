@@ -308,7 +308,11 @@ def test_worker_processes_give_the_same(tmp_path):
     [
         ({"tail.amplitude": (0.2, 0.1)}, 20, "lower one first"),
         ({"tail.frequency": (1.0, 2.0)}, 20, "decides the flow"),
-        ({"wall.distance": (0.6, 2.0), "wall.tilt": (-0.5, 0.5)}, 20, "microswim path"),
+        (
+            {"wall.distance": (0.6, 2.0), "wall.tilt": (-0.5, 0.5)},
+            20,
+            r"--over wall\.distance=LOW:HIGH:N",
+        ),
         ({"tail.amplitude": (0.1, 0.2)}, 2, "at least"),
     ],
 )

@@ -11,6 +11,7 @@ from click.testing import CliRunner
 import microswim as ms
 from boundaries import beside
 from microswim.cli import main
+from microswim.studies.sweeps import starts as at_starts
 
 ROBOT = ms.Swimmer.preset("tabak/helix").with_({"motion.free": "all"})
 BY_WALL = replace(ROBOT, wall=ms.Wall(1.0))
@@ -39,6 +40,23 @@ def test_each_point_is_the_path_from_there(tmp_path):
     assert again.identical(found)
     with pytest.raises(ms.SpecError, match="another map"):
         ms.starts(BY_WALL, 0.6, OVER, poses=WALL, keep=keep, workers=0)
+
+
+@pytest.mark.parametrize("given", [True, False])
+def test_distance_and_tilt_of_the_wall_are_starts_too(given, monkeypatch):
+    """By one table of poses, whatever the wall's distance and tilt."""
+    asked = []
+    monkeypatch.setattr(at_starts, "around", lambda one: asked.append(one) or WALL)
+    poses = WALL if given else None
+    over = {"wall.distance": [0.3, 0.8, 2.0], "wall.tilt": [0.0, 0.3]}
+    found = ms.starts(BY_WALL, 0.5, over, poses=poses, workers=0)
+    other = ms.starts(BY_WALL, 0.5, {"z": [0.3, 0.8, 2.0], "tilt": [0.0, 0.3]}, poses=WALL,
+                      workers=0)  # fmt: skip
+    assert found.outcome.values.tolist() == other.outcome.values.tolist()
+    assert found.drift.values == pytest.approx(other.drift.values, nan_ok=True)
+    assert len(asked) == (not given)
+    designs = at_starts.with_poses(BY_WALL, over | {"tail.waves": [2.0, 3.0], "x": [0.0, 1.0]})
+    assert [one.tail.waves for one in designs] == [2.0, 3.0]
 
 
 def test_a_field_of_the_swimmer_varies_too():

@@ -89,7 +89,7 @@ def starts(
     model
         Of the gait in free fluid; beside a boundary poses are solved.
     poses
-        A gait at every pose, if no body, tail or boundary varies.
+        A gait at every pose, if neither body nor tail varies, nor the width of a tube.
     keep
         File in which the map is kept while it grows; a call that finds it there goes on.
     workers
@@ -131,7 +131,7 @@ def starts(
     left = [i for i in range(len(grid)) if str(i) not in rows]
     if progress is not None:
         progress(len(grid) - len(left), len(grid))
-    known = _Poses(model, poses)
+    known = _Poses(model, poses, swimmer)
     jobs = ((changed[i], float(time), known.of(changed[i]), _start(named[i])) for i in left)
     for k, found in answers(followed, jobs, count if len(left) > 1 else 0):
         rows[str(left[k])] = {"outcome": found.reason} if isinstance(found, Lost) else found
@@ -185,13 +185,15 @@ def with_poses(swimmer: Swimmer, over: Mapping[str, Sequence[Any]]) -> list[Swim
 class _Poses:
     """Gaits at every pose, once for each body, tail and boundary."""
 
-    def __init__(self, model: str, given: Any) -> None:
-        self.model, self.given, self.made = model, given, {}  # type: ignore[var-annotated]
+    def __init__(self, model: str, given: Any, own: Swimmer) -> None:
+        self.model, self.given, self.bounds = model, given, (own.wall, own.channel)
+        self.made: dict[str, Any] = {}
 
     def of(self, swimmer: Swimmer) -> Any:
         """Return the gait at every pose of a swimmer."""
         if self.given is not None:
-            return self.given
+            same = (swimmer.wall, swimmer.channel) == self.bounds
+            return self.given if same else started(self.given, swimmer)
         key, bounded = same_poses(swimmer), is_bounded(swimmer)
         if key not in self.made:
             self.made[key] = (

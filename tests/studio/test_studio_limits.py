@@ -62,6 +62,19 @@ def test_a_map_ends_at_its_time(monkeypatch):
         late.within(lambda ask: maps.map_(HELIX, X, Y), None)
 
 
+def test_what_is_compiled_on_the_first_start_costs_no_request_its_time():
+    asked = budget.Budget(seconds=0.2)
+    with budget.uncounted():
+        for _ in range(2):  # a second one, within
+            with budget.uncounted():
+                time.sleep(0.15)
+        asked.within(lambda ask: budget.check(), None)
+    asked.within(lambda ask: budget.check(), None)
+    time.sleep(0.25)
+    with pytest.raises(MicroswimError, match="takes more than"):
+        asked.within(lambda ask: budget.check(), None)
+
+
 def test_a_map_ends_when_nobody_waits_for_it(app, monkeypatch):
     pieces, true = [], maps.evaluate
 

@@ -32,7 +32,7 @@ from microswim.studio import answers, magnet, maps, page
 from microswim.studio import spec_tables as tables
 from microswim.studio.brought import examples, films, scenes
 from microswim.studio.brought import surfaces as dropped
-from microswim.studio.budget import Budget
+from microswim.studio.budget import Budget, uncounted
 from microswim.studio.exchange import exchanged
 from microswim.studio.hosts import LOCAL, Hosts
 from microswim.studio.incoming import LARGEST_BODY, Refused, body_of, said
@@ -292,6 +292,16 @@ def _cancel(judge: Judge, request: Request) -> Any:
     return _job(judge, request)
 
 
+def _compile(start: dict[str, Any]) -> None:
+    warm_up()
+    for name in ("tabak/helix", "tabak/plane_wave"):
+        given = tables.parse(presets.read(name))
+        answers.solve(given)
+        x = {"field": "tail.amplitude", "from": 0.05, "to": 0.1, "count": 2}
+        maps.map_(given, x, {"field": "tail.waves", "from": 2.0, "to": 3.0, "count": 2})
+    answers.solve(start)
+
+
 def _warm(
     start: dict[str, Any], state: dict[str, Any], judge: Judge, seen: threading.Event
 ) -> None:
@@ -302,13 +312,8 @@ def _warm(
     seen.wait(UNSEEN)
     begun = time.perf_counter()
     try:
-        warm_up()
-        for name in ("tabak/helix", "tabak/plane_wave"):
-            given = tables.parse(presets.read(name))
-            answers.solve(given)
-            x = {"field": "tail.amplitude", "from": 0.05, "to": 0.1, "count": 2}
-            maps.map_(given, x, {"field": "tail.waves", "from": 2.0, "to": 3.0, "count": 2})
-        answers.solve(start)
+        with uncounted():
+            _compile(start)
         state["doing"] = "starting the judge"
         judge.warm()
     except Exception:

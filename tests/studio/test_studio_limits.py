@@ -107,6 +107,11 @@ def test_a_map_ends_when_nobody_waits_for_it(app, monkeypatch):
     assert len(pieces) < 4  # of which a map of 40 x 40 designs has so many
 
 
+def test_who_knows_the_address_is_not_turned_away_before_the_server_runs():
+    with server.listen("127.0.0.1", 0) as listener:
+        socket.create_connection(listener.getsockname(), timeout=5.0).close()
+
+
 def test_a_connection_without_a_request_is_closed(app, monkeypatch):
     monkeypatch.setattr(server, "PATIENCE", 0.2)
     listener = server.listen("127.0.0.1", 0)

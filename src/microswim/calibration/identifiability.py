@@ -13,6 +13,7 @@ from typing import Any
 
 import numpy as np
 
+from microswim.gait.readable import percent
 from microswim.numerics.gauss_newton import NOISE
 from microswim.swimmer.swimmer import Swimmer
 
@@ -34,7 +35,7 @@ class Direction:
     def __str__(self) -> str:
         terms = [(w, n) for w, n in zip(self.weights, self.names) if abs(w) >= 0.1]
         text = " ".join(f"{w:+.2f} {n}" for w, n in terms)
-        known = f"known to {100 * self.uncertainty:.2g} %" if self.determined else "not determined"
+        known = f"known to {percent(self.uncertainty)}" if self.determined else "not determined"
         return f"{text}: {known}"
 
     def as_dict(self) -> dict[str, Any]:

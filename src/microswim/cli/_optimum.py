@@ -63,6 +63,8 @@ def show(report: dict[str, Any], units: str) -> None:
 
 
 def _front(report: dict[str, Any], said: Said, console: Console) -> None:
+    from microswim.gait.readable import percent
+
     names = [text.split(" ", 1)[1] for text in report["objectives"]]
     shown = [*names, *(k for k in report["front"] if "." in k)]
     table = Table(*shown, title=", ".join(report["objectives"]))
@@ -73,9 +75,9 @@ def _front(report: dict[str, Any], said: Said, console: Console) -> None:
         table.add_row(*(said(k, report["front"][k][i]) for k in shown))
     console.print(table)
     console.print(f"{n} designs; --json or --out has them all")
-    off = [100.0 * e for e in report["front"].get("expected_error", ()) if e is not None and e == e]
+    off = [e for e in report["front"].get("expected_error", ()) if e is not None and e == e]
     if off:
-        console.print(f"expected error of u_s {min(off):.2g} to {max(off):.2g} %")
+        console.print(f"expected error of u_s {percent(min(off))} to {percent(max(off))}")
 
 
 def _slope(value: float) -> str:

@@ -234,7 +234,7 @@ def _shown(value: Any, measured_in: str) -> str:
 def _note(one: Regimes) -> str:
     import numpy as np
 
-    from microswim.gait.readable import EXPLAINED, quantity, with_error
+    from microswim.gait.readable import EXPLAINED, percent, quantity, with_error
     from microswim.gait.units import unit
 
     def f(value: float) -> str:
@@ -259,7 +259,7 @@ def _note(one: Regimes) -> str:
     if exact is not None:
         turn = 2.0 * np.pi
         said.append(
-            f"axisymmetric robot next to it ({100 * exact.asymmetry:.2g} % off), closed forms: "
+            f"axisymmetric robot next to it ({percent(exact.asymmetry)} off), closed forms: "
             f"wobbling from {f(exact.wobbling_onset / turn)}, step-out {f(exact.step_out / turn)}"
         )
     return "; ".join(said)

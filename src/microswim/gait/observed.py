@@ -54,19 +54,28 @@ def parse(quantity: str) -> tuple[str, tuple[int, ...]]:
 
 
 def unit_of(quantity: str, units: str) -> str:
-    """Return the unit of a quantity by name; of an entry of R or F_p an empty text.
+    """Return the unit of a quantity by name; of a dimensionless entry of R or F_p an empty text.
 
     Examples
     --------
-    >>> unit_of("mean.os", "SI"), unit_of("swimming_speed", "SI")
-    ('rad/s', 'm/s')
+    >>> unit_of("mean.os", "SI"), unit_of("swimming_speed", "SI"), unit_of("mobility.us.us", "SI")
+    ('rad/s', 'm/s', 'm/s/N')
     """
     kind, index = parse(quantity)
     if kind in ALL:
         return unit(units, ALL[kind].dimension)
     if kind in ("mean", "amplitude", "velocity"):
         return unit(units, "speed" if index[0] < 3 else "rate")
-    return ""
+    return _unit_of_entry(kind, sum(i > 2 for i in index)) if units == "SI" else ""
+
+
+def _unit_of_entry(kind: str, angular: int) -> str:
+    """Return the unit of an entry with so many angular indices; force and torque have no rad."""
+    if kind == "mobility":
+        return ("m/s/N", "1/s/N", "1/s/(N m)")[angular]
+    if kind.endswith("propulsion"):
+        return ("N s", "N m s")[angular]
+    return ("N s/m", "N s", "N m s")[angular]
 
 
 @checks.given(

@@ -165,9 +165,18 @@ def significant(value: float, digits: int = 4) -> str:
     return f"{value:.{digits - 1}e}"
 
 
-def percent(share: float | None) -> str:
-    """Return a share in per cent with two digits, or that it is not known."""
-    return "not known" if share is None else f"{float(f'{100.0 * share:.2g}'):g} %"
+def percent(share: float | None, signed: bool = False) -> str:
+    """Return a share in per cent with two digits, or that it is not known.
+
+    Examples
+    --------
+    >>> from microswim.gait.readable import percent
+    >>> percent(0.0123), percent(1.6), percent(-1.0, signed=True), percent(None)
+    ('1.2 %', '160 %', '-100 %', 'not known')
+    """
+    if share is None:
+        return "not known"
+    return f"{float(f'{100.0 * share:.2g}'):{'+' if signed else ''}g} %"
 
 
 def label(name: str, unit: str) -> str:

@@ -270,7 +270,10 @@ def check(body: Body, tail: Tail, phase: float = 0.0) -> list[str]:
     P_s = curve.P_s[np.searchsorted(s, 0.0)]
     slope = float(np.linalg.norm(P_s[1:]) / max(abs(P_s[0]), 1e-12))
     if slope > 0.9:
-        remarks.append(f"the tail leaves the body at a slope of {slope:.2f}")
+        remarks.append(
+            f"the tail leaves the body at a slope of {slope:.2f}: power and efficiency are less "
+            "sure than u_s, check with level fine"
+        )
     return remarks
 
 

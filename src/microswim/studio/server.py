@@ -48,6 +48,7 @@ def listen(host: str, port: int | None) -> socket.socket:
         listener.setsockopt(socket.SOL_SOCKET, socket.SO_REUSEADDR, 1)
         try:
             listener.bind((host, attempt))
+            listener.listen()  # who reads the address at once waits and is not turned away
         except OSError as error:
             listener.close()
             if attempt == wanted[-1]:

@@ -15,6 +15,7 @@ import numpy as np
 from microswim import checks
 from microswim.errors import SpecError
 from microswim.gait.gait import Gait
+from microswim.gait.readable import percent
 
 if TYPE_CHECKING:
     from microswim.swimmer.swimmer import Swimmer
@@ -137,8 +138,8 @@ class Provenance:
         if changed:
             out.append(f"{', '.join(changed)} changed since then: it holds no longer")
         if self.unmatched:
-            off = ", ".join(f"{words} {100 * v:+.2g} %" for words, v in self.missed.items())
-            out.append(f"not matched where it was calibrated: {off}")
+            off = (f"{words} {percent(v, signed=True)}" for words, v in self.missed.items())
+            out.append(f"not matched where it was calibrated: {', '.join(off)}")
         elif self.reference == "measurements" and self.matched:
             out.append(f"nothing was compared but {', '.join(self.matched)}")
         return out
@@ -160,7 +161,7 @@ class Provenance:
 
 
 def _per_cent(change: float) -> str:
-    return f"{100.0 * change:+.3g} %" if np.isfinite(change) else "is new or gone"
+    return percent(change, signed=True) if np.isfinite(change) else "is new or gone"
 
 
 def _change(value: Any, low: float, high: float) -> float:

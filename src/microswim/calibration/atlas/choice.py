@@ -77,7 +77,7 @@ def not_atlas(swimmer: Swimmer) -> str:
     if swimmer.tail.is_absent:
         return "rft: without a tail its resistance is that of its body alone"
     if swimmer.region is not None:
-        return "calibrated over a region"
+        return "rft, with the corrections of its region"
     if swimmer.calibration is not None and not swimmer.is_open:
         return "rft, with the coefficients of its calibration"
     if not swimmer.is_open:

@@ -34,6 +34,7 @@ from microswim.calibration.region.surfaces import Surfaces
 from microswim.errors import MachineError, MicroswimError, SpecError
 from microswim.gait import doors
 from microswim.gait.gait import Gait
+from microswim.gait.readable import percent
 from microswim.jobs import references
 from microswim.jobs.processes import counted
 from microswim.numerics.sobol import points
@@ -207,7 +208,7 @@ def _doubt(gait: Gait | str) -> str:
         return gait
     asymmetry = float(gait.info.get("asymmetry") or 0.0)
     resolved = asymmetry < ASYMMETRY
-    return "" if resolved else f"not resolved: R is asymmetric by {100.0 * asymmetry:.2g} %"
+    return "" if resolved else f"not resolved: R is asymmetric by {percent(asymmetry)}"
 
 
 def _check(swimmer: Swimmer, region: Region, solves: int) -> None:

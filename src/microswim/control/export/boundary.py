@@ -15,6 +15,7 @@ import numpy as np
 from microswim.control.stepper import Stepper
 from microswim.errors import SpecError
 from microswim.gait.poses.table import TUBE, WALL
+from microswim.gait.readable import percent
 from microswim.numerics.array import Array
 from microswim.path.contact import REACH
 
@@ -89,7 +90,7 @@ def boundary_of(stepper: Stepper) -> Boundary:
 
 def _wrong(error: dict[str, Any]) -> str:
     """Return by how much poses are missed, as a sentence."""
-    parts = (f"{k} {100 * v:.2g} %" for k, v in error.items() if k != "how")
+    parts = (f"{k} {percent(v)}" for k, v in error.items() if k != "how")
     return f" Poses are met within {', '.join(parts)}: {error['how']}." if error else ""
 
 

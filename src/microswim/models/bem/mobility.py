@@ -21,7 +21,7 @@ from microswim import checks
 from microswim.errors import SpecError
 from microswim.gait import doors
 from microswim.gait.portrait import Printed, Rows
-from microswim.gait.readable import significant
+from microswim.gait.readable import percent, significant
 from microswim.models.bem.levels import coarser as level_below
 from microswim.models.bem.levels import get_level
 from microswim.models.bem.output import write_mesh
@@ -97,7 +97,7 @@ class Mobility(Printed):
             ("drag", ", ".join(map(significant, drag)) + " along its axes (diagonal of R)"),
             ("turning", ", ".join(map(significant, turning)) + " about them"),
             ("chirality", f"{self.chirality:.3f}"),
-            ("error", f"{100 * self.expected_error:.2g} % of sqrt(R_ii R_jj), by {self.how}"),
+            ("error", f"{percent(self.expected_error)} of sqrt(R_ii R_jj), by {self.how}"),
             ("more", "resistance and mobility are the matrices, surface what was solved on"),
         ]
 

@@ -12,6 +12,7 @@ from dataclasses import replace
 import numpy as np
 
 from microswim.errors import SpecError
+from microswim.gait.readable import percent
 from microswim.models.bem.levels import Level
 from microswim.models.bem.solution import Solution, solve
 from microswim.swimmer.swimmer import Swimmer
@@ -56,7 +57,7 @@ def doubts(solutions: list[Solution]) -> list[str]:
     if worst <= DOUBTFUL:
         return []
     return [
-        f"thrust and drag are reciprocal only to {100.0 * worst:.2g} %, symmetry likewise: expect "
+        f"thrust and drag are reciprocal only to {percent(worst)}, symmetry likewise: expect "
         "errors of that size in forces and power; level fine tells more"
     ]
 

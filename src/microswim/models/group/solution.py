@@ -17,6 +17,7 @@ from typing import Any
 import numpy as np
 
 from microswim.errors import SpecError
+from microswim.gait.readable import percent
 from microswim.models.bem.levels import get_level
 from microswim.models.bem.output import write_surfaces
 from microswim.models.bem.system import rigid_modes, wrench_rows
@@ -146,7 +147,7 @@ class GroupSolution(Motion):
         worst = max(self.asymmetry, self.reciprocity)
         if worst > DOUBTFUL:
             said.append(
-                f"resistances are reciprocal only to {100.0 * worst:.2g} %: expect errors of that "
+                f"resistances are reciprocal only to {percent(worst)}: expect errors of that "
                 "size; level fine tells more"
             )
         return tuple(dict.fromkeys(said))

@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 import xarray as xr
 
+from microswim.gait.readable import percent
 from microswim.output.plots.style import BLACK, BLUE, PALE_BLUE
 
 if TYPE_CHECKING:
@@ -30,8 +31,8 @@ def said(result: xr.Dataset) -> str:
     error = of(result)
     if error is None:
         return "expected error of u_s: not known"
-    low, high = (f"{100.0 * f(error.values):.2g}" for f in (np.nanmin, np.nanmax))
-    return f"expected error of u_s: {low if low == high else f'{low} to {high}'} %"
+    low, high = (percent(float(f(error.values))) for f in (np.nanmin, np.nanmax))
+    return f"expected error of u_s: {low if low == high else f'{low} to {high}'}"
 
 
 def on_map(axes: Axes, result: xr.Dataset, x: Any, y: Any) -> None:

@@ -10,6 +10,7 @@ import warnings
 import numpy as np
 
 from microswim.errors import SpecError
+from microswim.gait.readable import percent
 from microswim.numerics.array import Array
 from microswim.spec.readers import measured
 from microswim.spec.readers.measured import Table
@@ -72,7 +73,7 @@ def _coil(file: str, name: str, places: Array, values: Array) -> GridCoil:
     coil = GridCoil(name, x, y, z, whole.reshape(*shape, 3))
     if coil.mended > DOUBTFUL:
         warnings.warn(
-            f"{file}: B has sources, and {100 * coil.mended:.2g} % of it was changed to take them "
+            f"{file}: B has sources, and {percent(coil.mended)} of it was changed to take them "
             "away. Are columns, signs or units mixed up, or is the grid too coarse?",
             GridWarning,
             stacklevel=2,

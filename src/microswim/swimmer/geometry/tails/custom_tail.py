@@ -10,6 +10,7 @@ import numpy as np
 
 from microswim import checks
 from microswim.errors import SpecError
+from microswim.gait.readable import percent
 from microswim.swimmer.geometry.tails.tail import Sections, SurfaceMotion
 from microswim.swimmer.geometry.tails.waveforms.sampled_tail import SampledTail
 
@@ -118,7 +119,7 @@ class CustomTail(SampledTail):
         if left > RIGID + 100.0 * self.tolerance:
             raise SpecError(
                 "tail.surface_motion", "rigid", "a motion of P(s, phase) that turns it as a whole "
-                f"about s by the phase (dP/dphase misses e_s x P by {100.0 * left:.2g} %)",
+                f"about s by the phase (dP/dphase misses e_s x P by {percent(left)})",
                 "translating or bending, or another P",
             )  # fmt: skip
         if self.sign is not None and given != found:

@@ -77,7 +77,7 @@ def _front(report: dict[str, Any], said: Said, console: Console) -> None:
     console.print(f"{n} designs; --json or --out has them all")
     off = [e for e in report["front"].get("expected_error", ()) if e is not None and e == e]
     if off:
-        console.print(f"expected error of u_s {percent(min(off))} to {percent(max(off))}")
+        console.print(f"expected error of u_s {percent(min(off))[:-2]} to {percent(max(off))}")
 
 
 def _slope(value: float) -> str:

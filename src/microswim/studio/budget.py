@@ -22,7 +22,7 @@ _current: ContextVar[Budget | None] = ContextVar("budget", default=None)
 
 
 class _Clock:
-    """Seconds that count: it stands still while `uncounted` work is done."""
+    """Seconds that count: they stand still while `uncounted` work is done."""
 
     def __init__(self) -> None:
         self.lock, self.inside, self.began, self.lost = threading.Lock(), 0, 0.0, 0.0
@@ -49,7 +49,7 @@ _clock = _Clock()
 
 @contextlib.contextmanager
 def uncounted() -> Iterator[None]:
-    """Do work for which every request waits, and of which none is to blame."""
+    """Run work for which every request waits, and of which none is to blame."""
     _clock.stop()
     try:
         yield

@@ -32,7 +32,7 @@ def said(result: xr.Dataset) -> str:
     if error is None:
         return "expected error of u_s: not known"
     low, high = (percent(float(f(error.values))) for f in (np.nanmin, np.nanmax))
-    return f"expected error of u_s: {low if low == high else f'{low} to {high}'}"
+    return f"expected error of u_s: {low if low == high else f'{low[:-2]} to {high}'}"
 
 
 def on_map(axes: Axes, result: xr.Dataset, x: Any, y: Any) -> None:

@@ -26,10 +26,12 @@ from microswim.studies.identification.fitting.descent import apart, cost, fit
 from microswim.studies.identification.fitting.first_guesses import Grid
 from microswim.studies.identification.fitting.honesty import left_over, model_errors, unexplained
 from microswim.studies.identification.fitting.problem import CURVATURE, PathProblem
-from microswim.studies.identification.fitting.within_errors import starts
+from microswim.studies.identification.fitting.within_errors import both, inside, shape_of, starts
 from microswim.studies.identification.result import Identification, remarks
 from microswim.swimmer.swimmer import Swimmer
 
+ROUNDS = 3  #: of looking for designs within the errors of the best, while there are better ones
+ALIKE = 0.5  #: chi-squared by which a fit is no better than another
 WAY_BACK = (0.0, 0.25, 0.5, 0.75, 1.0)  #: shares of the way from a fit to the spec
 
 
@@ -96,6 +98,29 @@ def _compared(
     return sorted(found, key=attrgetter("chi_squared"))
 
 
+def _with_those_within_errors(
+    problem: PathProblem, grid: Grid | None, compared: list[_Compared], spread: float
+) -> list[_Compared]:
+    """Fits and those of the designs that the errors of the model leave, seen from the best; seen
+    anew where a better one is found.
+    """
+    if grid is None or not both(problem):
+        return compared
+    tried = [shape_of(problem, one.done) for one in compared]
+    for _ in range(ROUNDS):
+        best = compared[0]
+        if best.errors is None:
+            break
+        guesses = starts(problem, grid, best.done, spread, best.errors, tried)
+        more = [done for guess in guesses for done in fit(problem, guess, phases=1)]
+        more = [done for done in more if inside(grid, shape_of(problem, done))]
+        fits = sorted([*(one.done for one in compared), *more], key=cost)
+        compared = _compared(problem, fits, spread, True)
+        if compared[0].chi_squared > best.chi_squared - ALIKE:
+            break
+    return compared
+
+
 def _branches(
     problem: PathProblem, compared: list[_Compared], spread: float, grid: Grid | None
 ) -> list[Branch]:
@@ -117,12 +142,9 @@ def outcome(
     degrees = best.fun.size - best.x.size
     spread = np.sqrt(2.0 * best.cost / max(degrees, 1)) if problem.sigma is None else 1.0
     spread = max(float(spread), 1e-300)
-    errors = _errors(problem, best) if model_error else None
-    if errors is not None:
-        guesses = starts(problem, grid, best, spread, errors)
-        more = [done for guess in guesses for done in fit(problem, guess, phases=1)]
-        fits = sorted([*fits, *more], key=cost)
     compared = _compared(problem, fits, spread, model_error)
+    if model_error:
+        compared = _with_those_within_errors(problem, grid, compared, spread)
     withheld = left_over(problem, compared[0].residuals)
     branches = (branch_of(problem, best, spread, 0.0, None, tried=False),)
     if not withheld:

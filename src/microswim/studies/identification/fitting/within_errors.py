@@ -46,8 +46,9 @@ COARSER = (4, 5)  #: steps of the grid between designs whose errors are asked fo
 ALL = 1.22  #: times the error within which one lies in 19 of 20: so all three of them do
 LEAST = 0.05  #: share of a velocity of the model that is left of it at the least
 LATER = (1, 5)  #: uq and or, whose phases may be off too
-AS_WELL = 9.0  #: chi-squared that a design may lie behind the best and be looked at
-MOST = 24  #: designs that are looked at
+AS_WELL = 25.0  #: chi-squared that a design may lie behind the best and be looked at
+MOST = 12  #: designs that are looked at
+APART = (0.1, 0.15)  #: logarithm of the amplitude and waves, within which two starts are one
 LOOSE = 2.0  #: deviation of the logarithms and phases that are looked for
 PHASES = 32
 
@@ -70,10 +71,10 @@ def reach(
     errors
         Relative errors to expect of the six velocities there.
     """
-    if grid is None or not _both(problem):
+    if grid is None or not both(problem):
         return {}
     b, n, behind = _over(problem, grid, done, spread, errors)
-    here = _shape_of(problem, done)
+    here = shape_of(problem, done)
     alike = behind <= T**2
     i, j = int(np.argmin(np.abs(np.log(b / here[0])))), int(np.argmin(np.abs(n - here[1])))
     alike[i, j] = True
@@ -87,28 +88,48 @@ def reach(
 
 
 def starts(
-    problem: PathProblem, grid: Grid | None, done: Any, spread: float, errors: np.ndarray
-) -> list[Any]:
+    problem: PathProblem, grid: Grid, done: Any, spread: float, errors: np.ndarray,
+    tried: list[tuple[float, float]],
+) -> list[Any]:  # fmt: skip
     """Return the designs that the errors of the model leave, the likeliest first: a fit starts at
-    each lowest place of chi-squared, however far from the one that fits. Where the errors are large
-    the interval of one reaches over all of them, see `reach`.
+    each lowest place of chi-squared, however far from the one that fits. What the track tells of
+    the velocities is a straight line from there, so those a good deal behind are looked at too, but
+    none where a fit was tried or ended: amplitudes and waves, which those looked at are added to.
     """
-    large = errors[list(SHOWN)].max() >= LARGE
-    if grid is None or large or not _both(problem):
-        return []
     b, n, behind = _over(problem, grid, done, spread, errors)
-    cells = [c for c in minima(behind) if behind[c] <= AS_WELL][:MOST]
     own = {name: float(done.x[i]) for i, name in enumerate(problem.names)}
-    return [own | {AMPLITUDE: float(b[i]), WAVES: float(n[j])} for i, j in cells]
+    found = []
+    for i, j in minima(behind):
+        one = (float(b[i]), float(n[j]))
+        if behind[i, j] > AS_WELL or len(found) == MOST:
+            break
+        if not any(_one(one, other) for other in tried):
+            tried.append(one)
+            found.append(own | dict(zip((AMPLITUDE, WAVES), one)))
+    return found
 
 
-def _both(problem: PathProblem) -> bool:
-    """Whether it is a planar beat in the image whose amplitude and waves are looked for."""
+def inside(grid: Grid, design: tuple[float, float]) -> bool:
+    """Return whether amplitude and waves lie in the range of a grid: a fit may run out of it."""
+    b, n = grid.amplitude, grid.waves
+    return bool(b[0] <= design[0] <= b[-1] and n[0] <= design[1] <= n[-1])
+
+
+def _one(design: tuple[float, float], other: tuple[float, float]) -> bool:
+    """Whether two designs, amplitude and waves, lead least squares to one."""
+    b = abs(float(np.log(max(design[0], 1e-300) / max(other[0], 1e-300))))
+    return b < APART[0] and abs(design[1] - other[1]) < APART[1]
+
+
+def both(problem: PathProblem) -> bool:
+    """Return whether it is a planar beat in the image whose amplitude and waves are looked for."""
     return problem.planar and {AMPLITUDE, WAVES} <= set(problem.names)
 
 
-def _shape_of(problem: PathProblem, done: Any) -> list[float]:
-    return [float(done.x[problem.names.index(name)]) for name in (AMPLITUDE, WAVES)]
+def shape_of(problem: PathProblem, done: Any) -> tuple[float, float]:
+    """Return amplitude and number of waves of a fit."""
+    b, n = (float(done.x[problem.names.index(name)]) for name in (AMPLITUDE, WAVES))
+    return b, n
 
 
 def _over(
@@ -120,8 +141,8 @@ def _over(
     b, n, velocities, off = finely(grid)
     off = np.where(np.isfinite(off), off, errors[list(SHOWN), None, None])
     seen, precision = _seen(problem, done, spread)
-    here = _shape_of(problem, done)
-    own = shown(grid.swimmer, {AMPLITUDE: np.array(here[:1]), WAVES: np.array(here[1:])})
+    here = np.array(shape_of(problem, done))
+    own = shown(grid.swimmer, {AMPLITUDE: here[:1], WAVES: here[1:]})
     wanted = np.log(np.abs([own[4][0], own[1][0], own[2][0]])) + seen
     miss = velocities - wanted[:, None, None]
     return b, n, _behind(miss, _deviations(miss, off), precision)

@@ -114,6 +114,8 @@ def _with_those_within_errors(
         guesses = starts(problem, grid, best.done, spread, best.errors, tried)
         more = [done for guess in guesses for done in fit(problem, guess, phases=1)]
         more = [done for done in more if inside(grid, shape_of(problem, done))]
+        if not more:
+            break
         fits = sorted([*(one.done for one in compared), *more], key=cost)
         compared = _compared(problem, fits, spread, True)
         if compared[0].chi_squared > best.chi_squared - ALIKE:

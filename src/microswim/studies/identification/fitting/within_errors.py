@@ -95,10 +95,12 @@ def starts(
     each lowest place of chi-squared, however far from the one that fits. What the track tells of
     the velocities is a straight line from there, so those a good deal behind are looked at too, but
     none where a fit was tried or ended: amplitudes and waves, which those looked at are added to.
+    Where the errors are large the interval of one reaches over all of them, see `reach`.
     """
+    if errors[list(SHOWN)].max() >= LARGE:
+        return []
     b, n, behind = _over(problem, grid, done, spread, errors)
-    own = {name: float(done.x[i]) for i, name in enumerate(problem.names)}
-    found = []
+    own, found = {name: float(done.x[i]) for i, name in enumerate(problem.names)}, []
     for i, j in minima(behind):
         one = (float(b[i]), float(n[j]))
         if behind[i, j] > AS_WELL or len(found) == MOST:

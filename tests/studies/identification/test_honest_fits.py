@@ -23,13 +23,16 @@ TRUE_WAVE = {"tail.amplitude": 0.14, "tail.waves": 1.6, "tail.frequency": 1.3}
 START = {"tail.amplitude": 0.147, "tail.waves": 1.55, "tail.frequency": 1.302}
 
 
-def wave_track(seed, *, gait=None, values=TRUE_WAVE, noise=0.002, n=120, duration=9.0, bend=0.0):
+def wave_track(
+    seed, *, gait=None, values=TRUE_WAVE, noise=0.002, n=120, duration=9.0, bend=0.0, phase=0.7,
+    turn=0.8,
+):  # fmt: skip
     """A planar beat in the image, turned by an angle that nobody tells the fit."""
     rng = np.random.default_rng(seed)
     t = np.linspace(1.0, 1.0 + duration, n)
     swimmer = ms.Swimmer.preset("tabak/plane_wave").with_(values)
-    x, _ = path_of(swimmer, swimmer.gait() if gait is None else gait, t, 0.7)
-    z = (x[:, 0] + 1j * x[:, 1]) * np.exp(0.8j)
+    x, _ = path_of(swimmer, swimmer.gait() if gait is None else gait, t, phase)
+    z = (x[:, 0] + 1j * x[:, 1]) * np.exp(1j * turn)
     z = z + bend * (t - t[0]) ** 2 * 1j
     return ms.Track(
         time=t, position=np.stack([z.real, z.imag], -1) + noise * rng.normal(size=(n, 2))
@@ -204,12 +207,31 @@ def test_a_model_that_is_off_leaves_the_true_design_in_the_list(monkeypatch):
     the grid of what moves exactly alike does not lead to the true one.
     """
     truth = {"tail.amplitude": 0.1222, "tail.waves": 1.925, "tail.frequency": 1.4135}
+    track = off_track(truth, (-0.0765, 0.0931, -0.0353), seed=3, noise=0.001, n=198, duration=10.1)
+    assert is_listed(truth, track, monkeypatch)
+
+
+@pytest.mark.slow
+def test_a_design_that_explains_the_track_better_is_looked_for_from_the_best(monkeypatch):
+    """Two designs lie closer to the track than the true one, which explains it better once the
+    velocities are off as they are; seen from the closest it is 10 of chi-squared behind.
+    """
+    truth = {"tail.amplitude": 0.2306, "tail.waves": 3.0654, "tail.frequency": 0.8077}
+    how = {"seed": 1, "noise": 0.0002, "n": 88, "duration": 11.02, "phase": 1.0, "turn": 0.0}
+    assert is_listed(truth, off_track(truth, (-0.038, 0.0208, 0.0113), **how), monkeypatch)
+
+
+def off_track(truth, off, **how):
+    """A planar beat by a model whose u_s, u_q and w_r are off."""
+    gait = ms.Swimmer.preset("tabak/plane_wave").with_(truth).gait()
+    for k, share in zip((0, 1, 5), off):
+        gait = honesty.scaled(gait, k, share)
+    return wave_track(gait=gait, values=truth, **how)
+
+
+def is_listed(truth, track, monkeypatch):
+    """Whether a design of the list holds the truth, the errors of the model told to be 10 %."""
     known = ms.Swimmer.preset("tabak/plane_wave")
-    gait = known.with_(truth).gait()
-    for k, off in ((0, -0.0765), (1, 0.0931), (5, -0.0353)):
-        gait = honesty.scaled(gait, k, off)
-    n = 198
-    track = wave_track(3, gait=gait, values=truth, noise=0.001, n=n, duration=10.1)
     for part in (outcome, within_errors):
         monkeypatch.setattr(part, "model_errors", lambda own: np.array([0.1, 0.1, 0, 0, 0, 0.1]))
     within_errors.finely.cache_clear()
@@ -218,4 +240,4 @@ def test_a_model_that_is_off_leaves_the_true_design_in_the_list(monkeypatch):
     wanted = np.array(list(truth.values()))
     inside = [np.all((low < wanted) & (wanted < high)) for low, high in
               (branch.interval(0.99).T for branch in found.branches)]  # fmt: skip
-    assert any(inside), [branch.interval() for branch in found.branches]
+    return any(inside)

@@ -272,8 +272,9 @@ def told(path: Path) -> None:
                 continue
             said = f"{name} (one design)" if only else name
             print(f"  {said:34s} {rate(some, 'low', 'high')}   {deviation(some)}")
-            if not only and some[0].get("own_low"):
-                print(f"  {'  the design of the truth':34s} {rate(some, 'own_low', 'own_high')}")
+            own = [row for row in some if row.get("own_low") and not only]
+            if own:
+                print(f"  {'  the design of the truth':34s} {rate(own, 'own_low', 'own_high')}")
 
 
 def rate(rows: list[dict[str, str]], low: str, high: str) -> str:

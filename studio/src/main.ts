@@ -19,7 +19,7 @@ import { Sheets } from "./panels/sheets";
 import { Stage } from "./scene/stage";
 import { Replay, extent } from "./state/replay";
 import { METHODS, Store, attempt, notice } from "./state/store";
-import type { PathAnswer, Start } from "./state/types";
+import type { PathAnswer, Shape, Start } from "./state/types";
 import { learn, words } from "./state/words";
 
 const store = new Store();
@@ -92,21 +92,26 @@ function cast(anew = false): void {
     actors[i] ??= new Actor(stage.world, look(i));
     actors[i].update(store.shown(design));
   });
-  const { answer } = store.designs[0];
-  const { shape } = answer;
+  const { shape } = store.designs[0].answer;
   const length = shape.length + 2 * shape.semi_axes[0];
   actors.forEach((actor, i) => actor.offset.set(0, 0, store.designs.length > 1 ? (0.5 - i) * 0.46 * length : 0));
   if (anew || fitted !== store.designs[0]) {
     fitted = store.designs[0];
-    const wide = 2 * Math.max(shape.semi_axes[1], shape.semi_axes[2], shape.reach);
-    stage.fit(Math.max(length, 1.3 * wide), 2 * shape.semi_axes[1] || shape.length / 4);
+    stage.fit(room(shape), 2 * shape.semi_axes[1] || shape.length / 4);
     restart();
     stage.reset(store.designs.length > 1 ? 3.3 : 2.75);
   }
   if (store.designs.length > 1) restart();
 }
 
+/** How much room a swimmer takes in the picture. */
+function room(shape: Shape): number {
+  const wide = 2 * Math.max(shape.semi_axes[1], shape.semi_axes[2], shape.reach);
+  return Math.max(shape.length + 2 * shape.semi_axes[0], 1.3 * wide);
+}
+
 function dress(): void {
+  stage.hold(Math.max(...store.designs.map((design) => room(store.shown(design).shape))));
   store.designs.forEach((design, i) => actors[i]?.update(store.shown(design)));
   for (const actor of actors) actor.begin();
   stage.ground = !actors.some((actor) => actor.around.kind);

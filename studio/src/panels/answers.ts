@@ -123,7 +123,8 @@ export class Answers {
       const answer = store.shown(d);
       const first = leading(answer);
       const [n, unit] = reading(first, answer.readings[first], answer.dimensional);
-      const name = many ? "" : called(first).label.toLowerCase();
+      const back = first === "swimming_speed" && answer.leading_end === "tail" ? "tail first" : "";
+      const name = many ? back : [called(first).label.toLowerCase(), back].filter(Boolean).join(", ");
       return [el("b", {}, many ? el("small", {}, `${"AB"[i]} `) : null, n, unit ? el("small", {}, ` ${unit}`) : null), name ? el("small", {}, name) : null, this.trust(d)];
     }).filter((e) => e !== null);
   }

@@ -30,6 +30,9 @@ const GRID = /* glsl */ `
     gl_FragColor = vec4(vec3(0.42, 0.58, 0.72), max(fine, coarse) * far * far * 0.55);
   }`;
 
+/** Lengths of the swimmer that the picture has room for, where the camera stands at first. */
+const ROOM = 1.2;
+
 export class Stage {
   readonly renderer: THREE.WebGLRenderer;
   readonly scene = new THREE.Scene();
@@ -39,6 +42,8 @@ export class Stage {
   follow = true;
   scale = 1;
   private floor: THREE.Mesh;
+  /** how much farther off the camera stands because the swimmer has grown */
+  private farther = 1;
   private slow = 0;
   /** share of the full resolution; less where the graphics are too slow for it */
   private quality = 1;
@@ -132,8 +137,17 @@ export class Stage {
   /** Longest length of the swimmer is one on the stage. */
   fit(length: number, diameter: number): void {
     this.scale = 1 / length;
+    this.farther = 1;
     this.world.scale.setScalar(this.scale);
     (this.floor.material as THREE.ShaderMaterial).uniforms.cell.value = diameter * this.scale;
+  }
+
+  /** Hold a swimmer in the picture that has grown since it was fitted, nearer again as it shrinks. */
+  hold(length: number): void {
+    const farther = Math.max(1, length * this.scale / ROOM);
+    const way = this.camera.position.clone().sub(this.controls.target);
+    this.camera.position.copy(this.controls.target).addScaledVector(way, farther / this.farther);
+    this.farther = farther;
   }
 
   /** Where the camera looks, in units of the swimmer. */

@@ -87,7 +87,8 @@ def has_units(value):
         return any(map(has_units, value.values()))
     if isinstance(value, list):
         return any(map(has_units, value))
-    return isinstance(value, str) and re.match(r"-?[\d.e-]+ ?[a-zA-Z]", value) is not None
+    number = r"-?[\d.e-]+ ?(?!deg)[a-zA-Z]"  # an angle has its unit anywhere
+    return isinstance(value, str) and re.match(number, value) is not None
 
 
 @pytest.mark.parametrize(

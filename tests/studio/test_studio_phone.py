@@ -20,6 +20,7 @@ ASTRAY = """() => [...document.querySelectorAll("button, select, summary, input"
 }).map((e) => e.id || e.className || e.textContent)"""
 
 #: Distance of the camera from what it looks at.
+BACKWARDS = "document.querySelector('#glance').textContent.includes('tail first')"
 FAR = "() => studio.stage.camera.position.distanceTo(studio.stage.controls.target)"
 
 
@@ -88,6 +89,21 @@ def test_a_thumb_moves_a_slider_and_the_number_follows(phone):
     phone.wait_for_function(
         "n => document.querySelector('#glance b').textContent !== n", arg=before
     )
+    touch(phone, "#sheet-design")
+
+
+def test_what_grows_stays_in_the_picture_and_says_which_way_it_swims(phone):
+    touch(phone, "#sheet-design")
+    before = phone.evaluate(FAR)
+    for length, times in (("12", 3.61), ("2", 1.0)):
+        phone.fill('input[aria-label="Length, value"]', length)
+        phone.keyboard.press("Enter")
+        grown = f"([t, far]) => Math.abs(({FAR})() / far - t) < 0.35"
+        phone.wait_for_function(grown, arg=[times, before])
+    for rate, far in (("-1", True), ("1", False)):
+        phone.fill('input[aria-label="Frequency, value"]', rate)
+        phone.keyboard.press("Enter")
+        phone.wait_for_function(f"(far) => {BACKWARDS} === far", arg=far)
     touch(phone, "#sheet-design")
 
 

@@ -29,6 +29,8 @@ if TYPE_CHECKING:
 FILES = ("regimes.csv", "regimes.json", "regimes.png")
 #: What a sweep may vary without another gait.
 DRIVE = ("magnet.", "field.")
+#: Share of the step-out below which a frequency is the rounding of none.
+ROUNDING = 1e-9
 
 
 @click.command(
@@ -258,9 +260,10 @@ def _note(one: Regimes) -> str:
     exact = one.closed_form
     if exact is not None:
         turn = 2.0 * np.pi
+        onset = exact.wobbling_onset if exact.wobbling_onset > ROUNDING * exact.step_out else 0.0
         said.append(
             f"axisymmetric robot next to it ({percent(exact.asymmetry)} off), closed forms: "
-            f"wobbling from {f(exact.wobbling_onset / turn)}, step-out {f(exact.step_out / turn)}"
+            f"wobbling from {f(onset / turn)}, step-out {f(exact.step_out / turn)}"
         )
     return "; ".join(said)
 

@@ -16,7 +16,9 @@ import numpy as np
 
 from microswim.calibration.calibrate import calibrate
 from microswim.gait.gait import DEGREES_OF_FREEDOM
+from microswim.gait.readable import percent
 from microswim.numerics.plain import plain
+from microswim.studies.optimisation.limits import for_people as said
 from microswim.studies.optimisation.merits import of_gait
 from microswim.studies.optimisation.problem import Problem
 from microswim.studies.optimisation.search import Optimum, search
@@ -78,9 +80,11 @@ def verified(
         judged = best.swimmer.gait(reference, **options)
         rounds.append(_verdict(problem, best, judged, tolerance))
         tried.append(best)
+        name, units, there = best.objective, best.swimmer.units, rounds[-1]["reference"]
+        found, known = (said(name, value, units) for value in (best.value, there))
         say(
-            f"round {number}: {best.objective} = {best.value:.4g} by the surrogate, "
-            f"{rounds[-1]['reference']:.4g} by {reference}: {100 * rounds[-1]['miss']:.1f} % off"
+            f"round {number}: {name} {found} by the surrogate, {known} by {reference}: "
+            f"{percent(rounds[-1]['miss'])} off"
         )
         if rounds[-1]["agreed"]:
             break

@@ -10,7 +10,7 @@ from dataclasses import replace
 from matplotlib.figure import Figure
 
 import microswim as ms
-from microswim.calibration.poses.wall import Grid, beside_wall
+from microswim.calibration.poses.wall import beside_wall
 from microswim.numerics.rigid_motion import rotation_matrix
 
 CELL = ms.Swimmer(
@@ -23,7 +23,6 @@ CELL = ms.Swimmer(
     wall=ms.Wall(1.2e-6),
 )
 RATES = (0.0, 0.25, 0.5, 4.0)
-GRID = Grid(gaps=6, tilts=6, phases=8)  # fewer poses than usual: it is a picture
 TIME, SAMPLES = 40.0, 2001
 UM = 1e6
 
@@ -57,7 +56,7 @@ def picture(paths):
 
 
 def main(name=None, poses=None):
-    poses = beside_wall(CELL, grid=GRID) if poses is None else poses
+    poses = beside_wall(CELL) if poses is None else poses
     paths = {rate: in_shear(rate, poses) for rate in RATES}
     print("| shear (1/s) | drift along the flow (um/s) | across it | heading along it | gap (um) |")
     print("|---|---|---|---|---|")

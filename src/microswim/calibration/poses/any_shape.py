@@ -57,7 +57,7 @@ def is_known(swimmer: Swimmer) -> bool:
     """Return whether poses beside a wall can be solved at every phase, and where it touches."""
     body, tail = swimmer.body, swimmer.tail
     has_formula = body.is_axisymmetric or body.is_ellipsoid or body.corners is not None
-    plain = tail.is_rigid or tail.half_period_signs is not None
+    plain = tail.is_rigid or tail.is_absent or tail.half_period_signs is not None
     return plain and not tail.is_placed and not tail.settles and has_formula
 
 
@@ -154,9 +154,9 @@ def beside_wall_of_any_shape(
     scatter = Scatter(poses=POSES) if scatter is None else scatter
     if not is_known(swimmer):
         raise SpecError(
-            "wall: a path beside it is known for one helical tail or straight plane wave on the "
-            "axis of a body of revolution, an ellipsoid or a box; ask at this one pose (microswim "
-            "run, with --model bem), or leave [wall] out"
+            "wall: a path beside it is known for one helical tail or straight plane wave, or none, "
+            "on the axis of a body of revolution, an ellipsoid or a box; ask at this one pose "
+            "(microswim run, with --model bem), or leave [wall] out"
         )
     shape = shape_of(swimmer, scatter.smallest)
     poses, Z, H = places(shape, scatter.poses, 2 * scatter.poses)

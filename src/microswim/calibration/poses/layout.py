@@ -87,9 +87,11 @@ class Shape:
 
 
 def has_three(swimmer: Swimmer) -> bool:
-    """Return whether a body of revolution has a rigid tail on its axis: three coordinates do."""
+    """Return whether a body of revolution has a rigid tail on its axis, or none: three coordinates
+    do.
+    """
     tail = swimmer.tail
-    return tail.is_rigid and swimmer.body.is_axisymmetric and not tail.is_placed
+    return (tail.is_rigid or tail.is_absent) and swimmer.body.is_axisymmetric and not tail.is_placed
 
 
 def shape_of(swimmer: Swimmer, smallest: float) -> Shape:
@@ -98,7 +100,7 @@ def shape_of(swimmer: Swimmer, smallest: float) -> Shape:
     Parameters
     ----------
     swimmer
-        Body of revolution (or none) with a rigid tail.
+        Body of revolution with a rigid tail; one of both may be absent.
     smallest
         Smallest gap that is solved, in units of the body's smaller half axis.
 
@@ -116,9 +118,11 @@ def shape_of(swimmer: Swimmer, smallest: float) -> Shape:
             f"leave [{there}] out"
         )
     centre = np.asarray(body.centre, float)
-    many = LINE * max(2, int(np.ceil(float(tail.number_of_waves))))
-    s = np.linspace(0.0, float(tail.apparent_length), many + 1)
-    line = np.ascontiguousarray(smooth_centreline(tail, s, 0.0).P - centre)
+    line = np.zeros((0, 3))
+    if not tail.is_absent:
+        many = LINE * max(2, int(np.ceil(float(tail.number_of_waves))))
+        s = np.linspace(0.0, float(tail.apparent_length), many + 1)
+        line = np.ascontiguousarray(smooth_centreline(tail, s, 0.0).P - centre)
     length = body_length(swimmer)
     reach = float(tail.apparent_length - centre[0])
     size = SIZE * length
@@ -127,6 +131,8 @@ def shape_of(swimmer: Swimmer, smallest: float) -> Shape:
                         swimmer.fluid.viscosity, TAIL_BLUR * length, 0.0,
                         smallest * length], float)  # fmt: skip
     meridian = np.zeros((0, 2)) if body.is_absent else meridian_of(body)
+    if not len(line):
+        return Shape(meridian, line, numbers, np.zeros(KINKS), np.zeros(0))
     kinks = _kinks(meridian, line, float(tail.radius), tail.sign)
     return Shape(
         meridian, line, numbers, kinks, _switch(line, tail.sign, min(float(kinks.max()), -0.01))

@@ -221,24 +221,41 @@ def error_of(
 ) -> dict[str, Any]:
     """Return by how much poses left out are missed: 95 % of them by no more, each velocity.
 
-    In units of the speed in free fluid, or of its rate of turning. `starts`: position, quaternion
-    and, where it is not 0, phase.
+    In units of the speed in free fluid, or of its rate of turning; of what has no tail under loads,
+    see `_missed_under_loads`. `starts`: position, quaternion and, where it is not 0, phase.
     """
     if not starts:
         return {}
     scale = scales(free)
+    swims = bool(scale.max() > 0.0)
     missed = []
     for (x, q, *phase), gait in zip(starts, judged, strict=True):
         if gait is None:
             continue
         R, F = Table(table).at(x, q, *(phase or [0.0]))
+        if not swims:
+            missed.append(_missed_under_loads(R, gait.resistance(0.0), free.resistance(0.0)))
+            continue
         near = replace(gait, resistance_series=R[None], propulsion_series=F[None], rate=1.0)
         missed.append(np.abs(near.velocity(0.0) - gait.at_rate(1.0).velocity(0.0)))
     if not missed:
         return {}
     most = np.quantile(missed, 0.95, axis=0) / np.where(scale > 0, scale, 1.0)
+    units = "the speed and of the rate of turning in free fluid"
+    if not swims:
+        units = "its velocity in free fluid under the same load"
     how = (
-        f"95 % of {len(missed)} poses left out are met within this, in units of the speed and of "
-        "the rate of turning in free fluid, against boundary elements of level standard"
+        f"95 % of {len(missed)} poses left out are met within this, in units of {units}, against "
+        "boundary elements of level standard"
     )
     return {**dict(zip(DEGREES_OF_FREEDOM, most.tolist(), strict=True)), "how": how}
+
+
+def _missed_under_loads(R: Array, true: Array, free: Array) -> Array:
+    """Return how far velocities (6,) are off under the loads that in free fluid give each of them.
+
+    ``|M - M'|_ij / sqrt(M0_ii M0_jj)``, the worst load j of each velocity i, M of R and M' of the
+    true one; M0 of free fluid.
+    """
+    own = np.sqrt(np.diag(np.linalg.inv(free)))
+    return np.abs((np.linalg.inv(R) - np.linalg.inv(true)) / np.outer(own, own)).max(axis=1)

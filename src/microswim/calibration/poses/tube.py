@@ -62,7 +62,7 @@ def in_tube(
     ----------
     swimmer
         With a `channel` that is a cylinder, taken as endless; a body of revolution with a helical
-        tail.
+        tail or none.
     level
         Of the boundary elements; by default one of few patches, as many poses want it.
     scatter
@@ -87,7 +87,9 @@ def in_tube(
     shape = shape_of(swimmer, scatter.smallest)
     radius = 0.5 * channel.diameter
     numbers = numbers_of(shape, scatter.smallest)
-    lines, Z = with_close_ones(shape, numbers, radius, scatter.poses)
+    lines, Z = with_close_ones(shape, numbers, radius, max(scatter.poses, Scatter.poses))
+    some = _first(len(lines), scatter.poses)  # of fewer the solves are found by more
+    lines, Z = lines[some], Z[some]
     out = np.zeros((0, 6))
     if scatter.left_out:
         out, _ = places(shape, numbers, radius, scatter.left_out, among=scatter.left_out, seed=1)
@@ -104,8 +106,8 @@ def in_tube(
             table = _table(shape, numbers, radius, made, lines[some], Z[some])
             error = error_of(table, made.best, [start_of(s) for s in off], made.judged)
             unknowns = [gait.info.get("unknowns", 0) for gait in made.there]
-            if scatter.enough(error, unknowns) and not swimmer.tail.is_absent:
-                break  # what has no tail does not swim: its velocities judge nothing
+            if scatter.enough(error, unknowns):
+                break
     return SolvedPoses(made.best, table, start, error)
 
 

@@ -69,7 +69,7 @@ def beside_wall(
     Parameters
     ----------
     swimmer
-        With a `wall`; a body of revolution with a helical tail, or as of `any_shape`.
+        With a `wall`; a body of revolution with a helical tail or none, or as of `any_shape`.
     level
         Of the boundary elements; by default one of few patches, as many poses want it.
     grid
@@ -113,11 +113,15 @@ def beside_wall(
 
 
 def _places(shape: Shape, grid: Grid) -> list[tuple[float, float, float]]:
-    """Return xi, sigma, turn of the grid, whose sides share sigma = 0, and of those left out."""
+    """Return xi, sigma, turn of the grid, whose sides share sigma = 0, and of those left out.
+
+    One turn alone of what has no tail.
+    """
     lowest = float(shape.numbers[5])
     xis = lowest * (1.0 - np.arange(grid.gaps - 1) / (grid.gaps - 1))
     sigmas = np.linspace(-1.0, 1.0, 2 * grid.tilts - 1)
-    turns = 2.0 * np.pi * np.arange(grid.phases) / grid.phases
+    phases = grid.phases if len(shape.tail) else 1
+    turns = 2.0 * np.pi * np.arange(phases) / phases
     on = [(x, s, p) for x in xis for s in sigmas for p in turns]
     u = points(grid.left_out, 3, 1) if grid.left_out else np.zeros((0, 3))
     out = [(0.98 * lowest * (1 - a), 0.9 * (2 * b - 1), 2 * np.pi * c) for a, b, c in u]
@@ -146,7 +150,8 @@ def _values(shape: Shape, grid: Grid, asked: list[Swimmer], found: list[Gait], f
         near, far = (factors(g.resistance(0.0), g.propulsion(0.0), normal, *units)
                      for g in (gait, free))  # fmt: skip
         added.append(np.append(near - far, added_power(gait, power_of(free))))
-    on = np.array(added).reshape(grid.gaps - 1, 2 * grid.tilts - 1, grid.phases, 28)
+    on = np.array(added).reshape(grid.gaps - 1, 2 * grid.tilts - 1, -1, 28)
+    on = np.repeat(on, grid.phases // on.shape[2], axis=2)
     on = np.concatenate([on, np.zeros((1, *on.shape[1:]))])
     return np.stack([on[:, grid.tilts - 1 :], on[:, grid.tilts - 1 :: -1]])
 

@@ -1,0 +1,98 @@
+"""Balls and spheroids without a tail beside a wall: they sink, slide and roll as they should."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from scipy.integrate import solve_ivp
+
+import microswim as ms
+from microswim.calibration.poses import layout, wall
+from microswim.calibration.poses.around import around
+from microswim.models.bem import solution
+from oracles.ball_by_a_wall import resistance
+
+BALL = ms.Swimmer(
+    body=ms.Sphere(radius=1.0), tail=ms.NoTail(), fluid=ms.Fluid(viscosity=1.0), wall=ms.Wall(2.5)
+)
+FEW = wall.Grid(tilts=3, phases=4, left_out=0)
+
+
+def exact(height):
+    """Resistance beside the wall z = 0, of the coarsest fit that is exact to 1e-4."""
+    return resistance(height, *((16, 60) if height > 1.2 else (48, 120)))
+
+
+@pytest.fixture(scope="module")
+def poses(tmp_path_factory):
+    return wall.beside_wall(BALL, grid=FEW, folder=tmp_path_factory.mktemp("solves"), workers=0)
+
+
+def test_what_has_no_tail_has_a_place_where_it_touches_and_one_turn():
+    shape = layout.shape_of(BALL, 0.01)
+    assert shape.touch(0.3, 1.0) == pytest.approx(1.0)
+    assert len(wall._places(shape, replace(FEW, left_out=0))) == 7 * 5
+
+
+@pytest.mark.slow
+def test_a_ball_sinks_as_the_exact_series_say(poses):
+    """Down to a fiftieth of its radius; -R_zz z' = f from 2.5 radii on."""
+    force = 6.0 * np.pi
+    found = ms.path(BALL, 20.0, poses=poses, force=(0, 0, -force), samples=21)
+
+    def sinks(_, z):
+        return [-force / np.interp(np.log(z[0] - 1.0), logs, drags)]
+
+    gaps = np.geomspace(0.019, 1.6, 40)
+    logs, drags = np.log(gaps), [exact(1.0 + g)[2, 2] for g in gaps]
+    fell = solve_ivp(sinks, (0.0, 20.0), [2.5], t_eval=found.time.values, rtol=1e-8,
+                     events=_at_a_fiftieth)  # fmt: skip
+    some = fell.t < fell.t_events[0][0] if fell.t_events[0].size else fell.t >= 0
+    gap = found.gap.values[: len(fell.t)][some]
+    assert gap.min() < 0.03
+    assert gap == pytest.approx(fell.y[0][some] - 1.0, rel=0.01)
+    assert found.position[:, :2].values == pytest.approx(0.0, abs=1e-6)
+
+
+def _at_a_fiftieth(_, z):
+    return z[0] - 1.02
+
+
+_at_a_fiftieth.terminal = True
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("gap", [1.0, 0.3, 0.1, 0.05, 0.02])
+def test_a_ball_slides_and_rolls_as_the_exact_series_say(poses, gap):
+    """Drawn along the wall, and turned about an axis along it: both velocities of each."""
+    height = 1.0 + gap
+    M = np.linalg.inv(exact(height))
+    R, _ = poses.at((0.0, 0.0, height), (1.0, 0.0, 0.0, 0.0), 0.0)
+    found = np.linalg.inv(R)
+    for i in (0, 2, 4, 5):
+        assert found[i, i] == pytest.approx(M[i, i], rel=0.01)
+    coupling = np.sqrt(M[0, 0] * M[4, 4])
+    assert found[0, 4] / coupling == pytest.approx(M[0, 4] / coupling, abs=0.01)
+    time = 1e-3
+    drawn = ms.path(BALL, time, poses=poses, force=(1.0, 0.0, 0.0), position=(0, 0, height),
+                    samples=2)  # fmt: skip
+    assert drawn.position[-1, 0] / time == pytest.approx(M[0, 0], rel=0.01)
+    turn = 2.0 * drawn.quaternion.values[-1, 2] / time
+    assert turn == pytest.approx(M[4, 0], abs=0.01 * coupling)
+
+
+@pytest.mark.slow
+def test_a_spheroid_sinks_slides_and_rolls_as_solved_anew(tmp_path):
+    egg = replace(BALL, body=ms.Spheroid(semi_axes=(2.0, 1.0)))
+    poses = around(egg, folder=tmp_path, workers=0)
+    assert 0.0 < max(v for v in poses.expected_error.values() if not isinstance(v, str)) < 0.02
+    rng = np.random.default_rng(7)
+    for _ in range(6):
+        tilt, gap = rng.uniform(-0.5, 0.5), np.exp(rng.uniform(np.log(0.05), np.log(2.0)))
+        high = gap + np.hypot(2.0 * np.sin(tilt), np.cos(tilt))
+        near = replace(egg, wall=ms.Wall(high, tilt=tilt, azimuth=rng.uniform(-3.0, 3.0)))
+        M = np.linalg.inv(solution.solve(near, level="standard").resistance)
+        R, _ = poses.at(*wall.start_of(near.wall), 0.0)
+        own = np.sqrt(np.diag(M))
+        off = np.abs(np.linalg.inv(R) - M) / np.outer(own, own)
+        assert off.max() < 0.01, (tilt, gap)

@@ -1,7 +1,7 @@
 """A bacterium beside a wall in a shear: where it goes at each shear rate, and a picture.
 
 `python benchmarks/rheotaxis.py [PICTURE]`: poses are solved first, some minutes, and kept. The cell
-is like E. coli: a spheroid of 2.5 um by 0.9 um, a left-handed flagellum of 6.5 um at 110 Hz.
+is like E. coli: a spheroid of 2.5 um by 0.9 um, a left-handed flagellum of 6.5 um at 130 Hz.
 """
 
 import sys
@@ -16,7 +16,7 @@ from microswim.numerics.rigid_motion import rotation_matrix
 CELL = ms.Swimmer(
     body=ms.Spheroid(semi_axes=(1.25e-6, 0.45e-6)),
     tail=ms.HelicalTail(
-        length=6.5e-6, amplitude=0.2e-6, waves=2.6, radius=0.05e-6, frequency=110.0, ramp=0.3
+        length=6.5e-6, amplitude=0.2e-6, waves=2.6, radius=0.05e-6, frequency=130.0, ramp=0.3
     ),
     fluid=ms.Fluid(viscosity=1e-3, density=1000.0),
     units="SI",

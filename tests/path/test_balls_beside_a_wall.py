@@ -15,7 +15,7 @@ from oracles.ball_by_a_wall import resistance
 BALL = ms.Swimmer(
     body=ms.Sphere(radius=1.0), tail=ms.NoTail(), fluid=ms.Fluid(viscosity=1.0), wall=ms.Wall(2.5)
 )
-FEW = wall.Grid(tilts=3, phases=4, left_out=0)
+FEW = wall.Grid(tilts=5, phases=4, left_out=0)
 
 
 def exact(height):
@@ -30,8 +30,8 @@ def poses(tmp_path_factory):
 
 def test_what_has_no_tail_has_a_place_where_it_touches_and_one_turn():
     shape = layout.shape_of(BALL, 0.01)
-    assert shape.touch(0.3, 1.0) == pytest.approx(1.0)
-    assert len(wall._places(shape, replace(FEW, left_out=0))) == 7 * 5
+    assert shape.touch(0.3, 1.0) == pytest.approx(1.0, abs=1e-4)
+    assert len(wall._places(shape, replace(FEW, left_out=0))) == 7 * 9
 
 
 @pytest.mark.slow

@@ -173,8 +173,12 @@ def _in_free_fluid(swimmer: Swimmer, **options: Any) -> Gait:
 def level_of(swimmer: Swimmer, level: str | None) -> Level:
     """Return the level at which poses of a swimmer are solved: one phase each, in single precision.
 
-    That saves a third of the time; velocities move by less than 1e-4, in a tube by some 1e-6.
+    That saves a third of the time; velocities move by less than 1e-4, in a tube by some 1e-6. A
+    body alone, whose drag is all that counts, is solved at level standard: with few patches a ball
+    sinks 2 % too fast at a gap of a twentieth of its radius.
     """
+    if level is None and swimmer.tail.is_absent:
+        level = "standard"
     few = FEW if swimmer.channel is None else FEW_IN_TUBE
     return replace(few if level is None else named(level, swimmer), phases=1, single=True)
 

@@ -36,7 +36,7 @@ def test_what_has_no_tail_has_a_place_where_it_touches_and_one_turn():
 
 @pytest.mark.slow
 def test_a_ball_sinks_as_the_exact_series_say(poses):
-    """Down to a fiftieth of its radius, a contact of short range; -R_zz z' = f from 2.5 radii on."""
+    """Down to a fiftieth of its radius, with a contact of short range; ``-R_zz z' = f``."""
     force = 6.0 * np.pi
     found = ms.path(BALL, 20.0, poses=poses, force=(0, 0, -force), samples=21, contact=1e-4)
 
@@ -74,8 +74,10 @@ def test_a_ball_slides_and_rolls_as_the_exact_series_say(poses, gap):
     coupling = np.sqrt(M[0, 0] * M[4, 4])
     assert found[0, 4] / coupling == pytest.approx(M[0, 4] / coupling, abs=0.01)
     time = 1e-3
-    drawn = ms.path(BALL, time, poses=poses, force=(1.0, 0.0, 0.0), position=(0, 0, height), quaternion=(1, 0, 0, 0), contact=1e-4,
-                    samples=2)  # fmt: skip
+    start = {"position": (0, 0, height), "quaternion": (1, 0, 0, 0)}
+    drawn = ms.path(
+        BALL, time, poses=poses, force=(1.0, 0.0, 0.0), contact=1e-4, samples=2, **start
+    )
     assert drawn.position[-1, 0] / time == pytest.approx(M[0, 0], rel=0.01)
     turn = 2.0 * drawn.quaternion.values[-1, 2] / time
     assert turn == pytest.approx(M[4, 0], abs=0.01 * coupling)

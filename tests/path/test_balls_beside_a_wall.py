@@ -49,7 +49,8 @@ def test_a_ball_sinks_as_the_exact_series_say(poses):
         finely = np.geomspace(reached, 1.5, 2001)
         needed = np.trapezoid(np.exp(drag(np.log(finely))) / force, finely)
         assert time == pytest.approx(needed, rel=0.01)
-    assert found.position[:, :2].values == pytest.approx(0.0, abs=1e-6)
+    sideways = np.abs(found.position[:, :2].values).max()
+    assert sideways < 1e-3  # patches are not the same all round
 
 
 @pytest.mark.slow

@@ -23,6 +23,7 @@ import numpy as np
 
 from microswim.models import rooting
 from microswim.models.bem import output as flow
+from microswim.models.bem.balance import balanced, turnings
 from microswim.models.bem.levels import Level, named
 from microswim.models.bem.patches.mesh import swimmer_surface
 from microswim.models.bem.patches.near_wall import over, refined
@@ -98,10 +99,10 @@ class Solution:
         """R (6, 6) as computed; its asymmetry measures the discretisation."""
         return self._wrenches[:, :6]
 
-    @property
+    @cached_property
     def resistance(self) -> Array:
-        """R (6, 6), symmetric part."""
-        return 0.5 * (self.raw_resistance + self.raw_resistance.T)
+        """R (6, 6), symmetric, in balance with `propulsion`."""
+        return balanced(self.raw_resistance, turnings(self.surface, self.centre))
 
     @property
     def asymmetry(self) -> float:

@@ -6,7 +6,9 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
+from scipy.linalg import block_diag
 
+from microswim.models.bem.balance import balanced
 from microswim.models.group.alone import rotation_of_block
 from microswim.models.group.blocks import Blocks, placed
 from microswim.models.group.motion import Motion
@@ -65,7 +67,7 @@ def solve_quickly(group: Group, blocks: Blocks) -> QuickSolution | GroupSolution
     rigid = np.arange(7 * n) % 7 < 6
     if (np.abs(whole - whole.T) / np.outer(root, root))[rigid][:, rigid].max() > ASYMMETRY:
         return solve(group, blocks=blocks)
-    R, F = resistance_and_propulsion(whole)
+    R, F = resistance_and_propulsion(whole, turning_of(group, known))
     return QuickSolution(
         group=group,
         resistance=R,
@@ -75,14 +77,21 @@ def solve_quickly(group: Group, blocks: Blocks) -> QuickSolution | GroupSolution
     )
 
 
-def resistance_and_propulsion(whole: Array) -> tuple[Array, Array]:
+def resistance_and_propulsion(whole: Array, turning: Array) -> tuple[Array, Array]:
     """Return R (6n, 6n), symmetric, and F (6n, n) of wrenches and powers (7n, 7n).
 
-    F by reciprocity from the powers that rigid motions take of the tails, as alone.
+    F by reciprocity from the powers that rigid motions take of the tails, and R in balance with it
+    for the twists (6n, m) of the tails, as alone.
     """
     rigid = np.arange(len(whole)) % 7 < 6
-    R = whole[rigid][:, rigid]
-    return 0.5 * (R + R.T), whole[~rigid][:, rigid].T.copy()
+    return balanced(whole[rigid][:, rigid], turning), whole[~rigid][:, rigid].T.copy()
+
+
+def turning_of(group: Group, bones: Sequence[Skeleton]) -> Array:
+    """Return the twists (6n, m) of the tails that turn rigidly, swimmers' axes."""
+    turns = [m.rotation.T @ rotation_of_block(m) for m in group.members]
+    each = [block_diag(Q, Q) @ b.turning for Q, b in zip(turns, bones, strict=True)]
+    return np.asarray(block_diag(*each))
 
 
 def whole_of(group: Group, bones: Sequence[Skeleton], tolerance: float = TOLERANCE) -> Array:

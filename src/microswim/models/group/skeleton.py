@@ -23,6 +23,7 @@ from numpy.typing import NDArray
 from scipy.linalg import lstsq, qr
 from scipy.spatial import KDTree
 
+from microswim.models.bem.balance import turnings
 from microswim.models.bem.patches.surface import positions
 from microswim.models.bem.system import rigid_modes, wrench_rows
 from microswim.models.group.coupled import Block
@@ -59,6 +60,8 @@ class Skeleton:
         O, of force, torque and power to velocities at the nodes.
     alone : (7, 7)
         A.
+    turning : (6, m)
+        Twist at unit phase rate of a tail that turns rigidly, the block's axes; m is 1 or 0.
     """
 
     distance: float
@@ -67,6 +70,7 @@ class Skeleton:
     driven: Array
     wrench: Array
     alone: Array
+    turning: Array
 
 
 def skeleton_of(block: Block, few: bool = False) -> Skeleton | None:
@@ -96,6 +100,7 @@ def skeleton_of(block: Block, few: bool = False) -> Skeleton | None:
         driven=W @ density[:, k:],
         wrench=L @ density[:, :k],
         alone=L @ density[:, k:],
+        turning=turnings(s, block.centre),
     )
 
 

@@ -283,16 +283,18 @@ def _of_elements(swimmer: Swimmer, gait: Gait) -> tuple[list[Any], str]:
 def doubt(gait: Gait) -> np.ndarray:
     """Return relative errors (6,) of the velocities, from what R of a reference lacks in symmetry.
 
-    Entries of R and ``F_p`` are taken to be off by the asymmetry times ``sqrt(R_ii R_jj)`` and
-    ``sqrt(R_ii G)``, independently: ``|dV_i|^2 = a^2 G sum_j (R^-1)_ij^2 R_jj``. A velocity that
-    nearly cancels, that of a small body on a large helix, is then off by far more than R is.
+    R and ``F_p`` are made of the same densities f_i of rigid motions, ``int f_i . u dS = 0`` at the
+    velocity u of the surface of the free swimmer. These integrals are taken to be off by the
+    asymmetry times ``sqrt(R_ii P)``, independently, P the power of that motion: ``|dV_i|^2 = a^2 P
+    sum_j (R^-1)_ij^2 R_jj``. A velocity that nearly cancels is off by more than R is.
     """
-    R, G = np.real(gait.resistance(0.0)), float(np.real(gait.activity(0.0)))
+    R, F = np.real(gait.resistance(0.0)), np.real(gait.propulsion(0.0))
     free = np.ix_(gait.free, gait.free)
     mobility = np.zeros((6, 6))
     mobility[free] = np.linalg.inv(R[free])
+    power = float(np.real(gait.activity(0.0))) - F @ mobility @ F
     size = float(gait.info.get("asymmetry") or 0.0) * abs(float(np.real(gait.rate)))
-    off = size * np.sqrt(mobility**2 @ (np.diag(R) * max(G, 0.0)))
+    off = size * np.sqrt(mobility**2 @ (np.diag(R) * max(power, 0.0)))
     axial = np.array(_ENTRY) % 2 == 0
     over = np.abs(np.where(axial, gait.mean_velocity, gait.velocity_amplitude))
     sizes = np.repeat([over[:3].max(), over[3:].max()], 3)  # what vanishes by symmetry is not off

@@ -12,7 +12,6 @@ matrix nearest to the computed one that has these products.
 from __future__ import annotations
 
 import numpy as np
-from scipy.linalg import orth
 
 from microswim.models.bem.patches.surface import Surface
 from microswim.models.bem.system import rigid_modes
@@ -21,35 +20,36 @@ from microswim.numerics.array import Array
 RIGID = 1e-6  #: of its motion, within which a tail's surface turns rigidly
 
 
-def turnings(surface: Surface, centre: Array) -> Array:
-    """Return the twists (6, n) at unit phase rate of the n tails of a surface that turn rigidly."""
-    found = []
-    for tail in range(1, int(surface.of_tail.max(initial=0)) + 1):
-        own = surface.of_tail == tail
-        modes = rigid_modes(surface.nodes[own], centre).reshape(-1, 6)
-        motion = surface.node_motion[own].ravel()
+def turning_of(surface: Surface, centre: Array) -> Array:
+    """Return the twist (6, 1) at unit phase rate of a surface's only tail, if it turns rigidly.
+
+    Otherwise (6, 0): of several tails none leaves the body to turn alone.
+    """
+    own = surface.of_tail == 1
+    modes = rigid_modes(surface.nodes[own], centre).reshape(-1, 6)
+    motion = surface.node_motion[own].ravel()
+    if motion.any() and surface.of_tail.max() == 1:
         twist = np.linalg.lstsq(modes, motion, rcond=None)[0]
         if np.abs(modes @ twist - motion).max() < RIGID * np.abs(motion).max():
-            found.append(twist)
-    return np.array(found).reshape(-1, 6).T
+            return twist[:, None]
+    return np.zeros((6, 0))
 
 
 def balanced(raw: Array, turning: Array) -> Array:
     """Return the symmetric matrix nearest to a resistance whose products with twists are its own.
 
-    Nearest with each entry over ``sqrt(R_ii R_jj)``; among the twists themselves the mean counts.
+    Nearest in the norm of the resistance itself, which no choice of axes changes; among the twists
+    themselves the mean counts.
 
     Parameters
     ----------
     raw : (6m, 6m)
-        As computed, columns of motions; no diagonal entry negative.
+        As computed, columns of motions.
     turning : (6m, n)
-        Twists of tails at unit rate.
+        Twists of tails at unit rate, one of a swimmer.
     """
-    size = np.sqrt(np.abs(raw.diagonal()))
-    size[size == 0.0] = 1.0
-    A = raw / np.outer(size, size)
-    Q = orth(size[:, None] * turning) if turning.size else np.zeros((len(A), 0))
-    onto = Q @ Q.T
-    beside = (np.eye(len(A)) - onto) @ (0.5 * (A - A.T)) @ onto
-    return (0.5 * (A + A.T) - beside - beside.T) * np.outer(size, size)
+    R = 0.5 * (raw + raw.T)
+    drag, missing = R @ turning, 0.5 * (raw.T - raw) @ turning
+    inverse = np.linalg.inv(turning.T @ drag)
+    beside = (missing - drag @ inverse @ turning.T @ missing) @ inverse @ drag.T
+    return R + beside + beside.T

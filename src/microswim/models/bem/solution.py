@@ -23,7 +23,7 @@ import numpy as np
 
 from microswim.models import rooting
 from microswim.models.bem import output as flow
-from microswim.models.bem.balance import balanced, turnings
+from microswim.models.bem.balance import balanced, turning_of
 from microswim.models.bem.levels import Level, named
 from microswim.models.bem.patches.mesh import swimmer_surface
 from microswim.models.bem.patches.near_wall import over, refined
@@ -102,7 +102,7 @@ class Solution:
     @cached_property
     def resistance(self) -> Array:
         """R (6, 6), symmetric, in balance with `propulsion`."""
-        return balanced(self.raw_resistance, turnings(self.surface, self.centre))
+        return balanced(self.raw_resistance, turning_of(self.surface, self.centre))
 
     @property
     def asymmetry(self) -> float:

@@ -14,7 +14,7 @@ from collections.abc import Sequence
 import numpy as np
 
 from microswim.models.group.alone import Alone, rotation_of_block
-from microswim.models.group.quick import resistance_and_propulsion, turning_of, whole_of
+from microswim.models.group.quick import resistance_and_propulsion, twists_of, whole_of
 from microswim.numerics.array import Array
 from microswim.swimmer.group import Group
 
@@ -48,7 +48,7 @@ def corrected(
         if len(known) < 2:
             continue
         both = whole_of(pair, known, TOLERANCE)
-        R_pair, F_pair = resistance_and_propulsion(both, turning_of(pair, known))
+        R_pair, F_pair = resistance_and_propulsion(both, twists_of(pair, known))
         for a, p in enumerate((i, j)):
             for b, q in enumerate((i, j)):
                 block, thrust = R_pair[6 * a : 6 * a + 6, 6 * b : 6 * b + 6], F_pair[6 * a :, b][:6]

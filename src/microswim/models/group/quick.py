@@ -67,7 +67,7 @@ def solve_quickly(group: Group, blocks: Blocks) -> QuickSolution | GroupSolution
     rigid = np.arange(7 * n) % 7 < 6
     if (np.abs(whole - whole.T) / np.outer(root, root))[rigid][:, rigid].max() > ASYMMETRY:
         return solve(group, blocks=blocks)
-    R, F = resistance_and_propulsion(whole, turning_of(group, known))
+    R, F = resistance_and_propulsion(whole, twists_of(group, known))
     return QuickSolution(
         group=group,
         resistance=R,
@@ -87,7 +87,7 @@ def resistance_and_propulsion(whole: Array, turning: Array) -> tuple[Array, Arra
     return balanced(whole[rigid][:, rigid], turning), whole[~rigid][:, rigid].T.copy()
 
 
-def turning_of(group: Group, bones: Sequence[Skeleton]) -> Array:
+def twists_of(group: Group, bones: Sequence[Skeleton]) -> Array:
     """Return the twists (6n, m) of the tails that turn rigidly, swimmers' axes."""
     turns = [m.rotation.T @ rotation_of_block(m) for m in group.members]
     each = [block_diag(Q, Q) @ b.turning for Q, b in zip(turns, bones, strict=True)]

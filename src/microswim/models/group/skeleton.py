@@ -23,7 +23,7 @@ from numpy.typing import NDArray
 from scipy.linalg import lstsq, qr
 from scipy.spatial import KDTree
 
-from microswim.models.bem.balance import turnings
+from microswim.models.bem.balance import turning_of
 from microswim.models.bem.patches.surface import positions
 from microswim.models.bem.system import rigid_modes, wrench_rows
 from microswim.models.group.coupled import Block
@@ -100,7 +100,7 @@ def skeleton_of(block: Block, few: bool = False) -> Skeleton | None:
         driven=W @ density[:, k:],
         wrench=L @ density[:, :k],
         alone=L @ density[:, k:],
-        turning=turnings(s, block.centre),
+        turning=turning_of(s, block.centre),
     )
 
 

@@ -19,7 +19,7 @@ from scipy.linalg import block_diag
 
 from microswim.errors import SpecError
 from microswim.gait.readable import percent
-from microswim.models.bem.balance import balanced, turnings
+from microswim.models.bem.balance import balanced, turning_of
 from microswim.models.bem.levels import get_level
 from microswim.models.bem.output import write_surfaces
 from microswim.models.bem.system import rigid_modes, wrench_rows
@@ -106,8 +106,8 @@ class GroupSolution(Motion):
     @cached_property
     def resistance(self) -> Array:
         """R (6n, 6n), symmetric, in balance with `propulsion`; swimmers' axes."""
-        turning = block_diag(*(turnings(p.surface, p.position) for p in self.placed))
-        return balanced(self._raw_resistance, self.turn.T @ turning)
+        turning = block_diag(*(turning_of(p.surface, p.position) for p in self.placed))
+        return balanced(self._raw_resistance, np.asarray(self.turn.T @ turning))
 
     @property
     def resistance_scene(self) -> Array:

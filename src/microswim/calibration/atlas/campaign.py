@@ -46,6 +46,13 @@ FAMILIAR = (
     ((0.3, 0.025, 1.5, 12.0, 1.0, 0.08), (1.4, 0.1, 5.0, 40.0, 3.0, 0.3)),
 )
 EACH = 64
+#: Boxes where u_s is a small difference of larger parts, and the answer needs more neighbours: a
+#: body that is small for its helix, fourth its mean radius over the amplitude, a thick tail that is
+#: nearly straight; and how many are drawn of them, of which fewer can be built.
+CANCELLING = (
+    (2600, (0.2, 0.018, 0.45, 0.02, 0.46, 0.04), (2.7, 0.4, 8.5, 0.4, 5.4, 0.55)),
+    (128, (0.045, 0.3, 0.45, 6.0, 0.46, 0.04), (0.25, 0.85, 8.5, 40.0, 5.4, 0.55)),
+)
 
 
 def familiar(seed: int = SEED) -> np.ndarray:
@@ -54,6 +61,15 @@ def familiar(seed: int = SEED) -> np.ndarray:
     u = [np.array(a) * (np.array(b) / a) ** points(EACH, 6, seed + n)
          for n, (a, b) in boxes]  # fmt: skip
     return np.concatenate(u)
+
+
+def cancelling(seed: int = SEED) -> np.ndarray:
+    """Return numbers (n, 6) of designs whose u_s nearly cancels."""
+    u = [np.array(a) * (np.array(b) / a) ** points(count, 6, seed + 5 + n)
+         for n, (count, a, b) in enumerate(CANCELLING)]  # fmt: skip
+    x = np.concatenate(u)
+    x[:, 3] *= x[:, 0] / x[:, 1]
+    return x[(LOW[3] <= x[:, 3]) & (x[:, 3] <= HIGH[3])]
 
 
 def drawn(count: int, seed: int = SEED, kind: str = "helix") -> np.ndarray:
@@ -107,6 +123,8 @@ def solve(
     wanted = drawn(count, seed, kind)
     if not kind.endswith(ALONE):
         wanted = np.concatenate([wanted, familiar(seed)])
+    if kind == "helix":
+        wanted = np.concatenate([wanted, cancelling(seed)])
     designs = [s for s in map(partial(design, kind=kind), wanted) if s is not None]
     gaits = references.gaits(designs, "bem", folder=folder, level=LEVEL, **options)
     return [

@@ -22,6 +22,8 @@ from microswim.errors import SpecError
 from microswim.gait import doors
 from microswim.gait.portrait import Printed, Rows
 from microswim.gait.readable import percent, significant
+from microswim.gait.readable import significant
+from microswim.models.bem.balance import balanced, turning_of
 from microswim.models.bem.levels import coarser as level_below
 from microswim.models.bem.levels import get_level
 from microswim.models.bem.output import write_mesh
@@ -196,7 +198,7 @@ def mobility(
         checks.positive("viscosity", viscosity)
     fine, others, about, mu, units, remarks, rule, error = _of(what, scale, level, viscosity, phase)
     whole = resistance_of(fine, mu, about, rule)
-    R = 0.5 * (whole + whole.T)
+    R = balanced(whole, turning_of(fine, about))
     root = np.sqrt(np.abs(R.diagonal()))
     if not np.linalg.eigvalsh(R / np.outer(root, root)).min() > 0.0:
         raise SpecError(
@@ -224,8 +226,7 @@ def mobility(
 
 
 def _symmetric(surface: Surface, viscosity: float, about: Array, rule: Quadrature) -> Array:
-    R = resistance_of(surface, viscosity, about, rule)
-    return 0.5 * (R + R.T)
+    return balanced(resistance_of(surface, viscosity, about, rule), turning_of(surface, about))
 
 
 def _of(what: Any, scale: Any, level: str, viscosity: float | None, phase: float) -> Any:

@@ -90,7 +90,7 @@ def resistance_and_propulsion(whole: Array, turning: Array) -> tuple[Array, Arra
 def twists_of(group: Group, bones: Sequence[Skeleton]) -> Array:
     """Return the twists (6n, m) of the tails that turn rigidly, swimmers' axes."""
     turns = [m.rotation.T @ rotation_of_block(m) for m in group.members]
-    each = [block_diag(Q, Q) @ b.turning for Q, b in zip(turns, bones, strict=True)]
+    each = [np.kron(np.eye(2), Q) @ b.turning for Q, b in zip(turns, bones, strict=True)]
     return np.asarray(block_diag(*each))
 
 

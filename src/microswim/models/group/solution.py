@@ -106,8 +106,8 @@ class GroupSolution(Motion):
     @cached_property
     def resistance(self) -> Array:
         """R (6n, 6n), symmetric, in balance with `propulsion`; swimmers' axes."""
-        turning = block_diag(*(turning_of(p.surface, p.position) for p in self.placed))
-        return balanced(self._raw_resistance, np.asarray(self.turn.T @ turning))
+        each = [turning_of(p.surface, p.position) for p in self.placed]
+        return balanced(self._raw_resistance, self.turn.T @ np.asarray(block_diag(*each)))
 
     @property
     def resistance_scene(self) -> Array:

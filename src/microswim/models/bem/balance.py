@@ -31,7 +31,7 @@ def turning_of(surface: Surface, centre: Array) -> Array:
     if motion.any() and surface.of_tail.max() == 1:
         twist = np.linalg.lstsq(modes, motion, rcond=None)[0]
         if np.abs(modes @ twist - motion).max() < RIGID * np.abs(motion).max():
-            return twist[:, None]
+            return np.asarray(twist[:, None], dtype=float)
     return np.zeros((6, 0))
 
 

@@ -22,7 +22,6 @@ from microswim.errors import SpecError
 from microswim.gait import doors
 from microswim.gait.portrait import Printed, Rows
 from microswim.gait.readable import percent, significant
-from microswim.gait.readable import significant
 from microswim.models.bem.balance import balanced, turning_of
 from microswim.models.bem.levels import coarser as level_below
 from microswim.models.bem.levels import get_level

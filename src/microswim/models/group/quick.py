@@ -91,7 +91,7 @@ def twists_of(group: Group, bones: Sequence[Skeleton]) -> Array:
     """Return the twists (6n, m) of the tails that turn rigidly, swimmers' axes."""
     turns = [m.rotation.T @ rotation_of_block(m) for m in group.members]
     each = [np.kron(np.eye(2), Q) @ b.turning for Q, b in zip(turns, bones, strict=True)]
-    return np.asarray(block_diag(*each))
+    return np.asarray(block_diag(*each), dtype=float)
 
 
 def whole_of(group: Group, bones: Sequence[Skeleton], tolerance: float = TOLERANCE) -> Array:

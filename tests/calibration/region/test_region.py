@@ -338,3 +338,28 @@ def test_what_a_region_does_not_heed_is_refused(changes, helix):
         ms.evaluate(helix, {"interaction.rotation[0]": [1.0, 2.0]})
     with pytest.raises(ms.SpecError, match="heeds no interaction"):
         ms.calibrate(helix, {"swimming_speed": 0.1}, ["translation.s"])
+
+
+def test_noise_of_each_design_is_what_its_likelihood_says_and_a_noisy_one_counts_for_little():
+    rng = np.random.default_rng(5)
+    Z, N = np.linspace(-2.0, 2.0, 60)[:, None], np.zeros(60)
+    truth = np.sin(2.0 * Z)
+    off = np.where(np.arange(60) % 3 == 0, 1e-3, 0.0)
+    y = truth + 300.0 * off[:, None] * rng.normal(size=truth.shape)
+    known = Z, N, y, np.array([1.5]), np.zeros(3)
+    even = kriging.conditioned(*known, 1e-6)
+    assert np.allclose(even.alpha, kriging.conditioned(*known, np.full(60, 1e-6)).alpha)
+    own = [1e-6 + (each * off) ** 2 for each in (0.0, 30.0, 300.0, 3000.0, 30000.0)]
+    found = [kriging.likelihood(*known, noise) for noise in own]
+    assert np.argmax(found) == 2
+    made = kriging.conditioned(*known, own[2])
+    between = np.linspace(-1.9, 1.9, 101)[:, None]
+
+    def miss(process):
+        return np.abs(process(between, np.zeros(101)) - np.sin(2.0 * between)).max()
+
+    assert miss(made) < 0.02 < 0.2 < miss(even)
+    # left out one by one, as with one noise for all
+    rest = np.arange(60) != 31
+    without = kriging.conditioned(Z[rest], N[rest], y[rest], *known[3:], own[2][rest])
+    assert made.left_out()[0][31] == pytest.approx(y[31] - without(Z[[31]], N[[31]])[0], abs=1e-6)

@@ -30,6 +30,9 @@ from microswim.swimmer.geometry.tails.kinds import as_wave
 from microswim.swimmer.swimmer import Swimmer
 
 ENOUGH = 400  #: designs from which the kernels' lengths are found
+#: Variances of the noise of all corrections over the signal's, and its deviation per asymmetry of
+#: a design's R, of which the likelihood takes the best.
+NOISES, PER_ASYMMETRY = (3e-7, 3e-6), (0.0, 10.0, 100.0, 300.0)
 LAWS = (Lighthill, GrayHancock, Cox)
 #: Corrections whose size follows powers of the numbers, each with those of its direction.
 SCALED = ((2,), (8,), (9,), (11,), (12,), *((j, j + 1) for j in range(REAL + 3, REAL + 15, 2)))
@@ -71,12 +74,14 @@ def fit(solved: list[Solved], about: dict[str, Any], former: Atlas | None = None
     Y = _alone(solved) if kind == "helix_alone" else targets(solved)
     exponents = scales(x, Y, POWERS[kind]) if former is None else former.exponents
     scale = np.exp(exponents @ coordinates.powers(x)).T
+    off = np.array([float(s.gait.info.get("asymmetry") or 0.0) for s in solved])
     sorted_groups = sorted(groups_of(kind), key=lambda g: g[0].start or 0)
     with one_thread():
         groups = tuple(
-            _group(Z, N, (Y / scale)[:, part], pairs, phasors, former and former.surfaces.groups[i])
+            _group(Z, N, (Y / scale)[:, part], pairs, phasors, former and former.surfaces.groups[i],
+                   off)
             for i, (part, pairs, phasors) in enumerate(sorted_groups)
-        )
+        )  # fmt: skip
         left = [interleaved(g.left_out()[0]) for g in groups]
     guess = Y - np.concatenate(left, axis=1) * scale
     truth = np.array([_by_gait(s.swimmer, s.gait) for s in solved])
@@ -103,13 +108,19 @@ def _alone(solved: list[Solved]) -> np.ndarray:
 
 
 def _group(
-    Z: Any, N: Any, y: np.ndarray, pairs: bool, phasors: int, former: kriging.Kriging | None
-) -> kriging.Kriging:
-    """Return a group's process: kernel from some of the designs, weights from all."""
+    Z: Any, N: Any, y: np.ndarray, pairs: bool, phasors: int, former: kriging.Kriging | None,
+    off: np.ndarray,
+) -> kriging.Kriging:  # fmt: skip
+    """Return a group's process: kernel from some of the designs, noise and weights from all.
+
+    Solves are noisier where their R lacks symmetry, by `off` (n,) of its size.
+    """
     y = y[:, ::2] + 1j * y[:, 1::2] if pairs else y
     some = slice(0, ENOUGH)
     kernel = former or kriging.fit(Z[some], N[some], y[some], phasors)
-    return kriging.conditioned(Z, N, y, kernel.lengths, kernel.phasors, float(kernel.noise))
+    known = Z, N, y, kernel.lengths, kernel.phasors
+    tried = [own + (each * off) ** 2 for own in NOISES for each in PER_ASYMMETRY]
+    return kriging.conditioned(*known, max(tried, key=lambda n: kriging.likelihood(*known, n)))
 
 
 def scales(x: np.ndarray, Y: np.ndarray, together: Any = SCALED) -> np.ndarray:

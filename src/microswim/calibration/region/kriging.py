@@ -48,8 +48,10 @@ class Kriging:
     ----------
     Z, N
         Features (n, f) and number of waves (n,) of the designs.
-    lengths, phasors, noise
-        Of the kernel: (f,), (3,), relative variance of the noise.
+    lengths, phasors
+        Of the kernel: (f,), (3,).
+    noise
+        Its variance over the signal's, one for all or of each design (n,).
     alpha, mean
         Weights (n, m) and means (m,), complex for complex targets.
     variance
@@ -60,7 +62,7 @@ class Kriging:
     N: np.ndarray
     lengths: np.ndarray
     phasors: np.ndarray
-    noise: float
+    noise: Any
     alpha: np.ndarray
     mean: np.ndarray
     variance: np.ndarray
@@ -93,8 +95,9 @@ class Kriging:
 
     def doubt_of(self, cross: np.ndarray) -> np.ndarray:
         """Return variance (k,) at designs of prior covariance `cross` (k, n) with those solved."""
-        top = 1.0 + self.phasors.sum() + self.noise
-        return doubts(cross.astype(complex), *self._factor, top, self.noise)
+        least = float(np.min(self.noise))
+        top = 1.0 + self.phasors.sum() + least
+        return doubts(cross.astype(complex), *self._factor, top, least)
 
     def left_out(self) -> tuple[np.ndarray, np.ndarray]:
         """Return leave-one-out residuals (n, m), truth less prediction, and their doubt (n,)."""
@@ -187,16 +190,32 @@ def fit(Z: np.ndarray, N: np.ndarray, Y: np.ndarray, phasors: int, start: Any = 
     return conditioned(Z, N, Y, *unpack(best))
 
 
-def conditioned(Z: Any, N: Any, Y: Any, lengths: Any, phasors: Any, noise: float) -> Kriging:
-    """Condition a process of known kernel on targets Y (n, m)."""
+def conditioned(Z: Any, N: Any, Y: Any, lengths: Any, phasors: Any, noise: Any) -> Kriging:
+    """Condition a process of known kernel on targets Y (n, m); noise of all or of each (n,)."""
+    from scipy.linalg import solve_triangular
+
+    L, w, mean, _ = _whitened(Z, N, Y, lengths, phasors, noise)
+    alpha = solve_triangular(L, w, lower=True, trans=2)
+    variance = np.sum(np.abs(w) ** 2, axis=0) / (len(Z) - 1)
+    return Kriging(Z, N, lengths, phasors, noise, alpha, mean, variance)
+
+
+def likelihood(Z: Any, N: Any, Y: Any, lengths: Any, phasors: Any, noise: Any) -> float:
+    """Return the logarithm of the marginal likelihood of targets Y (n, m), as `fit` maximises."""
+    L, w, _, weight = _whitened(Z, N, Y, lengths, phasors, noise)
+    spread = np.sum(np.abs(w) ** 2, axis=0) / (len(Z) - 1)
+    log_det = 2.0 * np.sum(np.log(np.real(np.diag(L)))) + np.log(weight)
+    return float(-0.5 * ((len(Z) - 1) * np.sum(np.log(spread)) + Y.shape[1] * log_det))
+
+
+def _whitened(Z: Any, N: Any, Y: Any, lengths: Any, phasors: Any, noise: Any) -> tuple[Any, ...]:
+    """Return L of the covariance, ``L^-1 (Y - mean)``, the mean (m,) and its weight."""
     from scipy.linalg import solve_triangular
 
     K = covariance(Z, N, Z, N, lengths, phasors, not np.iscomplexobj(Y)) + noise * np.eye(len(Z))
     L = np.linalg.cholesky(K)
     half = solve_triangular(L, np.concatenate([Y, np.ones((len(Z), 1))], axis=1), lower=True)
     w, one = half[:, :-1], half[:, -1]
-    mean = (one.conj() @ w) / np.vdot(one, one).real
-    w = w - np.outer(one, mean)
-    alpha = solve_triangular(L, w, lower=True, trans=2)
-    variance = np.sum(np.abs(w) ** 2, axis=0) / (len(Z) - 1)
-    return Kriging(Z, N, lengths, phasors, noise, alpha, mean, variance)
+    weight = np.vdot(one, one).real
+    mean = (one.conj() @ w) / weight
+    return L, w - np.outer(one, mean), mean, weight

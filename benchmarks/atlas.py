@@ -40,8 +40,8 @@ DRAWN = {
 LOW, HIGH = (np.array([n[i] for n in coordinates.NUMBERS]) for i in (1, 2))
 EDGE = 0.1  #: a corner: two or more of the six numbers within this share of an end
 SURE = 0.01  #: doubt of the reference in u_s below which a design counts as known
-TINY = 0.15  #: the same, below which it does cancel
 SMALL = 0.7  #: radius of a body over the amplitude below which u_s nearly cancels
+TINY = 0.15  #: the same, below which it does cancel
 QUANTILES = (0.5, 0.9, 0.95, 0.99, 1.0)
 
 

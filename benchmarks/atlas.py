@@ -155,8 +155,8 @@ says how many of the designs lie within the error that the output stated.
 {whole}
 
 **Where u_s nearly cancels.** A body smaller than its helix turns against the tail so fast that
-u_s is a small difference of large parts. The {least} designs whose body (radius of the sphere of its
-volume) is below {tiny} of the amplitude are the heavy end; over the others the atlas is off by
+u_s is a small difference of large parts. The {least} designs whose body (radius of the sphere of
+its volume) is below {tiny} of the amplitude are the heavy end; over the others the atlas is off by
 
 {fair}
 

@@ -57,19 +57,19 @@ CANCELLING = (
 )
 
 
+def _within(count: int, low: Any, high: Any, seed: int) -> np.ndarray:
+    """Return numbers (count, 6) within a box, logarithmic."""
+    return np.array(low) * (np.array(high) / low) ** points(count, 6, seed)
+
+
 def familiar(seed: int = SEED) -> np.ndarray:
     """Return numbers (2 EACH, 6) of designs such as people begin with."""
-    boxes = enumerate(FAMILIAR)
-    u = [np.array(a) * (np.array(b) / a) ** points(EACH, 6, seed + n)
-         for n, (a, b) in boxes]  # fmt: skip
-    return np.concatenate(u)
+    return np.concatenate([_within(EACH, *box, seed + n) for n, box in enumerate(FAMILIAR)])
 
 
 def cancelling(seed: int = SEED) -> np.ndarray:
     """Return numbers (n, 6) of designs whose u_s nearly cancels."""
-    u = [np.array(a) * (np.array(b) / a) ** points(count, 6, seed + 5 + n)
-         for n, (count, a, b) in enumerate(CANCELLING)]  # fmt: skip
-    x = np.concatenate(u)
+    x = np.concatenate([_within(*box, seed + 5 + n) for n, box in enumerate(CANCELLING)])
     x[:, 3] *= x[:, 0] / x[:, 1]
     return x[(LOW[3] <= x[:, 3]) & (x[:, 3] <= HIGH[3])]
 

@@ -52,6 +52,7 @@ from .studies.identification.films.tracks import Tracks as Tracks
 from .studies.identification.films.tracks import read_tracks as read_tracks
 from .studies.identification.fitting.fit import identify_swimmer as identify_swimmer
 from .studies.identification.fitting.many import identify_swimmers as identify_swimmers
+from .studies.identification.many_cells import describe_tracks as describe_tracks
 from .studies.identification.result import Identification as Identification
 from .studies.identification.wandering import wandering as wandering
 from .studies.identification.without_model import TrackNumbers as TrackNumbers

@@ -113,7 +113,7 @@ def command(
         _files.check_files("--out", out, [TABLE, DISPLACEMENT, *names.values()], force)
     said = [*read.remarks, *_left_out(read)]
     if given is None:
-        rows, draw = _describe(read, tracks.name)
+        rows, draw = _describe(read, tracks.name, fit["workers"])
         result: dict[str, Any] = {"units": units}
         if noise:
             result["wandering"] = _wandering.found(read, rows, tracks.name)
@@ -161,16 +161,14 @@ def _pictures(names: list[str]) -> dict[str, str]:
     return {n: f"track-{plain[n] if unique else i}.png" for i, n in enumerate(names)}
 
 
-def _describe(read: Any, what: str) -> tuple[list[Any], Draw]:
+def _describe(read: Any, what: str, workers: int | None) -> tuple[list[Any], Draw]:
     """What each track holds without a model; and what draws it and writes the tables."""
     from microswim.cli._progress import bar
-    from microswim.studies.identification.without_model import describe_track
+    from microswim.studies.identification.many_cells import describe_tracks
 
-    found = []
     with bar(f"identify {what}") as progress:
-        for name, track in read.items():
-            found.append(describe_track(track, name))
-            progress(len(found), len(read))
+        every = describe_tracks(dict(read.items()), workers=workers, progress=progress)
+    found = list(every.values())
     rows = [one.as_dict() for one in found]
 
     def draw(out: Path, names: dict[str, str]) -> None:

@@ -41,3 +41,24 @@ def test_worker_processes_find_the_same():
     there = ms.identify_swimmers(swimmer, some, NAMES, workers=2)
     for name in some:
         np.testing.assert_allclose(there[name].interval(), here[name].interval(), rtol=1e-9)
+
+
+@pytest.mark.slow
+def test_many_long_tracks_hold_what_each_holds_alone():
+    rng = np.random.default_rng(2)
+    t = np.arange(40_000) / 100.0
+    tracks = {
+        name: ms.Track(time=t, position=np.stack([v * t, 0 * t], -1) + rng.normal(size=(t.size, 2)))
+        for name, v in (("slow", 1.0), ("quick", 3.0), ("still", 0.0))
+    }
+    seen = []
+    there = ms.describe_tracks(tracks, workers=2, progress=lambda k, n: seen.append((k, n)))
+    assert list(there) == list(tracks)
+    assert seen == [(1, 3), (2, 3), (3, 3)]
+    for name, track in tracks.items():
+        alone = ms.describe_track(track, name)
+        assert there[name].notes == alone.notes
+        assert there[name].name == name
+        np.testing.assert_allclose(there[name].path, alone.path, rtol=1e-9, atol=1e-9)
+        np.testing.assert_allclose(there[name].displacement, alone.displacement, rtol=1e-9)
+    assert there["quick"].numbers["speed"].low < 3.0 < there["quick"].numbers["speed"].high

@@ -9,6 +9,7 @@ from the residuals and is taken off.
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import cache
 from typing import Any
 
 import numpy as np
@@ -181,8 +182,15 @@ def mean_error(values: np.ndarray, apart: int) -> float:
     count = int(np.clip(values.size // max(apart, 1), 3, 30))
     if values.size < 3:
         return 0.0
-    means = np.array([part.mean() for part in np.array_split(values, count)])
-    return float(student.ppf(0.975, count - 1) * means.std(ddof=1) / np.sqrt(count))
+    ends = values.size * np.arange(count + 1) // count
+    means = np.add.reduceat(values, ends[:-1]) / np.diff(ends)
+    return float(_quantile(count - 1) * means.std(ddof=1) / np.sqrt(count))
+
+
+@cache
+def _quantile(freedom: int) -> float:
+    """Student's t, 97.5 %."""
+    return float(student.ppf(0.975, freedom))
 
 
 def average_path(t: np.ndarray, x: np.ndarray, period: float | None) -> AveragePath:
@@ -247,10 +255,11 @@ def smoothed(
     return AveragePath(time, mean, smooth, v, noise, window, bool(swims), winding, averaging)
 
 
-def _parabolas(x: np.ndarray, window: int, **options: Any) -> np.ndarray:
-    return np.asarray(savgol_filter(x, window, 2, axis=0, mode="interp", **options))
+def _parabolas(x: np.ndarray, window: int, *, mode: str = "interp", **options: Any) -> np.ndarray:
+    return np.asarray(savgol_filter(x, window, 2, axis=0, mode=mode, **options))
 
 
+@cache
 def _own(window: int) -> float:
     """Share of an average in its own parabola."""
     return float(savgol_coeffs(window, 2)[window // 2])
@@ -298,8 +307,8 @@ def _window(time: np.ndarray, x: np.ndarray, averaging: Averaging) -> tuple[int 
         best = min(errors)
         return max(w for w, e in zip(fits, errors) if e <= 1.02 * best), best
 
-    errors = [float(np.mean((x - _parabolas(x, w))[inner] ** 2)) / (1.0 - _own(w)) ** 2
-              for w in fits]  # fmt: skip
+    errors = [float(np.mean((x - _parabolas(x, w, mode="nearest"))[inner] ** 2))
+              / (1.0 - _own(w)) ** 2 for w in fits]  # fmt: skip
     window, straight = chosen(errors)
     winding = rate_of_winding(step, x) if x.shape[1] == 2 else 0.0
     if winding == 0.0:

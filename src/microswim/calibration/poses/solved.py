@@ -11,6 +11,7 @@ from typing import Any
 
 import numpy as np
 
+from microswim.calibration.poses import alike
 from microswim.errors import MicroswimError
 from microswim.gait.gait import DEGREES_OF_FREEDOM, Gait
 from microswim.gait.poses.face import Tabulated
@@ -185,12 +186,13 @@ def level_of(swimmer: Swimmer, level: str | None) -> Level:
 
 def _all_solved(swimmers: list[Swimmer], lost: float, **options: Any) -> list[Gait | None]:
     """Return the gaits of all, or say why there is none of too many."""
-    made = references.gaits(swimmers, "bem", **options)
+    made = references.gaits([alike.as_solved(s) for s in swimmers], "bem", **options)
     reasons = [gait for gait in made if isinstance(gait, str)]
     machine = any(isinstance(gait, references.Unsolved) for gait in made)
     if reasons and (machine or len(reasons) > lost * len(made)):
         raise MicroswimError(f"a pose beside the boundary cannot be solved: {reasons[0]}")
-    return [None if isinstance(gait, str) else gait for gait in made]
+    both = zip(made, swimmers, strict=True)
+    return [None if isinstance(gait, str) else alike.of(gait, own) for gait, own in both]
 
 
 def power_of(gait: Gait, phase: float = 0.0) -> float:

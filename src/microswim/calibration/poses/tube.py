@@ -10,6 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from microswim.calibration.poses import scattered
+from microswim.calibration.poses.alike import to_digits
 from microswim.calibration.poses.layout import Shape, shape_of
 from microswim.calibration.poses.scattered import Scatter
 from microswim.calibration.poses.solved import (
@@ -82,6 +83,7 @@ def in_tube(
         If a pose cannot be solved.
     """
     scatter = Scatter() if scatter is None else scatter
+    swimmer = to_digits(swimmer)
     channel = _tube_of(swimmer)
     start = start_of(swimmer)
     shape = shape_of(swimmer, scatter.smallest)

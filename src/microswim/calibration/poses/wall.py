@@ -8,6 +8,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
+from microswim.calibration.poses.alike import to_digits
 from microswim.calibration.poses.any_shape import beside_wall_of_any_shape
 from microswim.calibration.poses.fit import coefficients, factors
 from microswim.calibration.poses.layout import Shape, has_three, shape_of
@@ -89,6 +90,7 @@ def beside_wall(
         If a pose cannot be solved.
     """
     start = start_of(swimmer.wall)
+    swimmer = to_digits(swimmer)
     if not has_three(swimmer) and grid is None:
         return beside_wall_of_any_shape(
             swimmer, start, level=level, folder=folder, workers=workers, progress=progress

@@ -1,5 +1,7 @@
 """A body alone that is drawn along another axis than s is told as what it does."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 from scipy.spatial.transform import Rotation
@@ -43,3 +45,11 @@ def test_a_path_in_time_ends_at_the_angle_that_is_told():
     )  # fmt: skip
     r = Rotation.from_quat(path.quaternion.values[-1], scalar_first=True).apply([0, 0, 1])
     assert np.arccos(abs(r[0])) == pytest.approx(told.precession_angle[0], abs=1e-3)
+
+
+def test_a_wall_that_would_turn_with_the_robot_is_said():
+    """The numbers are of one side: what is printed is not called left out."""
+    robot = replace(rod(0), wall=ms.Wall(2.0))
+    beside = ms.regimes(robot, [0.012]).remarks
+    assert any("as if the wall turned with the robot" in remark for remark in beside)
+    assert not any("left out; microswim path and" in remark for remark in beside)

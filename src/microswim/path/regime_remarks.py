@@ -7,6 +7,7 @@ from collections.abc import Iterator
 import numpy as np
 
 from microswim.gait.gait import Gait
+from microswim.gait.poses.one_pose import remark, remark_turned
 from microswim.gait.turning.long_axis import AXES, long_axis
 from microswim.gait.turning.steady_turning import SteadyTurning
 from microswim.gait.turning.step_out import mobility_of
@@ -35,7 +36,10 @@ def remarks_of(
     gait: Gait, steady: SteadyTurning, frequencies: Array, reynolds: Array, axis: int
 ) -> Iterator[str]:
     """Return what goes with the numbers of a rigid robot."""
-    yield from gait.info.get("remarks", ())
+    held = gait.one_pose
+    told = remark(held) if held else None
+    for said in gait.info.get("remarks", ()):
+        yield remark_turned(held) if said == told else said
     if axis:
         yield f"the body is long along {AXES[axis]}: angles and regimes are those of that axis"
     if not steady.step_out:

@@ -18,6 +18,16 @@ def remark(boundary: str) -> str:
     )
 
 
+def remark_turned(boundary: str) -> str:
+    """Return what is said of a robot that a field turns, in place of `remark`."""
+    return (
+        f"holds for the side that is turned to the {boundary} now, as if the {boundary} turned "
+        "with the robot: another side has another step-out and velocity, and what drives it "
+        f"sideways along the {boundary} is left out; microswim path follows it where the "
+        f"{boundary} stays"
+    )
+
+
 def refusal(boundary: str) -> SpecError:
     """Return the error of what would follow a path."""
     return SpecError(

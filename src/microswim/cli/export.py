@@ -161,12 +161,14 @@ def command(
 def _stepper(given: Given, model: str, level: str | None, options: dict[str, Any]) -> Stepper:
     """Return the stepper of a gait, beside a boundary of one at every pose."""
     from microswim.cli._progress import bar
+    from microswim.control.export.boundary import check
     from microswim.control.posed_stepper import beside
     from microswim.control.stepper import Stepper
     from microswim.swimmer.physical_sense import turning
 
     boundary = turning(given.swimmer)
     if boundary:
+        check(given.swimmer)
         with bar(f"poses of {given.name} by the {boundary}") as progress:
             return beside(given.swimmer, level=level, progress=progress, **options)
     solver = leveled(model, level)

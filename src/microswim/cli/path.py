@@ -150,7 +150,7 @@ def command(
             raise SpecError("--over", over[0], "left out with [motor]", "sweep one path at a time")
         map_starts(given, over, asked["time"], model, out, as_json)
         return
-    about = _gait(given, model, level, poses, from_rest)
+    about = _gait(given, model, level, poses, from_rest, asked)
     begun = clock.perf_counter()
     if out is not None:
         asked["keep"] = _kept.begin(out, given.text)
@@ -180,7 +180,12 @@ def _show(name: str, report: dict[str, Any]) -> None:
 
 
 def _gait(
-    given: Given, model: str, level: str | None, poses: int | None, from_rest: bool
+    given: Given,
+    model: str,
+    level: str | None,
+    poses: int | None,
+    from_rest: bool,
+    asked: dict[str, Any],
 ) -> dict[str, Any]:
     """Return the gait, by a boundary at every pose; none where the tail's shape is followed."""
     from microswim.cli import _print
@@ -200,9 +205,10 @@ def _gait(
     if given.swimmer.wall is not None or given.swimmer.channel is not None:
         from microswim.calibration.poses.around import around
         from microswim.cli._progress import bar
-        from microswim.path.in_tube import check
+        from microswim.path.start import check_early
 
-        check(given.swimmer)
+        begins = {n: asked[n] for n in ("position", "tilt", "paths") if n in asked}
+        check_early(given.swimmer, **begins)
         with _kept.solves(), bar(f"poses of {given.name} {boundary}") as progress:
             return {"poses": around(given.swimmer, level=level, progress=progress, **_many(poses))}
     return {"gait": _print.timed_gait(given.swimmer, model, level)[0]}

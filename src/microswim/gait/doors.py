@@ -55,6 +55,7 @@ MODELS: dict[str, str] = {
 }
 SETTLED = "microswim.models.elastic.gait:settled_swimmer"
 AT_POSES = "microswim.calibration.poses.around:around"
+OUTLINE = "microswim.calibration.poses.around:outline"
 START_BESIDE_WALL = "microswim.calibration.poses.wall:start_of"
 ISOLATED = "microswim.models.bem.isolated:resistance"
 GROUP_BLOCKS = "microswim.models.group.blocks:prepare"

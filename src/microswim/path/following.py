@@ -19,14 +19,23 @@ from microswim.gait.poses.face import FreePoses, Poses
 from microswim.gait.poses.table import FREE, TUBE
 from microswim.gait.stepping import length_of
 from microswim.numerics.array import Array
-from microswim.path import in_tube, outcome
+from microswim.path import outcome
 from microswim.path.by_torque import check_alone, follow_motors
 from microswim.path.contact import REACH
 from microswim.path.course import Course, Followed, follow
 from microswim.path.loads import loads_of
 from microswim.path.march import gaps_along
 from microswim.path.remembering import period_of, remember, remembers
-from microswim.path.start import check_bounds, check_clear, pose_at_start, rest_start, three
+from microswim.path.samples import sampled
+from microswim.path.start import (
+    check_bounds,
+    check_clear,
+    check_count,
+    check_early,
+    pose_at_start,
+    rest_start,
+    three,
+)
 from microswim.path.trajectory import dataset
 from microswim.swimmer.magnetism.applied_field import AppliedField
 from microswim.swimmer.swimmer import Swimmer
@@ -34,8 +43,6 @@ from microswim.swimmer.swimmer import Swimmer
 if TYPE_CHECKING:
     import xarray as xr
 
-MOST_SAMPLES, A_PERIOD = 4000, 16
-MOST_PATHS = 1_000_000
 TURNS = 0.1  #: rad that noise turns the swimmer by in a step, at most (root mean square)
 TURNED = 0.4  #: rad that the field does, with noise
 _LOOSE = 30.0  #: times the tolerance: the second march, for the error of the first
@@ -179,7 +186,7 @@ def path(
         pushes = {"force": three("force", force), "torque": three("torque", torque)}
         start = pose_at_start(swimmer, rest_start(swimmer), position, quaternion, tilt)
         return remember(
-            swimmer, _times(period_of(swimmer), time, samples), position=start[0],
+            swimmer, sampled(period_of(swimmer), time, samples), position=start[0],
             quaternion=start[1], phase=float(phase), tolerance=float(tolerance),
             keep=None if keep is None else Path(keep), progress=progress, **pushes,
         )  # fmt: skip
@@ -190,25 +197,22 @@ def path(
         begin = pose_at_start(swimmer, rest_start(swimmer), position, quaternion, tilt)
         more: Any = {"model": model, "level": level, "tolerance": float(tolerance)}
         more |= {"keep": None if keep is None else Path(keep), "progress": progress}
-        return follow_motors(swimmer, lambda T: _times(T, time, samples), begin, phase, **more)
+        return follow_motors(swimmer, lambda T: sampled(T, time, samples), begin, phase, **more)
     if poses is None and gait is None:
-        in_tube.check(swimmer)
+        begins = {"position": position, "quaternion": quaternion, "tilt": tilt}
+        check_early(swimmer, phase, paths, **begins)
     if poses is None:
         poses = _poses(swimmer, model, gait, level, progress)
     check_bounds(poses, swimmer)
     made = poses.gait
     if swimmer.field is not None and swimmer.magnet is not None:
         warn_if_held(made, swimmer.magnet.magnetic)
-    noisy = swimmer.noise is not None
-    if paths > 1 and not noisy:
-        raise SpecError("paths", paths, "1 without [noise]", "all paths would be the same")
-    if paths > MOST_PATHS:
-        raise SpecError("paths", paths, f"at most {MOST_PATHS}")
+    check_count(swimmer, paths)
     loads = loads_of(swimmer.settled, made, three("force", force), three("torque", torque), contact)
     start = pose_at_start(swimmer, poses.start, position, quaternion, tilt)
     check_clear(poses, *start, phase)
-    times = _times(float(made.period), time, samples)
-    energy = swimmer.noise.energy(swimmer.units) if noisy else 0.0  # type: ignore[union-attr]
+    times = sampled(float(made.period), time, samples)
+    energy = swimmer.noise.energy(swimmer.units) if swimmer.noise is not None else 0.0
     length = length_of(made)
     course = Course(
         table=poses.table,
@@ -247,19 +251,6 @@ def _poses(
     how: Any = {} if level is None else {"level": level}
     free: Any = FreePoses(swimmer.gait(model, **how) if gait is None else gait)  # type: ignore[arg-type]
     return free
-
-
-def _times(period: float, time: float, samples: int | None) -> Array:
-    """Times at which the path is kept."""
-    if samples is not None:
-        return np.linspace(0.0, time, int(samples))
-    turns = time / period
-    if not turns > 0 or A_PERIOD * turns <= MOST_SAMPLES:
-        count = int(np.clip(np.ceil(A_PERIOD * turns), 200, MOST_SAMPLES)) if turns else 1000
-        return np.linspace(0.0, time, count + 1)
-    every = period * np.ceil(2.0 * turns / MOST_SAMPLES)
-    inside = np.arange(0.0, time * (1.0 - 1e-12), every)
-    return np.append(inside, time)
 
 
 def _pull(swimmer: Swimmer, times: Array, place: Array) -> float:

@@ -13,6 +13,7 @@ from microswim.gait.poses.face import Poses
 from microswim.gait.poses.table import TUBE, WALL
 from microswim.numerics.array import Array
 from microswim.numerics.rigid_motion import multiply
+from microswim.path import in_tube
 from microswim.swimmer.swimmer import Swimmer
 
 
@@ -37,7 +38,31 @@ def check_bounds(poses: Poses, swimmer: Swimmer) -> None:
     raise SpecError("poses", f"those {known}", f"those {wanted}, where the swimmer is")
 
 
-def check_clear(poses: Poses, x: Array, q: Array, phase: float) -> None:
+MOST_PATHS = 1_000_000
+
+
+def check_count(swimmer: Swimmer, paths: int) -> None:
+    """Refuse many paths that would all be the same, or too many."""
+    if paths > 1 and swimmer.noise is None:
+        raise SpecError("paths", paths, "1 without [noise]", "all paths would be the same")
+    if paths > MOST_PATHS:
+        raise SpecError("paths", paths, f"at most {MOST_PATHS}")
+
+
+def check_early(swimmer: Swimmer, phase: float = 0.0, paths: int = 1, **start: Any) -> None:
+    """Refuse, before poses are solved for minutes, what no path begins with.
+
+    `start`: position, quaternion and tilt, as of `pose_at_start`.
+    """
+    in_tube.check(swimmer)
+    check_count(swimmer, paths)
+    around = doors.go(doors.OUTLINE, swimmer)
+    if around is not None:
+        asked = [start.get(name) for name in ("position", "quaternion", "tilt")]
+        check_clear(around, *pose_at_start(swimmer, around.start, *asked), phase)
+
+
+def check_clear(poses: Any, x: Array, q: Array, phase: float) -> None:
     """Refuse a start at which the swimmer reaches into the boundary."""
     gap = poses.gap(x, q, float(phase))
     if not gap > 0.0:

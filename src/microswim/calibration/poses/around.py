@@ -1,13 +1,19 @@
-"""A gait at every pose about whatever bounds the fluid."""
+"""A gait at every pose about whatever bounds the fluid, and where the swimmer touches that."""
 
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from typing import Any
 
-from microswim.calibration.poses import tube, wall
+import numpy as np
+
+from microswim.calibration.poses import any_shape, layout, tube, wall
+from microswim.calibration.poses.scattered import Scatter
 from microswim.calibration.poses.solved import SolvedPoses
+from microswim.gait.poses.table import TUBE, WALL, PoseTable
+from microswim.numerics.array import Array
+from microswim.path.march import gaps_along
 from microswim.swimmer.swimmer import Swimmer
 
 
@@ -41,6 +47,58 @@ def around(
     solve: Any = wall.beside_wall if swimmer.channel is None else tube.in_tube
     found: SolvedPoses = solve(swimmer, level=level, progress=progress, **options)
     return found
+
+
+@dataclass(frozen=True, eq=False)
+class Outline:
+    """Where a swimmer touches its wall or tube, known before any pose is solved.
+
+    Parameters
+    ----------
+    table
+        Of `gap` alone.
+    start
+        Position and quaternion of the pose that the spec states.
+    """
+
+    table: PoseTable
+    start: tuple[Array, Array]
+
+    def gap(self, position: Any, quaternion: Any, phase: float) -> float:
+        """Return the smallest distance of the surface to the boundary."""
+        found, at = np.empty(1), (np.array([v], float) for v in (position, quaternion, phase))
+        gaps_along(self.table, *at, found)
+        return float(found[0])
+
+
+def outline(swimmer: Swimmer) -> Outline | None:
+    """Return where a swimmer touches its boundary; None if there is none, or its poses are unknown.
+
+    Raises
+    ------
+    SpecError
+        If it is of another kind than is known there.
+    """
+    none = np.zeros((0, 0, 0, 0, 0))
+    if swimmer.channel is not None and swimmer.channel.is_cylinder:
+        shape = layout.shape_of(swimmer, Scatter.smallest)
+        numbers = tube.numbers_of(shape, Scatter.smallest)
+        bounds = np.array([0.0, 0, 0, 1, 0, 0, 0.5 * swimmer.channel.diameter])
+        parts = numbers, shape.body, shape.tail, shape.kinks, none
+        return Outline(PoseTable(TUBE, np.zeros((1, 27)), bounds, *parts), tube.start_of(swimmer))
+    if swimmer.channel is not None or swimmer.wall is None:
+        return None
+    ground, start = np.array([0.0, 0, 0, 0, 0, 1]), wall.start_of(swimmer.wall)
+    if layout.has_three(swimmer):
+        shape = layout.shape_of(swimmer, wall.Grid.smallest)
+        parts = shape.numbers, shape.body, shape.tail, shape.kinks, none
+        return Outline(PoseTable(WALL, np.zeros((1, 27)), ground, *parts), start)
+    if not any_shape.is_known(swimmer):
+        return None
+    any_one = any_shape.shape_of(swimmer, Scatter.smallest)
+    parts = any_one.numbers, any_one.body, any_one.tail, np.zeros(0), none
+    known = np.zeros((2, 1, 1))
+    return Outline(PoseTable(WALL, np.zeros((1, 27)), ground, *parts, known), start)
 
 
 def same_poses(swimmer: Swimmer) -> str:

@@ -12,12 +12,14 @@ from typing import Any
 
 import numpy as np
 
+from microswim.calibration.poses.layout import has_three
 from microswim.control.stepper import Stepper
 from microswim.errors import SpecError
 from microswim.gait.poses.table import TUBE, WALL
 from microswim.gait.readable import percent
 from microswim.numerics.array import Array
 from microswim.path.contact import REACH
+from microswim.swimmer.swimmer import Swimmer
 
 DECLARED = """
 /* The smallest distance of the surface to the boundary, negative inside [@length@]. */
@@ -61,6 +63,25 @@ class Boundary:
         return DECLARED if self.code else ""
 
 
+def check(swimmer: Swimmer) -> None:
+    """Refuse, before its poses are solved, a swimmer of which no C is written beside its wall.
+
+    Raises
+    ------
+    SpecError
+        One sentence.
+    """
+    if swimmer.wall is not None and not has_three(swimmer):
+        raise _unknown()
+
+
+def _unknown() -> SpecError:
+    return SpecError(
+        "wall: C beside it is written for a body of revolution with a helical tail; leave "
+        "[wall] out, or follow the swimmer in Python (ms.path, ms.Stepper.of)"
+    )
+
+
 def boundary_of(stepper: Stepper) -> Boundary:
     """Return what bounds the fluid of a stepper.
 
@@ -73,10 +94,7 @@ def boundary_of(stepper: Stepper) -> Boundary:
     if around is None:
         return Boundary()
     if around.table.kind == WALL and around.table.known.size:
-        raise SpecError(
-            "wall: C beside it is written for a body of revolution with a helical tail; leave "
-            "[wall] out, or follow the swimmer in Python (ms.path, ms.Stepper.of)"
-        )
+        raise _unknown()
     posed: Any = stepper
     tube, table = around.table.kind == TUBE, around.table
     about = WHERE[tube].format(radius=float(table.boundary[6]) if tube else 0.0)

@@ -16,6 +16,7 @@ from microswim.control.export.boundary import boundary_of
 from microswim.control.posed_stepper import PosedStepper
 from microswim.errors import SpecError
 from microswim.gait.poses import any_shape as compiled_shape
+from microswim.gait.poses import beside_wall
 from microswim.gait.poses.table import WALL, WORK, PoseTable, resist
 from microswim.gait.stepping import pack
 from microswim.models import bem
@@ -169,6 +170,20 @@ def test_no_c_is_written_of_any_shape_beside_a_wall() -> None:
     stepper = PosedStepper(gait, replace(WAVE, wall=ms.Wall(2.0)), poses=poses)
     with pytest.raises(SpecError, match="C beside it"):
         boundary_of(stepper)
+
+
+def test_a_quarter_of_the_poses_is_close_to_the_wall() -> None:
+    """Beyond those that lie close by chance; and all are where they were asked to be."""
+    shape = any_shape.shape_of(WAVE, 0.02)
+    usual, Z, _ = any_shape.places(shape, 60, 120)
+    poses, with_close, _ = any_shape.with_close_ones(shape, 80)
+    assert np.array_equal(poses[:60], usual)
+    assert np.array_equal(with_close[:60], Z)
+    assert len(poses) == 80
+    near = with_close[60:, :2].min(axis=1)
+    assert near.max() <= any_shape.NEAR + 1e-6
+    assert near.min() == pytest.approx(float(shape.numbers[beside_wall.LOWEST]), abs=0.2)
+    assert (Z[:, :2].min(axis=1) > any_shape.NEAR).mean() > 0.4
 
 
 @pytest.mark.slow

@@ -38,10 +38,11 @@ from microswim.swimmer.swimmer import Swimmer
 
 #: Phases of the gait in free fluid and of the centreline; harmonics smaller than this are left out.
 FREE_PHASES, PHASES, SMALL = 12, 64, 1e-7
-#: Poses that are solved where nothing is said: one coordinate more than in a tube.
-POSES = 1200
-#: The furthest pose, as xi of its gap: some 20 half axes.
-FURTHEST = -0.2
+#: Poses that are solved where nothing is said, one coordinate more than in a tube; share of them
+#: that is close. Velocities change most there: where the tip of a steep tail is near, say.
+POSES, CLOSE = 1600, 0.25
+#: The furthest pose, as xi of its gap, 20 half axes; of those that are close, half of one.
+FURTHEST, NEAR = -0.2, -2.3
 
 
 @dataclass(frozen=True, eq=False)
@@ -159,7 +160,7 @@ def beside_wall_of_any_shape(
             "(microswim run, with --model bem), or leave [wall] out"
         )
     shape = shape_of(swimmer, scatter.smallest)
-    poses, Z, H = places(shape, scatter.poses, 2 * scatter.poses)
+    poses, Z, H = with_close_ones(shape, scatter.poses)
     out = np.zeros((0, 5))
     if scatter.left_out:
         out, _, _ = places(shape, scatter.left_out, scatter.left_out, seed=1)
@@ -181,7 +182,19 @@ def beside_wall_of_any_shape(
     return SolvedPoses(free, table, start, error)
 
 
-def places(shape: Shape, count: int, among: int, seed: int = 0) -> tuple[Array, Array, Array]:
+def with_close_ones(shape: Shape, count: int) -> tuple[Array, Array, Array]:
+    """Return what `places` does; a part of the poses is close to the wall."""
+    close = int(CLOSE * count)
+    usual = places(shape, count - close, 2 * (count - close))
+    near = places(shape, 4 * close, 4 * close, seed=11, furthest=NEAR)
+    chosen = scattered.spread(near[1], close, others=usual[1])
+    poses, Z, H = (np.concatenate([a, b[chosen]]) for a, b in zip(usual, near, strict=True))
+    return poses, Z, H
+
+
+def places(
+    shape: Shape, count: int, among: int, seed: int = 0, furthest: float = FURTHEST
+) -> tuple[Array, Array, Array]:
     """Return poses (count, 5), their features and h, far from one another.
 
     A pose is n of the body frame, on the side that is asked, the height of the body's centre and
@@ -193,7 +206,7 @@ def places(shape: Shape, count: int, among: int, seed: int = 0) -> tuple[Array, 
     turn, across = 2.0 * np.pi * u[:, 1], np.sqrt(1.0 - n0 * n0)
     n = np.stack([n0, across * np.cos(turn), across * np.sin(turn)], axis=-1)
     phase = 2.0 * np.pi * u[:, 2]
-    xi = numbers[beside_wall.LOWEST] * (1.0 - u[:, 3]) + FURTHEST * u[:, 3]
+    xi = numbers[beside_wall.LOWEST] * (1.0 - u[:, 3]) + furthest * u[:, 3]
     poses = np.empty((among, 5))
     for k in range(among):
         with settled(False):

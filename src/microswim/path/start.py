@@ -50,7 +50,7 @@ def check_count(swimmer: Swimmer, paths: int) -> None:
 
 
 def check_early(swimmer: Swimmer, phase: float = 0.0, paths: int = 1, **start: Any) -> None:
-    """Refuse, before poses are solved for minutes, what no path begins with.
+    """Refuse what no path begins with, before poses are solved for minutes.
 
     `start`: position, quaternion and tilt, as of `pose_at_start`.
     """

@@ -64,7 +64,7 @@ class Boundary:
 
 
 def check(swimmer: Swimmer) -> None:
-    """Refuse, before its poses are solved, a swimmer of which no C is written beside its wall.
+    """Refuse a swimmer of which no C is written beside its wall, before its poses are solved.
 
     Raises
     ------

@@ -90,6 +90,40 @@ def test_the_gap_in_a_tube_is_that_of_the_surface(swimmer: ms.Swimmer) -> None:
         assert nearest == pytest.approx(radius - far, abs=4e-3 * length)
 
 
+@pytest.mark.parametrize("tilt", [0.0, 0.02, 0.09, 0.4])
+@pytest.mark.parametrize(
+    "body",
+    [ms.Cylinder(length=3.75, radius=1.0), ms.Capsule(length=3.0, radius=1.0), ms.Sphere(radius=1)],
+    ids=["cylinder", "capsule", "sphere"],
+)
+def test_the_gap_of_a_body_with_flat_sides_is_that_of_its_farthest_point(
+    body: Any, tilt: float
+) -> None:
+    """Against all points of its surface: two humps lie close, of either end of a cylinder."""
+    swimmer = replace(ROBOT, body=body)
+    shape = shape_of(swimmer, 0.02)
+    numbers, radius = tube.numbers_of(shape, 0.02), 3.0
+    rng = np.random.default_rng(5)
+    side, turn = rng.uniform(0, 2 * np.pi, (2, 150))
+    t = np.stack([np.full(150, np.cos(tilt)), *(np.sin(tilt) * f(side) for f in CIRCLE)], axis=-1)
+    b = np.stack([0.0 * turn, *(f(turn) for f in CIRCLE)], axis=-1) * rng.uniform(0, 0.6, (150, 1))
+    b -= (b * t).sum(axis=1)[:, None] * t
+    gaps, Z = np.empty((150, 2)), np.empty((150, in_tube.FEATURES))
+    with settled(True):
+        lines = np.concatenate([t, b], axis=-1)
+        in_tube.of_lines(lines, shape.body, shape.tail, numbers, radius, gaps, Z)
+    theta, phi = np.meshgrid(np.linspace(0, np.pi, 301), np.linspace(0, 2 * np.pi, 181))
+    out = np.stack([np.cos(theta), *(np.sin(theta) * f(phi) for f in CIRCLE)], axis=-1)
+    X = (body.surface_point(out.reshape(-1, 3)) - body.centre) @ np.eye(3)
+    for (*axis, y0, y1, y2), gap in zip(lines, gaps[:, 0], strict=True):
+        Y = X + [y0, y1, y2]
+        far = np.linalg.norm(Y - (Y @ axis)[:, None] * axis, axis=-1).max()
+        assert gap == pytest.approx(radius - far, abs=0.006)
+
+
+CIRCLE = np.cos, np.sin
+
+
 def test_a_line_is_the_pose_that_is_solved() -> None:
     """The swimmer with its channel starts where the line says, and the other way round."""
     shape = shape_of(ROBOT, 0.02)

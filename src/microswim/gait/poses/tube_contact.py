@@ -14,8 +14,8 @@ from microswim.gait.poses.beside_wall import SIGN, TAIL_RADIUS
 from microswim.numerics.compiling.compiled import FAST, compiled
 from microswim.numerics.rigid_motion import to_lab
 
-#: Directions in which the body's farthest point is looked for, steps of the search.
-AROUND, STEPS = 16, 12
+#: Directions in which the body's farthest point is looked for, steps of the search, of the other.
+AROUND, STEPS, ASCENT = 16, 12, 100
 
 
 @compiled(fastmath=FAST, error_model="numpy")
@@ -69,11 +69,39 @@ def _reach(line: Any, body: Any, e: Any, turn: Any, out: Any) -> Any:
 
 
 @compiled(error_model="numpy")
+def _ascended(line: Any, body: Any, radius: Any, out: Any) -> Any:
+    """Write what `_reach` does for the side of the point in out[:3], then of the next, to rest.
+
+    A point p farthest to one side lies to its own side no less far: what is returned only grows.
+    """
+    best = -np.inf
+    for _ in range(ASCENT):
+        along, size = 0.0, 0.0
+        for i in range(3):
+            along += (line[3 + i] + out[i]) * line[i]
+        for i in range(3):
+            out[3 + i] = line[3 + i] + out[i] - along * line[i]
+            size += out[3 + i] * out[3 + i]
+        for i in range(3):
+            out[3 + i] /= np.sqrt(size) + 1e-300
+        out[0], out[1], out[2] = _support(body, out[3], out[4], out[5])
+        far = 0.0
+        for i in range(3):
+            far += out[3 + i] * (line[3 + i] + out[i])
+        if far - best < 1e-13 * radius:
+            best = max(far, best)
+            break
+        best = far
+    return best
+
+
+@compiled(error_model="numpy")
 def body_in_tube(line: Any, body: Any, radius: Any, out: Any, work: Any) -> None:
     """Write gap, nearest point and normal into the fluid, (7,), of a body in a tube.
 
     The distance of a convex body's farthest point is the largest of ``d . b + h(d)`` over
-    directions d across the axis, h its support function: the best of several, then by bisection.
+    directions d across the axis, h its support function: the best of several, then by false
+    position. Of a body with flat sides that may end between two humps: then by ascent.
     """
     e, here = work[:6], work[6:12]
     k = 0  # a first direction across t
@@ -92,6 +120,7 @@ def body_in_tube(line: Any, body: Any, radius: Any, out: Any, work: Any) -> None
         far, _ = _reach(line, body, e, n * step, here)
         if far > best:
             best, at = far, n * step
+    first, most = at, best
     low, high = at - step, at + step
     _, f = _reach(line, body, e, low, here)
     _, g = _reach(line, body, e, high, here)
@@ -105,6 +134,9 @@ def body_in_tube(line: Any, body: Any, radius: Any, out: Any, work: Any) -> None
         high, g = at, change
         if abs(change) < 1e-13 * radius:
             break
+    if not best >= most:
+        _reach(line, body, e, first, here)
+        best = _ascended(line, body, radius, here)
     out[0] = radius - best
     for i in range(3):
         out[1 + i], out[4 + i] = here[i], -here[3 + i]

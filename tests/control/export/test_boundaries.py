@@ -39,7 +39,9 @@ def stepper(where):
         factors = poses.table.factors
         table = poses.table._replace(factors=factors + 0.02 * rng.normal(size=factors.shape))
     else:
-        swimmer = replace(ROBOT, channel=ms.Channel(diameter=2 * RADIUS, length=30.0))
+        body = ms.Cylinder(length=2.0, radius=0.5) if where == "tube of a cylinder" else ROBOT.body
+        channel = ms.Channel(diameter=2 * RADIUS, length=30.0)
+        swimmer = replace(ROBOT, channel=channel, body=body)
         poses = inside(swimmer)
         weights, carried = poses.table.weights, poses.table.carried
         table = poses.table._replace(
@@ -114,6 +116,17 @@ def test_c_steps_as_python_beside_a_boundary(where, precision):
         moved = np.abs(state.values - np.append(AT[where], [*TURNED, 0.7])).max()
         assert np.array(code.y)[:7] == pytest.approx(state.values[:7], abs=10 * close * moved)
         assert code.c.robot_gap(code.y) > 0.0
+
+
+def test_the_gap_of_a_cylinder_in_c_is_that_of_python():
+    """Small tilts, at which either end may be nearest."""
+    one, code = stepper("tube of a cylinder"), Code("tube of a cylinder")
+    rng = np.random.default_rng(3)
+    for _ in range(100):
+        q = np.append(1.0, rng.normal(size=3) * [1.0, 0.04, 0.04])
+        state = ms.State.at((0.0, *rng.uniform(-0.3, 0.3, 2)), q / np.linalg.norm(q), 0.3)
+        code.give(one, state, {})
+        assert code.c.robot_gap(code.y) == pytest.approx(one.gap(state), abs=1e-9)
 
 
 @pytest.mark.parametrize("where", ["wall", "tube"])

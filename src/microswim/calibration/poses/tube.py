@@ -39,8 +39,9 @@ from microswim.swimmer.swimmer import Swimmer
 #: Fluid between the swimmer and the closed ends of the tube in which a pose is solved, in radii:
 #: what is sent back by them falls as exp(-2 * 2.6 * ends).
 ENDS = 1.5
-#: Share of the poses that need not be solved: body and tail both all but touch.
-LOST = 0.05
+#: Share of the poses that need not be solved: body and tail both all but touch, or the side of a
+#: cylinder does in a tight tube. What is left is judged by the poses left out.
+LOST = 0.1
 #: Poses at random among which each that is solved is chosen; those that are looked at at once.
 AMONG, LOOK = 2, 2**14
 #: Share of the poses of which the tail is close to the tube; draws of these; their least gap over

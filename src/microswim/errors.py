@@ -6,13 +6,16 @@ Every message is one sentence: the field and its value, what is allowed, how to 
 from __future__ import annotations
 
 import warnings
-from collections.abc import Iterable, Iterator, Mapping
+from collections.abc import Callable, Iterable, Iterator, Mapping
 from contextlib import contextmanager
 from contextvars import ContextVar
 from typing import Any
 
 MOST_OFFERED = 10  #: names that an error lists; a longer list helps nobody
+#: How a number is written, of a dotted field or a dimension; None: it is no quantity with a unit.
+Writing = Callable[[str, float], "str | None"]
 _notes: ContextVar[list[str] | None] = ContextVar("notes", default=None)
+_writing: ContextVar[Writing | None] = ContextVar("writing", default=None)
 
 
 class MicroswimError(Exception):
@@ -57,12 +60,13 @@ class SpecError(MicroswimError, ValueError):
     def _sentence(self) -> str:
         if self.allowed is None:
             return self.field
-        sentence = f"{self.field} = {_shown(self.value)}: must be {self.allowed}"
+        sentence = f"{self.field} = {_written(self.field, self.value)}: must be {self.allowed}"
         return f"{sentence}; {self.mend}" if self.mend else sentence
 
     def __reduce__(self) -> tuple:
         """Pickle by the four parts, so that the error survives a trip through a process pool."""
-        return type(self), (self.field, self.value, self.allowed, self.mend)
+        parts = (self.field, self.value, self.allowed, self.mend)
+        return type(self), parts, {"args": self.args}  # the sentence in the units it was said in
 
 
 class MachineError(MicroswimError):
@@ -109,6 +113,34 @@ def noted() -> Iterator[list[str]]:
         _notes.reset(token)
 
 
+@contextmanager
+def writing(as_units: Writing | None) -> Iterator[None]:
+    """Write quantities in sentences meanwhile in the units of a spec; the outermost holds.
+
+    What refuses a design knows its numbers in SI alone; who reads it has written ``"12 um"``.
+    """
+    token = _writing.set(_writing.get() or as_units)
+    try:
+        yield
+    finally:
+        _writing.reset(token)
+
+
+def measured(value: Any, of: str = "length") -> str:
+    """Return a number in a sentence, of a field or a dimension, with its unit where it is known.
+
+    Examples
+    --------
+    >>> measured(4.68423e-07)
+    '4.68423e-07'
+    >>> with writing(lambda what, value: f"{1e6 * value:g} um"):
+    ...     measured(4.68423e-07)
+    '0.468423 um'
+    """
+    value, as_units = float(f"{float(value):.6g}"), _writing.get()
+    return (as_units(of, value) if as_units else None) or f"{value:g}"
+
+
 def warn(message: str, category: type[Warning], stacklevel: int = 2) -> None:
     """Tell a warning, or write it down where somebody notes them."""
     notes = _notes.get()
@@ -122,6 +154,18 @@ def renamed(old: str, new: str, level: int = 3) -> None:
     """Warn that a name was replaced."""
     text = f"{old} is now called {new}; the old name works for one release more"
     warn(text, RenamedWarning, stacklevel=level)
+
+
+def _written(field: str, value: Any) -> str:
+    """Show the value of a field, with its unit where the units of the spec are known."""
+    as_units = _writing.get()
+    if as_units is not None and isinstance(value, (float, int)) and not isinstance(value, bool):
+        return as_units(field, _settled(float(value))) or _shown(value)
+    if as_units is not None and type(value) in (tuple, list):
+        each = [as_units(field, _settled(v)) if isinstance(v, float) else None for v in value]
+        if each and all(each):
+            return f"({', '.join(map(str, each))})"
+    return _shown(value)
 
 
 def _shown(value: Any) -> str:

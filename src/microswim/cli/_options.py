@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
-from microswim.errors import SpecError
+from microswim.errors import SpecError, writing
 from microswim.gait import doors
 from microswim.numerics.plain import plain
 
@@ -66,10 +66,13 @@ def swimmer_options(command: Callable[..., Any], *, needed: bool = True) -> Call
     ):
         if not needed and spec is None and preset is None and not changes:
             return command(given=None, **rest)
+        from microswim.spec.writing import as_written
+
         given = read(spec, preset, changes, trust)
         if click.get_current_context().info_name not in SAY_THEMSELVES:
             _say(given.swimmer)
-        return command(given=given, **rest)
+        with writing(as_written(given.tables)):
+            return command(given=given, **rest)
 
     return wrapped
 

@@ -159,9 +159,11 @@ def _pictures(given: Given, best: Any, model: Any, out: Path) -> None:
     from microswim.output.plots import design as plots_design
     from microswim.spec.describe import to_tables
     from microswim.spec.toml import to_toml
+    from microswim.studies.optimisation.limits import for_people
     from microswim.studies.sweeps.sweep import sweep
 
-    words = f"{given.name}: {best.objective} = {best.value:.6g}, the best in the given ranges"
+    value = for_people(best.objective, best.value, given.swimmer.units)
+    words = f"{given.name}: {best.objective} {value}, the best in the given ranges"
     write(out / "optimum.toml", to_toml(to_tables(best.swimmer), words))
     _save(plots_design.sensitivity(best), out / "sensitivity.png")
     ranges = [k for k, s in best.sensitivity.items() if s.varied][:2]

@@ -26,6 +26,11 @@ from microswim.cli._options import (
 )
 from microswim.numerics.files import fresh, write
 
+#: Said beside these two rows: a surrogate may swim right and answer a push wrongly.
+RESISTANCE = (
+    "  resistance: error of the drag in the worst of all motions, as a force, field or flow makes\n"
+    "  them; what of it swimming alone feels is velocity_by_resistance"
+)
 FILES = ("errors.csv", "validation.json", "errors.png")
 
 
@@ -104,5 +109,7 @@ def _print(report: dict[str, Any]) -> None:
     for name, s in report["statistics"].items():
         numbers = (s["median"], s["p90"], s["worst"], s["within_5"], s["within_10"])
         click.echo(f"  {name:22s} " + " ".join(f"{100 * x:6.1f} %" for x in numbers))
+    if "resistance" in report["statistics"]:
+        click.echo(RESISTANCE)
     if report["failed"]:
         click.echo(f"  {len(report['failed'])} designs failed: {report['failed'][0]['reason']}")

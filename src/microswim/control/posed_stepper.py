@@ -22,7 +22,7 @@ from microswim.control.motion import INPUTS, STATE, internal_steps
 from microswim.control.posed_noise import displaced
 from microswim.control.state import State, check_finite, check_one, check_state
 from microswim.control.stepper import Stepper
-from microswim.errors import MicroswimError, SpecError
+from microswim.errors import MicroswimError, SpecError, measured
 from microswim.gait.poses.table import TUBE
 from microswim.numerics.array import still_read_only
 from microswim.numerics.rigid_motion import rotation_matrix
@@ -31,6 +31,7 @@ from microswim.path import in_tube, strain
 from microswim.path.contact import DRAG, LENGTH, THRUST, repulsion
 from microswim.path.loads import periodic
 from microswim.path.start import check_bounds
+from microswim.swimmer.in_units import as_units
 from microswim.swimmer.swimmer import Swimmer
 
 
@@ -148,9 +149,11 @@ class PosedStepper(Stepper):
 
     def _refuse_inside(self, y: np.ndarray) -> None:
         deep = -self.poses.gap(y[:3], y[3:7], y[7])
+        with as_units(self.swimmer):
+            place, into = ", ".join(map(measured, y[:3])), measured(deep)
         raise SpecError(
-            f"state: the swimmer at {y[:3].tolist()} would reach {deep:.3g} into the boundary; "
-            "start further from it, or turned otherwise"
+            f"state: the swimmer at ({place}) would reach {into} into the boundary; start further "
+            "from it, or turned otherwise"
         )
 
     def _lab(self, Y: np.ndarray, U: np.ndarray) -> np.ndarray:

@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from microswim.errors import SpecError
+from microswim.errors import SpecError, measured
 from microswim.models.swimmer_surface import (
     Curve,
     section_axes,
@@ -291,12 +291,12 @@ def check_clear(body: Body, tail: Tail, joint: Joint, phase: float = 0.0) -> Non
         amplitude = attachment.amplitude_of(tail)
         if not amplitude:
             raise SpecError(
-                f"tail: it pierces the body at s = {place:.3g}; bend it less there, or use a "
+                f"tail: it pierces the body at s = {measured(place)}; bend it less there, or use a "
                 "smaller body"
             )
         raise SpecError(
             "tail.amplitude",
             amplitude,
-            f"small enough for the tail to stay clear of the body at s = {place:.3g}",
+            f"small enough for the tail to stay clear of the body at s = {measured(place)}",
             "the tail pierces the body: use a smaller amplitude, a longer ramp or a smaller body",
         )

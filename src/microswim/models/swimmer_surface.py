@@ -18,7 +18,7 @@ from dataclasses import dataclass
 import numpy as np
 from scipy.spatial.distance import cdist
 
-from microswim.errors import SpecError
+from microswim.errors import SpecError, measured
 from microswim.numerics.array import Array
 from microswim.swimmer.geometry.body import Body
 from microswim.swimmer.geometry.tails.kinds import Tail, WaveTail
@@ -251,11 +251,12 @@ def check(body: Body, tail: Tail, phase: float = 0.0) -> list[str]:
     fold = float(bend.max())
     if tail.sections == "perpendicular":
         if fold >= FOLDED:
+            most = measured(FOLDED * radius / fold, "tail.radius")
             raise SpecError(
                 "tail.radius",
                 radius,
-                f"less than {FOLDED * radius / fold:.4g}, nearly the radius of curvature at "
-                f"s = {s[bend.argmax()]:.3g}",
+                f"less than {most}, nearly the radius of curvature at "
+                f"s = {measured(s[bend.argmax()])}",
                 "the tube would fold into itself: use a thinner filament, a smaller amplitude, "
                 "fewer waves or a longer ramp",
             )
@@ -287,6 +288,7 @@ def _check_clearance(tail: Tail, P: Array) -> None:
         raise SpecError(
             "tail.radius",
             radius,
-            f"less than {gap.min() / 2:.4g}, half the distance of neighbouring turns",
+            f"less than {measured(gap.min() / 2, 'tail.radius')}, half the distance of "
+            "neighbouring turns",
             "the tube would touch itself: use a thinner filament or fewer waves",
         )

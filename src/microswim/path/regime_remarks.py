@@ -24,12 +24,22 @@ def long_axis_of(swimmer: Swimmer, gait: Gait) -> int:
 
 def reynolds_of(swimmer: Swimmer, rates: Array, angle: Array, axis: int = 0) -> Array:
     """Return ``rho w a^2 / mu``, a the half length and half width as the robot turns."""
+    across, along = inertia_of(swimmer, axis)
+    tilt = np.where(np.isnan(angle), np.pi / 2.0, angle)
+    return rates * (across + along * np.sin(tilt) ** 2)
+
+
+def inertia_of(swimmer: Swimmer, axis: int = 0) -> tuple[float, float]:
+    """Return ``rho a^2 / mu`` (time) of the half width and of the half length of a robot."""
     rs, *sides = np.roll([float(np.real(x)) for x in swimmer.body.semi_axes3], -axis)
     tail = float(getattr(swimmer.tail, "amplitude", None) or 0.0) + float(swimmer.tail.radius)
     long = rs + float(np.real(swimmer.tail.apparent_length)) / 2.0
-    tilt = np.where(np.isnan(angle), np.pi / 2.0, angle)
-    reach = np.hypot(max(*sides, tail), long * np.sin(tilt))
-    return swimmer.fluid.density * rates * reach**2 / swimmer.fluid.viscosity
+    density, viscosity = (
+        float(np.real(x)) for x in (swimmer.fluid.density, swimmer.fluid.viscosity)
+    )
+    return density * float(max(*sides, tail)) ** 2 / viscosity, density * float(
+        long
+    ) ** 2 / viscosity
 
 
 def remarks_of(

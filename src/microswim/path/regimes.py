@@ -27,6 +27,7 @@ from microswim.numerics.array import Array, read_only
 from microswim.path.regime_errors import expected, expected_of_elastic
 from microswim.path.regime_portrait import Told
 from microswim.path.regime_remarks import long_axis_of, of_inertia, remarks_of, reynolds_of
+from microswim.swimmer.in_units import in_its_units
 from microswim.swimmer.magnetism.applied_field import RotatingField
 from microswim.swimmer.swimmer import Swimmer
 
@@ -135,6 +136,7 @@ class Regimes(Told):
 
 @checks.given(swimmer=checks.swimmer, frequency=checks.series, model=checks.text,
               gait=checks.gait, level=checks.one_of("coarse", "standard", "fine"))  # fmt: skip
+@in_its_units
 def regimes(
     swimmer: Swimmer, frequency: Any, *, model: doors.Model = "auto", gait: Gait | None = None,
     level: doors.Level | None = None,

@@ -7,13 +7,14 @@ from typing import Any
 import numpy as np
 
 from microswim import checks
-from microswim.errors import SpecError
+from microswim.errors import SpecError, measured
 from microswim.gait import doors
 from microswim.gait.poses.face import Poses
 from microswim.gait.poses.table import TUBE, WALL
 from microswim.numerics.array import Array
 from microswim.numerics.rigid_motion import multiply
 from microswim.path import in_tube
+from microswim.swimmer.in_units import as_units
 from microswim.swimmer.swimmer import Swimmer
 
 
@@ -28,13 +29,14 @@ def check_bounds(poses: Poses, swimmer: Swimmer) -> None:
     table, channel = poses.table, swimmer.channel
     if channel is None and (swimmer.wall is None or table.kind == WALL):
         return
-    wanted = "beside a wall" if channel is None else f"in a tube of diameter {channel.diameter:g}"
-    known = "beside a wall" if table.kind == WALL else "in free fluid"
-    if table.kind == TUBE:
-        width = 2.0 * float(table.boundary[6])
-        if channel is not None and abs(width - channel.diameter) < 1e-6 * width:
-            return
-        known = f"in a tube of diameter {width:g}"
+    width = 2.0 * float(table.boundary[6]) if table.kind == TUBE else 0.0
+    if width and channel is not None and abs(width - channel.diameter) < 1e-6 * width:
+        return
+    with as_units(swimmer):
+        tube = "in a tube of diameter"
+        wanted = "beside a wall" if channel is None else f"{tube} {measured(channel.diameter)}"
+        known = f"{tube} {measured(width)}" if width else "in free fluid"
+    known = "beside a wall" if table.kind == WALL else known
     raise SpecError("poses", f"those {known}", f"those {wanted}, where the swimmer is")
 
 
@@ -59,15 +61,17 @@ def check_early(swimmer: Swimmer, phase: float = 0.0, paths: int = 1, **start: A
     around = doors.go(doors.OUTLINE, swimmer)
     if around is not None:
         asked = [start.get(name) for name in ("position", "quaternion", "tilt")]
-        check_clear(around, *pose_at_start(swimmer, around.start, *asked), phase)
+        with as_units(swimmer):
+            check_clear(around, *pose_at_start(swimmer, around.start, *asked), phase)
 
 
 def check_clear(poses: Any, x: Array, q: Array, phase: float) -> None:
     """Refuse a start at which the swimmer reaches into the boundary."""
     gap = poses.gap(x, q, float(phase))
     if not gap > 0.0:
+        place, into = ", ".join(map(measured, x)), measured(-gap)
         raise SpecError(
-            f"position = {x.tolist()}: the swimmer would reach {-gap:.3g} into the boundary; start "
+            f"position = ({place}): the swimmer would reach {into} into the boundary; start "
             "further from it, or tilt it otherwise"
         )
 

@@ -15,7 +15,7 @@ from typing import Any, Literal
 
 from pydantic import ValidationError
 
-from microswim.errors import SpecError
+from microswim.errors import SpecError, writing
 from microswim.gait import doors
 from microswim.spec import complaint, presets
 from microswim.spec.named_files import beside
@@ -24,6 +24,7 @@ from microswim.spec.several import apart, several, to_set
 from microswim.spec.tables import ALTERNATIVES, FIELDS, of_file
 from microswim.spec.trusted import Trusted
 from microswim.spec.units import DIMENSIONS, has_unit, to_si
+from microswim.spec.writing import as_written
 from microswim.swimmer.drag.coefficients import LAWS, Unchosen
 from microswim.swimmer.drag.interaction import Interaction
 from microswim.swimmer.geometry.bodies import SHAPES
@@ -132,8 +133,9 @@ def from_dict(
         One sentence: the field, its value, what is allowed, how to mend it.
     """
     tables = override(tables, overrides or {})
-    specs = {name: numbered(name, _checked, one) for name, one in apart(tables).items()}
-    return _build(specs, units_of(tables), Trusted.file(trust))
+    with writing(as_written(tables)):
+        specs = {name: numbered(name, _checked, one) for name, one in apart(tables).items()}
+        return _build(specs, units_of(tables), Trusted.file(trust))
 
 
 def _checked(tables: dict[str, Any]) -> dict[str, dict[str, Any]]:

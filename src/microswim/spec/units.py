@@ -236,5 +236,16 @@ def _angles(quantity: pint.Quantity) -> float:
 
 def has_unit(value: Any) -> bool:
     """Return whether a value is the text of a number with something behind it, as a quantity is."""
+    return bool(unit_written(value))
+
+
+def unit_written(value: Any) -> str:
+    """Return what stands behind the number in the text of a quantity; empty for all else.
+
+    Examples
+    --------
+    >>> unit_written("1.5e-3 mPa s"), unit_written("1.5"), unit_written(1.5)
+    ('mPa s', '', '')
+    """
     match = _QUANTITY.fullmatch(value) if isinstance(value, str) else None
-    return match is not None and bool(match[2])
+    return "" if match is None else match[2]

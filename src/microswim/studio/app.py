@@ -25,9 +25,10 @@ from starlette.requests import Request
 from starlette.responses import JSONResponse, Response
 from starlette.routing import Route
 
-from microswim.errors import MicroswimError, SpecError
+from microswim.errors import MicroswimError, SpecError, writing
 from microswim.models.rft.warm_up import warm_up
 from microswim.spec import presets
+from microswim.spec.writing import as_written
 from microswim.studio import answers, magnet, maps, page
 from microswim.studio import spec_tables as tables
 from microswim.studio.brought import examples, films, scenes
@@ -183,10 +184,12 @@ def _endpoint(read: Callable[[Request], Any], answer: Callable[[Any], Any]) -> A
             return JSONResponse({"error": "the request did not come to its end"}, 408)
         except Refused as refused:
             return JSONResponse({"error": str(refused)}, refused.status)
+        in_units = writing(as_written(ask.get("tables") if isinstance(ask, dict) else None))
         budget = Budget()
         watch = asyncio.create_task(_gone(request, budget))
         try:
-            return await _answered(request, partial(budget.within, answer), ask)
+            with in_units:
+                return await _answered(request, partial(budget.within, answer), ask)
         finally:
             watch.cancel()
 

@@ -9,11 +9,12 @@ import numpy as np
 from microswim import checks
 from microswim.errors import MicroswimError, SpecError
 from microswim.gait.gait import Gait
-from microswim.path.regime_remarks import long_axis_of
+from microswim.path.regime_remarks import inertia_of, long_axis_of
 from microswim.studio import maps, nearby_field
 from microswim.studio.spec_tables import swimmer_of
 from microswim.swimmer.magnetism.applied_field import RotatingField
 from microswim.swimmer.magnetism.magnet import vector_of
+from microswim.swimmer.physical_sense import INERTIA
 from microswim.swimmer.swimmer import Swimmer
 
 
@@ -21,9 +22,11 @@ def of(swimmer: Swimmer, gait: Gait) -> dict[str, Any]:
     """Return the magnet in the body's axes, strength and turns per time of a rotating field.
 
     ``driven``: readings that a rotating field gives; ``long``: the robot's long axis, 0 of s;
+    ``inertia``: times by which the rate of turning gives the Reynolds number, and its bound;
     ``own``: the field about the start, where it is more than one that turns a hard magnet.
     """
     field = swimmer.field if isinstance(swimmer.field, RotatingField) else None
+    across, along = inertia_of(swimmer, long_axis_of(swimmer, gait))
     soft = swimmer.magnet is not None and swimmer.magnet.susceptibility is not None
     told: dict[str, Any] = {
         "moment": None if swimmer.magnet is None else list(vector_of(swimmer.magnet)),
@@ -31,6 +34,7 @@ def of(swimmer: Swimmer, gait: Gait) -> dict[str, Any]:
         "field": None if field is None else float(field.strength),
         "frequency": None if field is None else abs(float(field.frequency)),
         "long": long_axis_of(swimmer, gait),
+        "inertia": {"across": across, "along": along, "most": INERTIA},
         "own": None,
         "driven": maps.driven(swimmer),
         "remarks": [],

@@ -14,8 +14,9 @@ from typing import Any
 import numpy as np
 
 from microswim import checks
-from microswim.errors import SpecError
+from microswim.errors import SpecError, measured
 from microswim.numerics.array import Array
+from microswim.swimmer.in_units import as_units
 from microswim.swimmer.surroundings import weight
 from microswim.swimmer.swimmer import Swimmer
 
@@ -165,10 +166,12 @@ def _check_alike(n: int, other: Swimmer, first: Swimmer) -> None:
             f"{words[first.units]}; give units to all swimmers of a group or to none"
         )
     if float(other.fluid.viscosity) != float(first.fluid.viscosity):
+        with as_units(first):
+            here, there = (measured(s.fluid.viscosity, "viscosity") for s in (first, other))
         raise SpecError(
-            f"swimmer[{n}] fluid.viscosity", other.fluid.viscosity,
-            f"that of swimmer[0], {first.fluid.viscosity:g}", "a group swims in one fluid",
-        )  # fmt: skip
+            f"swimmer[{n}] fluid.viscosity = {there}: must be that of swimmer[0], {here}; a group "
+            "swims in one fluid"
+        )
 
 
 def checked_wall(wall: Any) -> tuple:

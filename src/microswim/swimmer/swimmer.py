@@ -22,6 +22,7 @@ from microswim.swimmer.geometry.surroundings import Channel, Wall
 from microswim.swimmer.geometry.tails.elastic.hook import Hook
 from microswim.swimmer.geometry.tails.kinds import Tail, of_tails
 from microswim.swimmer.gradient import gradient
+from microswim.swimmer.in_units import in_its_units
 from microswim.swimmer.magnetism.applied_field import AppliedField
 from microswim.swimmer.magnetism.magnet import Magnet
 from microswim.swimmer.motion import Motion
@@ -229,6 +230,7 @@ class Swimmer(Shown):
         return doors.go(doors.SETTLED, self) if self.tail.settles else self
 
     @checks.given()
+    @in_its_units
     def gait(
         self,
         model: doors.Model | str = "rft",
@@ -273,6 +275,7 @@ class Swimmer(Shown):
         return provenance.told(self, made) if model == "rft" else made
 
     @checks.given(changes=checks.mapping)
+    @in_its_units
     def with_(self, changes: dict[str, Any]) -> Swimmer:
         """Return a copy with dotted fields replaced, checked again: ``{"tail.amplitude": 0.12}``.
 

@@ -167,7 +167,7 @@ def test_targets_in_a_tube_lie_along_it():
         ({"channel": 0.5}, "channel"),
         ({"poses": 3}, "wall, channel"),
         ({"wall": 1.0, "poses": 3}, "poses = 3"),
-        ({"channel": 4.0, "poses": tubed("steer")}, "poses = .*tube of diameter 0.003.*0.004"),
+        ({"channel": 4.0, "poses": tubed("steer")}, "poses = .*tube of diameter 3 mm.*4 mm"),
         ({"wall": 1.0, "poses": tubed("steer")}, "poses = .*in a tube.*beside a wall"),
     ],
 )

@@ -289,6 +289,30 @@ def test_verification_ends_at_the_optimum_of_the_reference(monkeypatch):
     assert best.history[-1]["agreed"]
     assert len(best.history) <= 4
     assert best.value == pytest.approx(aim.value, rel=2e-4)
+    last = best.history[-1]  # and what was judged is said, not that nobody judged it
+    assert best.remarks[0].startswith("judged by bem at this very design, swimming_speed is 0")
+    assert not any("reference bem judges it" in remark for remark in best.remarks)
+    assert last["own_error"] is None  # of an oracle without a level
+    assert best.expected_error is None
+
+
+def test_what_a_reference_judged_is_no_longer_unknown(monkeypatch):
+    import microswim.models.bem.gait as bem
+
+    truth = {"interaction.translation": (1.4, 1.25, 1.25)}
+
+    def gait(swimmer):
+        made = replace(swimmer.with_(truth).gait(), model="bem")
+        return replace(made, info={**made.info, "level": "standard"})
+
+    monkeypatch.setattr(bem, "gait", gait)
+    monkeypatch.setattr("microswim.studies.optimisation.verify.ROUNDS", 1)
+    best = ms.design(HELIX, OVER, maximize="swimming_speed", reference="bem")
+    miss = best.history[0]["miss"]
+    assert miss > 0.05  # far from agreed
+    assert "more than 5 %" in best.remarks[0]
+    assert best.expected_error == pytest.approx(miss + best.history[0]["own_error"], rel=1e-9)
+    assert best.history[0]["own_error"] > 0
 
 
 def test_a_front_is_what_constrained_optima_make():

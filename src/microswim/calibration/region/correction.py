@@ -16,7 +16,7 @@ from microswim.calibration.region import body_flow as shaded
 from microswim.calibration.region.beats import finer
 from microswim.calibration.region.evaluate import matrices, twists
 from microswim.calibration.region.surfaces import Surfaces
-from microswim.errors import SpecError, warn
+from microswim.errors import SpecError, measured, warn
 from microswim.gait.gait import Gait
 from microswim.gait.poses.one_pose import remark
 from microswim.numerics.array import read_only
@@ -55,6 +55,10 @@ def words(swimmer: Swimmer) -> dict[str, str]:
     if swimmer.channel is not None:
         around = f"a {swimmer.channel.shape}"
     return own | {"shape": swimmer.body.shape, "surroundings": around}
+
+
+def _asked(name: str, ends: tuple[float, ...]) -> str:
+    return ("in " if len(ends) > 1 else "") + " to ".join(measured(end, name) for end in ends)
 
 
 def fixed_numbers(swimmer: Swimmer, names: Any) -> dict[str, float]:
@@ -126,18 +130,18 @@ class Correction:
         N = np.broadcast_to(swimmer.tail.number_of_waves, (len(x),))
         return np.ascontiguousarray((x - self.columns[1]) / self.columns[2]), N
 
-    def _misses(self, many: Swimmer) -> list[tuple[str, Any, str, Any]]:
-        """Name, value, what is asked of it, and whether it misses that, of each number."""
+    def _misses(self, many: Swimmer) -> list[tuple[str, Any, tuple[float, ...], Any]]:
+        """Name, value, ends of what is asked of it, and whether it misses that, of each number."""
         out = []
         for name, low in self.low.items():
             value, high = _number(many, name), self.high[name]
             slack = 1e-9 * max(abs(low), abs(high))
             inside = (value >= low - slack) & (value <= high + slack)
-            out.append((name, value, f"in {low:g} to {high:g}", np.logical_not(inside)))
+            out.append((name, value, (low, high), np.logical_not(inside)))
         for name, held in self.fixed.items():
             value = _number(many, name)
             same = np.abs(value - held) <= 1e-9 * abs(held)
-            out.append((name, value, f"{held:g}", np.logical_not(same)))
+            out.append((name, value, (held,), np.logical_not(same)))
         return out
 
     def _wrong_words(self, swimmer: Swimmer) -> list[str]:
@@ -150,8 +154,8 @@ class Correction:
     def outside(self, swimmer: Swimmer) -> list[str]:
         """Return what puts a design outside the region, in words; empty inside."""
         numbers = [
-            f"{name} = {value:.6g} is not {asked}"
-            for name, value, asked, misses in self._misses(swimmer)
+            f"{name} = {measured(value, name)} is not {_asked(name, ends)}"
+            for name, value, ends, misses in self._misses(swimmer)
             if misses
         ]
         return numbers + self._wrong_words(swimmer)

@@ -21,7 +21,7 @@ from dataclasses import dataclass
 import numpy as np
 from scipy.spatial.transform import Rotation
 
-from microswim.errors import SpecError
+from microswim.errors import SpecError, measured
 from microswim.models import swimmer_surface as geometry
 from microswim.models.fem.mesh import Outline
 from microswim.swimmer.swimmer import Swimmer
@@ -76,10 +76,11 @@ class Wave:
     def check(self) -> None:
         """Refuse a wave too high for the fading zone around it."""
         if 1.5 * self.reach >= 0.9 * self.width:
+            most = 0.6 * self.width * self.outline.unit
             raise SpecError(
                 "tail.amplitude",
                 self.reach * self.outline.unit,
-                f"below {0.6 * self.width * self.outline.unit:.4g}, or the mesh would fold",
+                f"below {measured(most, 'tail.amplitude')}, or the mesh would fold",
                 "lower the wave or give it more room to the wall",
             )
 

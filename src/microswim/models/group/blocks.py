@@ -11,7 +11,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from microswim.errors import SpecError
+from microswim.errors import SpecError, measured
 from microswim.models import memory
 from microswim.models.bem.levels import Level, get_level
 from microswim.models.bem.patches import near_wall
@@ -98,9 +98,8 @@ def _beside(n: int, surface: Surface, plane: Array) -> Surface:
     """Return the surface of swimmer n with patches that resolve the gap to a wall."""
     height = float(((positions(surface, 9) - plane[:3]) @ plane[3:]).min())
     if height <= 0.0:
-        raise SpecError(
-            f"swimmer[{n}].position: swimmer {n} reaches {-height:.3g} into the wall; move it away"
-        )
+        into = f"reaches {measured(-height)} into the wall"
+        raise SpecError(f"swimmer[{n}].position: swimmer {n} {into}; move it away")
     return near_wall.refined(surface, near_wall.over(plane))
 
 

@@ -27,6 +27,7 @@ from microswim.models.group.near_pairs import corrected
 from microswim.numerics.array import Array
 from microswim.numerics.compiling.compiled import njit
 from microswim.swimmer.group import Group
+from microswim.swimmer.in_units import in_its_units
 from microswim.swimmer.member import Member
 
 
@@ -64,6 +65,7 @@ class GroupEstimate(Motion):
     expected_error: float
 
 
+@in_its_units
 def estimate(group: Group, level: str = "standard", blocks: Blocks | None = None) -> GroupEstimate:
     """Return how a group moves at its pose and phases, by point forces of each swimmer alone.
 

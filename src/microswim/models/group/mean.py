@@ -30,6 +30,7 @@ from microswim.models.group.far_field import FarField
 from microswim.models.group.solution import GroupSolution, solve
 from microswim.numerics.array import Array
 from microswim.swimmer.group import Group
+from microswim.swimmer.in_units import in_its_units
 
 #: Rates that differ by less than this share are one; the most that differ; phases of each further
 #: one (even: every other phase gives the error); harmonics looked at for the generator.
@@ -177,6 +178,7 @@ def sampled_phases(own: Array, rates: Array, level: Level) -> Array:
     return own + 2.0 * np.pi * ahead
 
 
+@in_its_units
 def swim(
     group: Group,
     level: str = "standard",

@@ -15,7 +15,7 @@ import numpy as np
 from scipy.spatial import KDTree
 from scipy.spatial.distance import cdist
 
-from microswim.errors import SpecError
+from microswim.errors import SpecError, measured
 from microswim.models.bem.patches.near_wall import halved
 from microswim.models.bem.patches.surface import Surface, positions
 from microswim.numerics.array import Array
@@ -144,8 +144,8 @@ def refined(surfaces: Sequence[Surface]) -> tuple[list[Surface], float]:
         now = finer
     n = int(np.argmin([d.min() for d in away]))
     raise SpecError(
-        f"swimmer[{n}].position: another swimmer is {away[n].min():.3g} away, nearer than its "
-        "patches can resolve; move them apart"
+        f"swimmer[{n}].position: another swimmer is {measured(away[n].min())} away, nearer than "
+        "its patches can resolve; move them apart"
     )
 
 

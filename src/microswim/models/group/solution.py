@@ -30,6 +30,7 @@ from microswim.models.group.coupled import Placed, solve_coupled
 from microswim.models.group.motion import Motion, free_motion
 from microswim.numerics.array import Array
 from microswim.swimmer.group import Group
+from microswim.swimmer.in_units import in_its_units
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
@@ -185,6 +186,7 @@ class GroupSolution(Motion):
         return write_surfaces([p.surface for p in self.placed], path, side)
 
 
+@in_its_units
 def solve(group: Group, level: str = "standard", blocks: Blocks | None = None) -> GroupSolution:
     """Solve for the flow about a group at its pose and phases.
 

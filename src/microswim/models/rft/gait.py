@@ -23,7 +23,7 @@ from typing import Any
 import numpy as np
 
 from microswim import checks
-from microswim.errors import SpecError
+from microswim.errors import SpecError, measured
 from microswim.gait.gait import Gait
 from microswim.gait.poses.one_pose import remark
 from microswim.models.rft import ribbon
@@ -94,7 +94,8 @@ def rules(swimmer: Swimmer, nodes: int | None = None) -> tuple[Any, Any]:
     on_ramp, rest = node_numbers(kind, *numbers)
     if kind == PLANE_WAVE and numbers[1] > STEEPEST:
         most = STEEPEST * tail.amplitude / numbers[1]
-        raise SpecError("tail.amplitude", tail.amplitude, f"{most:.4g} at most at this wavelength")
+        allowed = f"{measured(most, 'tail.amplitude')} at most at this wavelength"
+        raise SpecError("tail.amplitude", tail.amplitude, allowed)
     if on_ramp + rest > MOST_NODES:
         most = numbers[0] * MOST_NODES / (on_ramp + rest)
         raise SpecError("tail.waves", float(numbers[0]), f"{most:.4g} at most at this steepness")

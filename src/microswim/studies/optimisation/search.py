@@ -38,6 +38,7 @@ from microswim.swimmer.variants import vary
 STARTS = 4
 APART = 0.1  # least distance of two starts in the unit cube
 LARGE = 0.05  #: expected error from which on the outcome says so
+UNSURE = "the error at the optimum"  #: with which that sentence begins
 FEASIBLE = 1e-7  # relative margin that counts as holding
 
 
@@ -294,7 +295,7 @@ def _remarks(problem: Problem, swimmer: Swimmer, model: str, error: Any, how: st
     out = [how]
     if error is None or error > LARGE:
         off = "is not known" if error is None else f"is large, {percent(error)}"
-        out.append(f"the error at the optimum {off}: reference bem judges it")
+        out.append(f"{UNSURE} {off}: reference bem judges it")
     if model == "atlas" and problem.covered < 1.0:
         share = percent(problem.covered)
         out.append(f"searched where the atlas holds, {share} of the ranges; model rft knows all")

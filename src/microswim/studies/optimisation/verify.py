@@ -14,14 +14,15 @@ from typing import Any
 
 import numpy as np
 
+from microswim.calibration.atlas.expected import expected_error
 from microswim.calibration.calibrate import calibrate
 from microswim.gait.gait import DEGREES_OF_FREEDOM
 from microswim.gait.readable import percent
 from microswim.numerics.plain import plain
-from microswim.studies.optimisation.limits import for_people as said
+from microswim.studies.optimisation.limits import for_people
 from microswim.studies.optimisation.merits import of_gait
 from microswim.studies.optimisation.problem import Problem
-from microswim.studies.optimisation.search import Optimum, search
+from microswim.studies.optimisation.search import UNSURE, Optimum, search
 from microswim.swimmer.swimmer import Swimmer
 
 ROUNDS = 6
@@ -67,7 +68,8 @@ def verified(
     Optimum
         ``history`` holds a dict a round: ``values``, ``surrogate`` and ``reference`` (the
         objective), ``miss`` (relative), ``holds`` (whether the constraints hold for the
-        reference), ``agreed``.
+        reference), ``agreed``, ``miss_us`` (of the forward velocity), ``own_error`` (of the
+        reference, None if it is not known).
     """
     begun = time.perf_counter()
     say = progress or (lambda text: None)
@@ -81,7 +83,7 @@ def verified(
         rounds.append(_verdict(problem, best, judged, tolerance))
         tried.append(best)
         name, units, there = best.objective, best.swimmer.units, rounds[-1]["reference"]
-        found, known = (said(name, value, units) for value in (best.value, there))
+        found, known = (for_people(name, value, units) for value in (best.value, there))
         say(
             f"round {number}: {name} {found} by the surrogate, {known} by {reference}: "
             f"{percent(rounds[-1]['miss'])} off"
@@ -91,24 +93,49 @@ def verified(
         if number < ROUNDS:
             problem = replace(problem, swimmer=_calibrated(problem.swimmer, best.swimmer, judged))
     i = len(rounds) - 1 if rounds[-1]["agreed"] else _best_judged(rounds, tried[0].sense)
-    return replace(tried[i], history=tuple(rounds), seconds=time.perf_counter() - begun)
+    told = _judged(tried[i], rounds[i], tolerance)
+    return replace(told, history=tuple(rounds), seconds=time.perf_counter() - begun)
+
+
+def _judged(best: Optimum, verdict: dict[str, Any], tolerance: float) -> Optimum:
+    """The optimum with what the reference says of it, in place of how far off it might be.
+
+    u_s of what searched is off by its miss, and by what the reference itself may be off.
+    """
+    by, off, own = verdict["model"], percent(verdict["miss"]), verdict["own_error"]
+    said = f"judged by {by} at this very design, {best.objective} is {off} off"
+    if verdict["miss"] > tolerance:
+        said += f", more than {percent(tolerance)}"
+    if not verdict["holds"]:
+        said += f"; {by} finds the constraints broken"
+    if own is not None:
+        said += f"; {by} itself is good to {percent(own)}"
+    known = None if own is None else verdict["miss_us"] + own
+    others = [remark for remark in best.remarks[1:] if not remark.startswith(UNSURE)]
+    return replace(best, expected_error=known, remarks=(said, *others))
 
 
 def _verdict(problem: Problem, best: Optimum, judged: Any, tolerance: float) -> dict[str, Any]:
     expression, _ = problem.objectives[0]
     values = {k: float(np.real(v)) for k, v in of_gait(best.swimmer, judged).items()}
     reference = float(expression(values))
-    miss = abs(best.value - reference) / max(abs(reference), 1e-300)
+    miss = _apart(best.value, reference)
     holds = all(float(c.margin(values)) >= -tolerance for c in problem.limits)
     return {
         "values": plain(best.values),
         "surrogate": best.value,
         "reference": reference,
         "miss": miss,
+        "miss_us": _apart(best.quantities["forward_velocity"], values["forward_velocity"]),
+        "own_error": expected_error(best.swimmer, judged)["us"],
         "holds": holds,
         "agreed": bool(miss <= tolerance and holds),
         "model": judged.model,
     }
+
+
+def _apart(value: float, reference: float) -> float:
+    return abs(value - reference) / max(abs(reference), 1e-300)
 
 
 def _best_judged(rounds: list[dict[str, Any]], sense: float) -> int:

@@ -6,7 +6,8 @@ import warnings
 from collections.abc import Callable
 from typing import Any
 
-from microswim.errors import MicroswimError, SpecError
+from microswim.errors import MicroswimError, SpecError, writing
+from microswim.spec.writing import as_written
 from microswim.studio.judge import flow, path, together, verdict
 from microswim.studio.spec_tables import swimmer_of
 
@@ -24,7 +25,8 @@ def answer(kind: str, question: dict[str, Any], tell: Callable[[Any], None]) -> 
     try:
         with warnings.catch_warnings():
             warnings.simplefilter("ignore")
-            return "done", KINDS[kind](question, lambda i, n: tell((i, n)))
+            with writing(as_written(question.get("tables"))):
+                return "done", KINDS[kind](question, lambda i, n: tell((i, n)))
     except MicroswimError as error:
         return "failed", str(error)
     except MemoryError:

@@ -14,7 +14,7 @@ from typing import Any, Literal
 import numpy as np
 
 from microswim import checks
-from microswim.errors import SpecError
+from microswim.errors import SpecError, measured
 from microswim.numerics.array import Array
 
 ALONG = 1e-9  # a component of a unit vector below this is rounding
@@ -85,7 +85,8 @@ class Wall:
             raise SpecError(
                 "wall.distance",
                 self.distance,
-                f"more than {self.distance - gap:.4g}, where the swimmer touches the wall",
+                f"more than {measured(self.distance - gap, 'wall.distance')}, where the swimmer "
+                "touches the wall",
                 "move the wall away or tilt the swimmer",
             )
 

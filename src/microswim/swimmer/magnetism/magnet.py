@@ -16,7 +16,7 @@ from typing import Any, Literal
 import numpy as np
 
 from microswim import checks
-from microswim.errors import SpecError
+from microswim.errors import SpecError, measured
 
 MU_0 = 1.25663706127e-6  #: N/A^2, vacuum permeability (CODATA 2022)
 WAYS = ("moment", "remanence", "susceptibility")  #: in which a magnet is given, one of them
@@ -106,9 +106,10 @@ class Magnet:
         checks.numbers("magnet.moment", self.moment, 3, "three numbers [s, q, r]")
         object.__setattr__(self, "moment", tuple(float(x) for x in self.moment))  # type: ignore[union-attr]
         if self.direction is not None:
+            size = measured(np.linalg.norm(self.moment), "magnet.moment")  # type: ignore[arg-type]
             raise SpecError(
                 "magnet.direction: the moment is a vector already; give its size alone, "
-                f"moment = {float(np.linalg.norm(self.moment)):g}, or leave direction out"  # type: ignore[arg-type]
+                f"moment = {size}, or leave direction out"
             )
 
     def _check_soft(self) -> None:

@@ -14,7 +14,7 @@ from typing import Any, ClassVar, Self
 import numpy as np
 
 from microswim import checks
-from microswim.errors import SpecError
+from microswim.errors import SpecError, measured
 from microswim.numerics.array import Array
 from microswim.swimmer.geometry.solids.facets import Facet, Opening, check_fillet, towards_both
 from microswim.swimmer.geometry.solids.solved import SolvedBody
@@ -119,11 +119,14 @@ class Box(SolvedBody):
         room = np.arctan(ROUND * across / depth)
         own = float(np.arccos(np.clip(pole[0], -1.0, 1.0)))
         if own + reach > ROOM * room:
-            far = depth * np.tan(max(ROOM * room - reach, 0.0))
+            at, far = (
+                measured(depth * np.tan(angle))
+                for angle in (min(own, 1.5), max(ROOM * room - reach, 0.0))
+            )
             raise SpecError(
-                f"tail: its root, {depth * np.tan(min(own, 1.5)):.4g} from the axis, reaches over "
-                f"the flat of the body's rear face; bring it within {far:.4g} of the axis (a ramp "
-                "or a smaller amplitude), thin the filament or round the edges less"
+                f"tail: its root, {at} from the axis, reaches over the flat of the body's rear "
+                f"face; bring it within {far} of the axis (a ramp or a smaller amplitude), thin "
+                "the filament or round the edges less"
             )
         return Opening(np.eye(3), room, room * (1.0 - ROUND))
 

@@ -12,6 +12,7 @@ from typing import Any
 import numpy as np
 
 from microswim import checks
+from microswim.errors import measured
 from microswim.numerics.array import Array
 
 #: How much a patch may grow per length that separates it from a smaller one.
@@ -60,7 +61,7 @@ class Opening:
 
 def check_fillet(value: Any, most: float) -> None:
     """Refuse a radius of rounded edges that is not above zero, or for which there is no room."""
-    allowed = f"above zero and at most {most:.6g}, which the body has room for"
+    allowed = f"above zero and at most {measured(most, 'body.edge')}, which the body has room for"
     checks.number("body.edge", value, allowed, above=0.0, most=most * (1.0 + 1e-12))
 
 

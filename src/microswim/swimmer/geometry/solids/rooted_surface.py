@@ -16,7 +16,7 @@ from typing import Any, ClassVar
 
 import numpy as np
 
-from microswim.errors import SpecError
+from microswim.errors import SpecError, measured
 from microswim.numerics.array import Array
 from microswim.swimmer.geometry.body import Body
 from microswim.swimmer.geometry.solids.facets import Facet, Opening
@@ -201,8 +201,8 @@ class RootedSurface(Body):
         if 1.05 * reach * self.reach > room:
             raise SpecError(
                 "body.shape: the tail's root reaches a sharp edge of the surface from the file, "
-                f"which is {room:.3g} away; take a thinner filament, or set tail.position to a "
-                "place farther from edges"
+                f"which is {measured(room)} away; take a thinner filament, or set tail.position to "
+                "a place farther from edges"
             )
         axes = np.stack([pole, first, np.cross(pole, first)])
         return Opening(axes, reach)

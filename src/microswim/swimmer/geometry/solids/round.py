@@ -10,7 +10,7 @@ from typing import Any, ClassVar, Self
 import numpy as np
 
 from microswim import checks
-from microswim.errors import SpecError
+from microswim.errors import SpecError, measured
 from microswim.numerics.array import Array
 from microswim.swimmer.geometry.solids.facets import check_fillet
 from microswim.swimmer.geometry.solids.turned import (
@@ -61,7 +61,8 @@ class Capsule(TurnedBody):
             raise SpecError(
                 "body.length",
                 self.length,
-                f"at least twice the radius, {2.0 * self.radius:.6g}: it counts from end to end",
+                f"at least twice the radius, {measured(2.0 * self.radius)}: it counts from end to "
+                "end",
                 "lengthen the capsule, thin it, or take a spheroid",
             )
 

@@ -15,7 +15,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from microswim.errors import SpecError
+from microswim.errors import SpecError, measured
 from microswim.numerics.array import Array
 from microswim.swimmer.geometry.solids.facets import Facet, Opening, graded
 from microswim.swimmer.geometry.solids.solved import SolvedBody
@@ -187,13 +187,13 @@ class TurnedBody(SolvedBody):
     def _no_room(self, own: float, reach: float, angle: float) -> SpecError:
         """What to say of a root that reaches the edge of the rear end."""
         at, room = (
-            float(self.surface_point(np.array([np.cos(a), np.sin(a), 0.0]))[1])
+            measured(self.surface_point(np.array([np.cos(a), np.sin(a), 0.0]))[1])
             for a in (own, max(ROOM * angle - reach, 0.0))
         )
         return SpecError(
-            f"tail: its root, {at:.4g} from the axis, reaches over the edge of the body's rear "
-            f"end; bring it within {room:.4g} of the axis (a ramp or a smaller amplitude), or thin "
-            "the filament"
+            f"tail: its root, {at} from the axis, reaches over the edge of the body's rear end; "
+            f"bring it within {room} of the axis (a ramp or a smaller amplitude), or thin the "
+            "filament"
         )
 
     def _rings(self, splits: int, start: float = 0.0) -> Array:

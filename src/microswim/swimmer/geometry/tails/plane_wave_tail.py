@@ -8,7 +8,7 @@ from typing import Any, ClassVar
 import numpy as np
 
 from microswim import checks
-from microswim.errors import SpecError
+from microswim.errors import SpecError, measured
 from microswim.numerics.series.fourier import MIRROR_Q
 from microswim.swimmer.geometry.tails.flagellum import Flagellum
 from microswim.swimmer.geometry.tails.tail import Sections, SurfaceMotion
@@ -67,9 +67,11 @@ class PlaneWaveTail(WaveTail):
         checks.number("tail.mean_curvature", K, "a finite curvature, 1/length")
         if abs(K) >= most:  # type: ignore[arg-type]
             raise SpecError(
-                "tail.mean_curvature", K, f"less than {most:.4g} in magnitude",
+                "tail.mean_curvature",
+                K,
+                f"less than {measured(most, 'tail.mean_curvature')} in magnitude",
                 "the tail would close to a circle",
-            )  # fmt: skip
+            )
 
     @property
     def half_period_signs(self) -> np.ndarray | None:  # type: ignore[override]

@@ -13,7 +13,7 @@ from typing import Any, Literal
 import numpy as np
 
 from microswim import checks
-from microswim.errors import SpecError
+from microswim.errors import SpecError, measured
 from microswim.swimmer.geometry.tails.placed_tail import PlacedTail
 
 
@@ -132,7 +132,7 @@ class WaveTail(PlacedTail, ABC):
             raise SpecError(
                 "tail.length",
                 self.length,
-                f"longer than the windings it holds ({shortest:.6g})",
+                f"longer than the windings it holds ({measured(shortest, 'tail.length')})",
                 "lengthen the filament or reduce amplitude or waves",
             )
         room = min(float(self.room(b)) for b in self._amplitudes())
@@ -144,7 +144,7 @@ class WaveTail(PlacedTail, ABC):
             raise SpecError(
                 name,
                 widest,
-                f"less than {room:.6g}, the room that this wave leaves",
+                f"less than {measured(room, name)}, the room that this wave leaves",
                 "thin the filament, lengthen the wave or lower it: this tail touches itself",
             )
 

@@ -162,7 +162,8 @@ def _written(field: str, value: Any) -> str:
     if as_units is not None and isinstance(value, (float, int)) and not isinstance(value, bool):
         return as_units(field, _settled(float(value))) or _shown(value)
     if as_units is not None and type(value) in (tuple, list):
-        each = [as_units(field, _settled(v)) if isinstance(v, float) else None for v in value]
+        entries: list[Any] = list(value)  # type: ignore[arg-type]
+        each = [as_units(field, _settled(v)) if isinstance(v, float) else None for v in entries]
         if each and all(each):
             return f"({', '.join(map(str, each))})"
     return _shown(value)

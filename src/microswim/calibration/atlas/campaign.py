@@ -51,10 +51,11 @@ EACH = 64
 #: body that is small for its helix, fourth its mean radius over the amplitude, a thick tail that is
 #: nearly straight; and how many are drawn of them, of which fewer can be built.
 CANCELLING = (
-    (2600, (0.2, 0.018, 0.45, 0.02, 0.46, 0.04), (2.7, 0.4, 8.5, 0.4, 5.4, 0.55)),
-    (8000, (0.2, 0.018, 0.45, 0.02, 0.46, 0.04), (2.7, 0.15, 8.5, 0.2, 5.4, 0.55)),
+    (2048, (0.2, 0.018, 0.45, 0.1, 0.46, 0.04), (2.7, 0.4, 8.5, 0.4, 5.4, 0.55)),
     (128, (0.045, 0.3, 0.45, 6.0, 0.46, 0.04), (0.25, 0.85, 8.5, 40.0, 5.4, 0.55)),
 )
+#: The box of tails that leave their body steeply: third the amplitude over the length of the ramp.
+STEEP = (2048, (0.2, 0.018, 0.9, 1.8, 0.46, 0.04), (2.7, 0.85, 6.0, 44.0, 5.4, 0.3))
 
 
 def _within(count: int, low: Any, high: Any, seed: int) -> np.ndarray:
@@ -72,6 +73,14 @@ def cancelling(seed: int = SEED) -> np.ndarray:
     x = np.concatenate([_within(*box, seed + 5 + n) for n, box in enumerate(CANCELLING)])
     x[:, 3] *= x[:, 0] / x[:, 1]
     return x[(LOW[3] <= x[:, 3]) & (x[:, 3] <= HIGH[3])]
+
+
+def steep(seed: int = SEED) -> np.ndarray:
+    """Return numbers (n, 6) of designs whose tail leaves the body steeply."""
+    x = _within(*STEEP, seed + 8)
+    x[:, 2] = x[:, 0] / (2.0 * np.pi * x[:, 5] * x[:, 2])
+    small = x[:, 3] * x[:, 1] < 0.1 * x[:, 0]
+    return x[(LOW[2] <= x[:, 2]) & (x[:, 2] <= HIGH[2]) & ~small]
 
 
 def drawn(count: int, seed: int = SEED, kind: str = "helix") -> np.ndarray:
@@ -104,7 +113,7 @@ def design(x: Any, kind: str = "helix") -> Swimmer | None:
     """
     bk, thick, waves, head, aspect, ramp = map(float, x)
     a, length = head * thick, 2.0 * np.pi * waves
-    *_, slender = coordinates.ratios((bk, thick, waves, a), kind)
+    slender = coordinates.ratios((bk, thick, waves, a, aspect, ramp), kind)[2]
     tail_kind = kind.removesuffix(ALONE)
     if a > MOST[0] or a > MOST[1] * length or slender > LONGEST[tail_kind]:
         return None
@@ -126,7 +135,7 @@ def solve(
     if not kind.endswith(ALONE):
         wanted = np.concatenate([wanted, familiar(seed)])
     if kind == "helix":
-        wanted = np.concatenate([wanted, cancelling(seed)])
+        wanted = np.concatenate([wanted, cancelling(seed), steep(seed)])
     designs = [s for s in map(partial(design, kind=kind), wanted) if s is not None]
     gaits = references.gaits(designs, "bem", folder=folder, level=LEVEL, **options)
     return [

@@ -29,10 +29,19 @@ RATIOS = (
     ("body radius / filament radius", 2.0, 40.0),
     ("body radius / length of the tail", 0.0, 0.7),
     ("length along the filament / its radius", 0.0, 1300.0),
+    ("body radius / amplitude", 0.15, 140.0),  # below, u_s is a small difference of large numbers
+    ("amplitude / length of the ramp", 0.0, 2.0),  # above, the tail stands up beside the body
 )
-#: The longest filament of a plane wave, in its radii: boundary elements of longer ones are dear.
-LONGEST_WAVE = 430.0
-
+#: In their place for a plane wave: boundary elements of longer filaments are dear, its speed is no
+#: difference of two, and it stays in a plane.
+WAVES = {
+    bound[0]: bound
+    for bound in (
+        ("length along the filament / its radius", 0.0, 430.0),
+        ("body radius / amplitude", 0.0, 140.0),
+        ("amplitude / length of the ramp", 0.0, 16.0),
+    )
+}
 
 #: Sections and motion of the surface in the solves, by the kind of tail.
 SURFACES = {"helix": ("perpendicular", "rigid"), "plane_wave": ("sheared", "translating")}
@@ -50,8 +59,7 @@ def bounds(kind: str) -> tuple[tuple[str, float, float], ...]:
     every = ALONE if kind.endswith("_alone") else (*NUMBERS, *RATIOS)
     if kind.startswith("helix"):
         return every
-    *others, (name, low, _) = every
-    return (*others, (name, low, LONGEST_WAVE))
+    return tuple(WAVES.get(name, (name, low, high)) for name, low, high in every)
 
 
 def values(x: Any, kind: str) -> tuple[Any, ...]:
@@ -74,14 +82,18 @@ def numbers(swimmer: Swimmer) -> np.ndarray:
     return np.array(np.broadcast_arrays(*each) if many else each)
 
 
-def ratios(x: Any, kind: str = "helix") -> tuple[Any, Any, Any]:
+def ratios(x: Any, kind: str = "helix") -> tuple[Any, ...]:
     """Return the numbers of `RATIOS` of designs x (6, ...).
 
     A plane wave is as long as its mean square slope makes it, to the leading order.
     """
-    bk, thick, waves, head = x[:4]
+    bk, thick, waves, head, _, ramp = x
     length, slope2 = 2.0 * np.pi * waves, bk * bk * (0.5 if kind.startswith("plane_wave") else 1.0)
-    return head / thick, head / length, length * np.sqrt(1.0 + slope2) / thick
+    filament = length * np.sqrt(1.0 + slope2) / thick
+    flat = bk == 0
+    broad = np.where(flat, np.inf, head / np.where(flat, 1.0, bk))
+    rise = bk / (np.where(ramp == 0, np.inf, ramp) * length)  # without a ramp nothing rises
+    return head / thick, head / length, filament, broad, rise
 
 
 def features(x: Any, kind: str = "helix") -> np.ndarray:

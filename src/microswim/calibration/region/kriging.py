@@ -151,33 +151,18 @@ def fit(Z: np.ndarray, N: np.ndarray, Y: np.ndarray, phasors: int, start: Any = 
     scale = np.sqrt(np.mean(np.abs(Y - Y.mean(axis=0)) ** 2, axis=0))
     flat = scale <= 1e-13 * np.abs(Y).max(axis=0) + 1e-100
     scale = np.where(flat, 1.0, scale)
-    y, real, n = Y / scale, not np.iscomplexobj(Y), len(Z)
-    use = y[:, ~flat]
+    use = (Y / scale)[:, ~flat]
 
     def unpack(x: np.ndarray) -> tuple[np.ndarray, np.ndarray, float]:
         a = np.zeros(PHASORS)
         a[:phasors] = np.exp(x[Z.shape[1] : -1])
         return np.exp(x[: Z.shape[1]]), a, float(np.exp(x[-1]))
 
-    def solved(x: np.ndarray, y: np.ndarray) -> Any:
-        lengths, a, noise = unpack(x)
-        K = covariance(Z, N, Z, N, lengths, a, real) + noise * np.eye(n)
-        L = np.linalg.cholesky(K)
-        half = np.linalg.solve(L, np.concatenate([y, np.ones((n, 1))], axis=1))
-        w, one = half[:, :-1], half[:, -1]
-        weight = np.vdot(one, one).real
-        mean = (one.conj() @ w) / weight
-        w = w - np.outer(one, mean)
-        spread = np.sum(np.abs(w) ** 2, axis=0) / (n - 1)
-        return L, w, mean, spread, weight
-
     def misfit(x: np.ndarray) -> float:
         try:
-            L, _, _, spread, weight = solved(x, use)
+            return -likelihood(Z, N, use, *unpack(x))
         except np.linalg.LinAlgError:
             return 1e12
-        log_det = 2.0 * np.sum(np.log(np.real(np.diag(L)))) + np.log(weight)
-        return 0.5 * ((n - 1) * np.sum(np.log(spread + 1e-300)) + use.shape[1] * log_det)
 
     first = np.concatenate([np.full(Z.shape[1], 1.5), np.zeros(phasors), [np.log(1e-7)]])
     if start is not None:
@@ -205,7 +190,7 @@ def likelihood(Z: Any, N: Any, Y: Any, lengths: Any, phasors: Any, noise: Any) -
     L, w, _, weight = _whitened(Z, N, Y, lengths, phasors, noise)
     spread = np.sum(np.abs(w) ** 2, axis=0) / (len(Z) - 1)
     log_det = 2.0 * np.sum(np.log(np.real(np.diag(L)))) + np.log(weight)
-    return float(-0.5 * ((len(Z) - 1) * np.sum(np.log(spread)) + Y.shape[1] * log_det))
+    return float(-0.5 * ((len(Z) - 1) * np.sum(np.log(spread + 1e-300)) + Y.shape[1] * log_det))
 
 
 def _whitened(Z: Any, N: Any, Y: Any, lengths: Any, phasors: Any, noise: Any) -> tuple[Any, ...]:

@@ -406,6 +406,8 @@ FITS = {
     ("RotatingField", "frequency"): {"minus one"},
     ("RotatingField", "cone"): {"minus one"},
     ("Magnet", "azimuth"): {"minus one"},
+    ("Group", "time"): {"minus one"},
+    ("Group.moved", "time"): {"minus one"},
     ("Member", "roll"): {"minus one"},
     ("Member", "phase"): {"minus one"},
     ("Wall", "tilt"): {"minus one"},

@@ -192,3 +192,48 @@ def test_from_afar_swimmers_that_come_too_near_are_refused():
     near = PAIR.moved(positions=[(0, 0, 0), (0, 1.04, 0)], directions=[(1, 0, 0)] * 2)
     with pytest.raises(ms.MicroswimError, match=r'model = "far".*take model = "bem"'):
         ms.group_path(near, [0.0, 1.0], model="far", level="coarse")
+
+
+MAGNETIC = replace(HELIX.with_({"tail.frequency": 0.0}), magnet=ms.Magnet(moment=(0.0, 4.0, 0.5)))
+TURNING = ms.RotatingField(strength=600.0, frequency=0.5, axis=(1.0, 0.2, 0.0))
+
+
+def test_a_magnetic_robot_follows_its_own_path():
+    """Against `path` with the same gait: its steps, its loads and its rotations are others'."""
+    times = np.linspace(0.0, 1.0, 3)
+    alone = ms.Group((ms.Member(swimmer=MAGNETIC),), field=TURNING)
+    found = ms.group_path(alone, times, level="coarse")
+    gait = MAGNETIC.gait("bem", level="coarse")
+    driven = replace(MAGNETIC, field=TURNING)
+    known = ms.path(driven, 1.0, gait=gait, quaternion=(1.0, 0.0, 0.0, 0.0), samples=3)
+    moved = np.linalg.norm(known.position[-1])
+    assert moved > 0.01
+    assert np.abs(found.position[:, 0].values - known.position.values).max() < 2e-3 * moved
+    cosine = np.sum(found.quaternion[-1, 0].values * known.quaternion[-1].values)
+    assert 1.0 - abs(cosine) < 1e-6
+
+
+def test_magnets_in_line_draw_each_other_near():
+    """Two robots at rest without a field; side by side they would part."""
+    um = 1e-6
+    ball = ms.Swimmer(
+        body=ms.Sphere(radius=5 * um), tail=ms.NoTail(), fluid=ms.Fluid(viscosity=1e-3),
+        magnet=ms.Magnet(moment=(1e-12, 0.0, 0.0)), units="SI",
+    )  # fmt: skip
+    gaps = {}
+    for name, place in (("in line", (40 * um, 0, 0)), ("beside", (0, 40 * um, 0))):
+        pair = ms.Group((ms.Member(swimmer=ball), ms.Member(swimmer=ball, position=place)))
+        path = ms.group_path(pair, [0.0, 0.2], level="coarse")
+        gaps[name] = np.linalg.norm(path.position[-1, 1] - path.position[-1, 0]) - 40 * um
+    assert gaps["in line"] < -0.1 * um
+    assert 0.01 * um < gaps["beside"] < -gaps["in line"]
+
+
+def test_what_does_not_go_together_with_a_field():
+    alone = ms.Group((ms.Member(swimmer=MAGNETIC),), field=TURNING)
+    with pytest.raises(ms.SpecError, match="follow the swimmers"):
+        alone.swim(level="coarse")
+    with pytest.raises(ms.SpecError, match="knows no magnets"):
+        ms.group_path(alone, [0.0, 1.0], model="far")
+    with pytest.raises(ms.SpecError, match="no swimmer of the group has a magnet"):
+        ms.Group((ms.Member(swimmer=HELIX),), field=TURNING)

@@ -118,7 +118,8 @@ def command(
     body's centre, direction of the axis from the body along the tail, roll, phase, frequency, free
     ("none" holds it), force, torque, places (a CSV with a row x, y, z, and dx, dy, dz and phase if
     they differ, for each of many), and "set" for fields of the spec; and of one [wall], if any:
-    position of a point of it, normal into the fluid.
+    position of a point of it, normal into the fluid; and one magnetic [field], if any, as in a
+    spec: it acts on their magnets, with --time.
     """
     from microswim.cli import _folder
     from microswim.cli._progress import bar

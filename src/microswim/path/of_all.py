@@ -6,7 +6,7 @@ from typing import Protocol
 
 import numpy as np
 
-from microswim.errors import MicroswimError
+from microswim.errors import MicroswimError, SpecError
 from microswim.models.group.blocks import prepare
 from microswim.models.group.estimate import GroupEstimate
 from microswim.models.group.estimate import estimate as by_points
@@ -15,6 +15,7 @@ from microswim.models.group.solution import GroupSolution
 from microswim.models.group.swarm import swarm
 from microswim.numerics.array import Array
 from microswim.swimmer.group import Group
+from microswim.swimmer.magnetism.between import are_magnetic, largest_torques
 from microswim.swimmer.member import direction_and_roll
 
 #: Steps in a period of the fastest motor, and the largest turn in a step (rad).
@@ -42,7 +43,7 @@ class OfAll(Protocol):
         """Return the pose with which a path begins at a pose of the group."""
         ...
 
-    def at(self, pose: Pose) -> tuple[Array, float, float]:
+    def at(self, pose: Pose, time: float) -> tuple[Array, float, float]:
         """Return velocities (n, 6) in the swimmers' axes, their error, the longest time step."""
         ...
 
@@ -54,23 +55,26 @@ class PhaseByPhase:
         self.group, self.model = group, model
         self.blocks = prepare(group, level)
         self.rates = np.array([self.blocks.of(m).rate for m in group.members])
+        self.of_field = 0.0 if group.field is None else float(group.field.rate)
 
     def begun(self, pose: Pose) -> Pose:
         """Return the pose as it is."""
         return pose
 
-    def at(self, pose: Pose) -> tuple[Array, float, float]:
-        """Return velocities, their error, a step of 1/16 of a period and 0.35 rad."""
-        found = self._solved(pose)
-        turning = float(np.linalg.norm(found.velocity[:, 3:], axis=1).max())
-        fastest = float(np.abs(self.rates).max()) * STEPS / (2.0 * np.pi)
-        error = float(getattr(found, "expected_error", np.nan))
-        return found.velocity, error, _over(max(fastest, turning / TURN))
-
-    def _solved(self, pose: Pose) -> QuickSolution | GroupSolution | GroupEstimate:
+    def at(self, pose: Pose, time: float) -> tuple[Array, float, float]:
+        """Return velocities, their error, a step of 1/16 of a period (of the field too), of 0.35
+        rad and of what a magnet takes to turn into the field.
+        """
         x, Q, phase = pose
         directions, rolls = zip(*(direction_and_roll(q) for q in Q), strict=True)
-        here = self.group.moved(positions=x, directions=directions, rolls=rolls, phases=phase)
+        here = self.group.moved(x, directions, rolls, phase, time)
+        found = self._solved(here)
+        turning = float(np.linalg.norm(found.velocity[:, 3:], axis=1).max())
+        fastest = max(np.abs(self.rates).max(), self.of_field) * STEPS / (2.0 * np.pi)
+        error = float(getattr(found, "expected_error", np.nan))
+        return found.velocity, error, _over(max(fastest, turning / TURN, _into_field(found)))
+
+    def _solved(self, here: Group) -> QuickSolution | GroupSolution | GroupEstimate:
         if self.model == "bem":
             return solve_quickly(here, self.blocks)
         found = by_points(here, blocks=self.blocks)
@@ -82,6 +86,11 @@ class OnAverage:
     """All swimmers seen from afar, averaged over their periods (``"far"``)."""
 
     def __init__(self, group: Group, level: str) -> None:
+        if are_magnetic(group.members):
+            raise SpecError(
+                'model = "far": knows no magnets; take model = "estimate", or leave [magnet] out '
+                "of the specs"
+            )
         self.swarm = swarm(group, level)
         self.rates = self.swarm.rates
 
@@ -90,8 +99,8 @@ class OnAverage:
         x, Q, phase = pose
         return x, self.swarm.along_paths(Q, phase), phase
 
-    def at(self, pose: Pose) -> tuple[Array, float, float]:
-        """Return velocities, their error, a step by how they turn and come nearer."""
+    def at(self, pose: Pose, time: float) -> tuple[Array, float, float]:
+        """Return velocities, their error, a step by how they turn and come nearer, at any time."""
         V, errors, nearest = self.swarm.velocity(*pose[:2])
         half, most = np.quantile(errors, [0.5, HELD], method="higher")
         _require("far", float(half))
@@ -102,6 +111,17 @@ class OnAverage:
 
 def _over(rate: float) -> float:
     return 1.0 / rate if rate > 0.0 else np.inf
+
+
+def _into_field(found: QuickSolution | GroupSolution | GroupEstimate) -> float:
+    """Return the fastest rate at which a magnet turns into the field: ``m B`` times a mobility."""
+    group = found.group
+    if not are_magnetic(group.members):
+        return 0.0
+    torque = largest_torques(group.members, group.field, group.time)
+    own = found.resistance.reshape(len(torque), 6, -1, 6)
+    drag = [np.linalg.eigvalsh(own[i, 3:, i, 3:])[0] for i in range(len(torque))]
+    return float((torque / drag).max())
 
 
 def _require(model: str, error: float) -> None:

@@ -1,6 +1,6 @@
 """Paths of several swimmers in one fluid: their poses and phases in time.
 
-    x' = Q u,   Q' = Q [w],   phase' = rate,   (u, w) by a model of `of_all`
+    x' = Q u,   Q' = Q [w],   phase' = rate,   (u, w) by a model of `of_all`, t too in a field
 
 Runge-Kutta steps of order 4 in position and in the rotation vector since the start of the step, so
 that attitudes stay rotations (Munthe-Kaas 1999).
@@ -52,7 +52,8 @@ def group_path(
     Parameters
     ----------
     group
-        The swimmers at the first time; forces and torques on them stay as they are in the scene.
+        The swimmers at the first time; forces and torques on them stay as they are in the scene,
+        its field acts on their magnets, and these on each other.
     times
         Increasing times (m,) at which the path is kept.
     model
@@ -106,13 +107,13 @@ def group_path(
     kept = kept or [answer.begun(_start(group))]
     for k in range(len(errors), t.size):
         pose = kept[k]
-        V, error, longest = answer.at(pose)
+        V, error, longest = answer.at(pose, now := t[k])
         errors.append(error)
         if k + 1 < t.size:
             longest = longest if max_step is None else max_step
             for h in _steps(t[k + 1] - t[k], longest):
-                pose = _step(answer, pose, h, V)
-                V = None
+                pose = _step(answer, pose, now, h, V)
+                V, now = None, now + h
             kept.append(pose)
         if place is not None:
             poses = dict(zip(_POSE, zip(*kept, strict=True), strict=True))
@@ -145,8 +146,8 @@ def _steps(time: float, longest: float) -> Array:
     return np.full(n := max(1, int(np.ceil(time / longest - 1e-9))), time / n)
 
 
-def _step(answer: OfAll, pose: Pose, h: float, first: Array | None) -> Pose:
-    """Return the pose a time step later; `first` are the velocities there, where they are known."""
+def _step(answer: OfAll, pose: Pose, t: float, h: float, first: Array | None) -> Pose:
+    """Return the pose a time step later; `first` are the velocities at t, where they are known."""
     x, Q, phase = pose
     moves, turns = [], []
     for share in (0.0, 0.5, 0.5, 1.0):
@@ -154,7 +155,8 @@ def _step(answer: OfAll, pose: Pose, h: float, first: Array | None) -> Pose:
         u = share * h * turns[-1] if turns else np.zeros_like(x)
         now = Q @ Rotation.from_rotvec(u).as_matrix()
         if first is None or moves:
-            V, *_ = answer.at((x + dx, now, phase + share * h * answer.rates))
+            there = x + dx, now, phase + share * h * answer.rates
+            V, *_ = answer.at(there, t + share * h)
         else:
             V = first
         moves.append(np.einsum("nij,nj->ni", now, V[:, :3]))

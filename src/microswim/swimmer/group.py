@@ -18,20 +18,14 @@ from microswim import checks
 from microswim.errors import SpecError
 from microswim.gait import doors
 from microswim.numerics.array import Array
-from microswim.swimmer.member import Member, checked_members, checked_wall
+from microswim.swimmer import group_checks
+from microswim.swimmer.magnetism.applied_field import AppliedField
+from microswim.swimmer.magnetism.between import are_magnetic, wrenches
+from microswim.swimmer.member import Member
 
 Level = Literal["coarse", "standard", "fine"]
+POSE = ("positions", "directions", "rolls", "phases")
 LEVELS = checks.one_of("coarse", "standard", "fine")
-
-
-def _blocks(name: str, value: Any) -> None:
-    checks.instance(name, value, "Blocks")
-
-
-def _poses(name: str, value: Any) -> None:
-    checks.series(name, value)
-    if np.ndim(value) < 2 or not len(value):
-        raise SpecError(name, value, "a list of poses, each with a value for every swimmer")
 
 
 @checks.by_name
@@ -45,11 +39,16 @@ class Group:
         Two or more `Member`; one is allowed, and swims as it does alone.
     wall
         A point of a plane no-slip wall, and its normal into the fluid; None: free fluid.
+    field
+        Magnetic, for swimmers with a `Magnet`, scene's axes. Magnets feel each other too, as
+        dipoles at their bodies' centres (in SI).
+    time
+        At which the field is asked.
 
     Raises
     ------
     SpecError
-        If they are not all in one system of units, or not in one fluid.
+        If they are not all in one system of units, or not in one fluid, or a field finds no magnet.
 
     Examples
     --------
@@ -63,11 +62,16 @@ class Group:
 
     members: tuple[Member, ...]
     wall: tuple[tuple[float, float, float], tuple[float, float, float]] | None = None
+    field: AppliedField | None = None
+    time: float = 0.0
 
     def __post_init__(self) -> None:
-        object.__setattr__(self, "members", checked_members(self.members))
+        object.__setattr__(self, "members", group_checks.checked_members(self.members))
         if self.wall is not None:
-            object.__setattr__(self, "wall", checked_wall(self.wall))
+            object.__setattr__(self, "wall", group_checks.checked_wall(self.wall))
+        checks.number("time", self.time, "a finite time")
+        if self.field is not None:
+            group_checks.checked_field(self.field, self.members)
 
     @classmethod
     @checks.given(path=checks.place, overrides=checks.mapping, trust=checks.place)
@@ -124,28 +128,28 @@ with spec = "robot.toml" and position = [x, y, z]
 
     @property
     def wrench(self) -> Array:
-        """External forces and torques (6n,) in the swimmers' own axes."""
-        return np.concatenate([m.wrench for m in self.members])
+        """External forces and torques (6n,) in the swimmers' own axes, those on magnets too."""
+        own = np.concatenate([m.wrench for m in self.members])
+        if not are_magnetic(self.members):
+            return own
+        load = wrenches(self.members, self.field, self.time).reshape(-1, 2, 3)
+        return own + np.ravel([w @ m.rotation for w, m in zip(load, self.members)])
 
     @property
     def free(self) -> NDArray[np.bool_]:
         """Which of the 6n degrees of freedom are free."""
         return np.array([m.swimmer.motion.mask for m in self.members], bool).reshape(-1)
 
-    @checks.given(
-        positions=checks.series,
-        directions=checks.series,
-        rolls=checks.series,
-        phases=checks.series,
-    )
+    @checks.given(**dict.fromkeys(POSE, checks.series), time=checks.finite)
     def moved(
         self,
         positions: Any = None,
         directions: Any = None,
         rolls: Any = None,
         phases: Any = None,
+        time: float | None = None,
     ) -> Group:
-        """Return the same swimmers at other poses or phases; what is not given stays.
+        """Return the same swimmers at other poses or phases, or later; what is not given stays.
 
         Parameters
         ----------
@@ -153,13 +157,8 @@ with spec = "robot.toml" and position = [x, y, z]
             (n, 3).
         rolls, phases
             (n,) (rad).
-
-        Examples
-        --------
-        >>> import microswim as ms
-        >>> one = ms.Group((ms.Member(swimmer=ms.Swimmer.preset("tabak/helix")),))
-        >>> one.moved(phases=[1.5]).members[0].phase
-        1.5
+        time
+            At which the field is asked.
         """
         given = {"position": positions, "direction": directions, "roll": rolls, "phase": phases}
         members = list(self.members)
@@ -169,7 +168,7 @@ with spec = "robot.toml" and position = [x, y, z]
             if np.ndim(values) == 0 or len(values) != len(members):
                 raise SpecError(f"{name}s", values, f"{len(members)} values, one for each swimmer")
             members = [replace(m, **{name: v}) for m, v in zip(members, values, strict=True)]
-        return replace(self, members=tuple(members))
+        return replace(self, members=tuple(members), time=self.time if time is None else time)
 
     @checks.given(level=LEVELS)
     def prepared(self, level: Level = "standard") -> Any:
@@ -182,14 +181,14 @@ with spec = "robot.toml" and position = [x, y, z]
         >>> beside = ms.Member(swimmer=helix, position=(0, 3, 0))
         >>> pair = ms.Group((ms.Member(swimmer=helix), beside))
         >>> blocks = pair.prepared("coarse")
-        >>> near = pair.solve(blocks=blocks)
-        >>> far = pair.moved(positions=[(0, 0, 0), (0, 6, 0)]).solve(blocks=blocks)
-        >>> bool(near.resistance[0, 6] < far.resistance[0, 6] < 0)  # each carries the other along
+        >>> far = pair.moved(positions=[(0, 0, 0), (0, 6, 0)])
+        >>> carried = [p.solve(blocks=blocks).resistance[0, 6] for p in (pair, far)]
+        >>> bool(carried[0] < carried[1] < 0)  # each carries the other along
         True
         """
         return doors.go(doors.GROUP_BLOCKS, self, level)
 
-    @checks.given(level=LEVELS, blocks=_blocks)
+    @checks.given(level=LEVELS, blocks=group_checks.blocks)
     def solve(self, *, level: Level = "standard", blocks: Any = None) -> Any:
         """Solve for the flow about all swimmers at their phases, by boundary elements.
 
@@ -224,7 +223,7 @@ with spec = "robot.toml" and position = [x, y, z]
         """
         return doors.go(doors.GROUP_SOLVE, self, level, blocks)
 
-    @checks.given(level=LEVELS, blocks=_blocks)
+    @checks.given(level=LEVELS, blocks=group_checks.blocks)
     def estimate(self, *, level: Level = "standard", blocks: Any = None) -> Any:
         """Estimate velocities and resistance from afar, in a moment.
 
@@ -248,12 +247,9 @@ with spec = "robot.toml" and position = [x, y, z]
         return doors.go(doors.GROUP_ESTIMATE, self, level, blocks)
 
     @checks.given(
-        positions=_poses,
-        directions=_poses,
-        rolls=_poses,
-        phases=_poses,
+        **dict.fromkeys(POSE, group_checks.poses),
         level=LEVELS,
-        blocks=_blocks,
+        blocks=group_checks.blocks,
         workers=checks.at_least(1),
         keep=checks.place,
         progress=checks.function,

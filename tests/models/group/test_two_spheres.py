@@ -92,3 +92,15 @@ def test_spheres_that_overlap_or_nearly_touch_are_refused():
     same, gap = refined(far)
     assert all(a is b for a, b in zip(same, far, strict=True))
     assert gap == pytest.approx(4.0, rel=1e-2)
+
+
+@pytest.mark.parametrize("gap", [1.0, 3.0])
+def test_the_estimate_knows_balls(gap):
+    """Each has six patches at `coarse`, at which x y is zero: their forces must not be lost."""
+    ball = ms.Swimmer(body=ms.Sphere(radius=1.0), tail=ms.NoTail(), fluid=ms.Fluid(viscosity=1.0))
+    there = ms.Member(swimmer=ball, position=(0.0, 0.0, 2.0 + gap))
+    found = ms.Group((ms.Member(swimmer=ball), there)).estimate(level="coarse")
+    exact, M = (np.linalg.inv(R) for R in (two_spheres.resistance(gap), found.resistance))
+    scale = np.sqrt(np.outer(exact.diagonal(), exact.diagonal()))
+    off = np.abs((M - exact) / scale)[6:, :6]  # what one does to the other; R of one is the level's
+    assert off.max() < found.expected_error < 0.03

@@ -143,3 +143,34 @@ def test_functions_run_only_from_a_trusted_file(tmp_path):
     with pytest.raises(ms.SpecError, match=r"--trust own\.py"):
         read_scene(path)
     assert read_scene(path, trust=tmp_path / "own.py").members[0].swimmer.tail.kind == "custom"
+
+
+MAGNET = '[swimmer.set]\n"magnet.moment" = ["0 A m^2", "1e-15 A m^2", "0 A m^2"]\n'
+TURNS = '[field]\nkind = "rotating"\nstrength = "5 mT"\nfrequency = "2 Hz"\n'
+
+
+def test_a_scene_has_a_field(scene):
+    group = scene(IN_SI + MAGNET + TURNS)
+    assert group.field == ms.RotatingField(strength=5e-3, frequency=2.0)
+    # at time zero B is along y, as the moment; a quarter turn later along z
+    assert group.wrench == pytest.approx(np.zeros(6), abs=1e-30)
+    assert group.moved(time=0.125).wrench[3] == pytest.approx(5e-18)
+
+
+@pytest.mark.parametrize(
+    ("text", "said"),
+    [
+        (IN_SI + TURNS, "field: no swimmer of the group has a magnet"),
+        (IN_SI + MAGNET + TURNS.replace('"5 mT"', "5.0"), "field.strength"),
+        (IN_SI + MAGNET + TURNS.replace("rotating", "rotary"), "field.kind"),
+        ("field = 3\n" + IN_SI + MAGNET, "field = 3"),
+        (
+            IN_SI + MAGNET + '[field]\nkind = "coils"\nfile = "none.yaml"\ncurrents = ["1 A"]\n',
+            "none.yaml",
+        ),
+    ],
+)
+def test_a_field_that_makes_no_sense_is_a_sentence(scene, text, said):
+    with pytest.raises(ms.SpecError, match=said) as told:
+        scene(text)
+    assert "\n" not in str(told.value)

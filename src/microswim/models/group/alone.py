@@ -131,7 +131,11 @@ def _points(alone: Solution, dipoles: Array, quadrupoles: Array) -> tuple[Array,
     both = 0.5 * (quadrupoles[:, k, l] + quadrupoles[:, l, k])
     true = np.concatenate([nothing, dipoles, both], axis=1)  # (3, 10, 7)
     true[:, 1:] -= np.einsum("ejw,et->jtw", H, terms[:, 1:])
-    scale = np.linalg.norm(terms, axis=0)
+    # a term that vanishes at all middles, as x y does on the six patches of a ball, says nothing
+    far = np.linalg.norm(middle, axis=1).max()
+    usual = np.sqrt(len(H)) * far ** np.repeat([0.0, 1.0, 2.0], [1, 3, 6])
+    scale = np.maximum(np.linalg.norm(terms, axis=0), 1e-6 * usual)
+    scale[4:] *= 1e3  # few patches cannot have all: force and dipole go before the quadrupole
     A = np.sqrt(size)[:, None] * terms / scale
     least = np.linalg.pinv(A.T, rcond=1e-8)  # (e, 10)
     change = np.einsum("e,et,jtw->ejw", np.sqrt(size), least, true / scale[:, None])

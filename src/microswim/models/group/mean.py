@@ -189,10 +189,15 @@ def swim(
     Raises
     ------
     SpecError
-        As `solution.solve`; if more than three rates differ.
+        As `solution.solve`; if more than three rates differ, or a field changes in time.
     MachineError
         If the system does not fit into memory.
     """
+    if group.field is not None and group.field.rate:
+        raise SpecError(
+            "field: changes in time, so that nothing has a mean at one pose; follow the swimmers, "
+            "by --time 1s or ms.group_path"
+        )
     start = time.perf_counter()
     chosen = get_level(level)
     blocks = prepare(group, chosen)

@@ -12,6 +12,9 @@
     position = ["0 um", "-5 um", "0 um"]
     normal = [0, 1, 0]
 
+    [field]                                  # magnetic, if any: as in a spec
+    kind = "rotating"
+
 Lengths, forces and torques have units if the specs have, and none if they have none.
 """
 
@@ -33,12 +36,17 @@ from microswim.spec.readers.places import read_places
 from microswim.spec.types import Angle, Force, Frequency, Length, Number, Table, Torque
 from microswim.spec.units import DIMENSIONS
 from microswim.swimmer.group import Group
+from microswim.swimmer.magnetism.applied_field import AppliedField
 from microswim.swimmer.member import Member
 from microswim.swimmer.swimmer import Swimmer
 
 _OF_ONE = re.compile(r"swimmer\[(\d{1,4})\]\.(.+)")
 #: Fields with a unit where the specs have units, and their dimension.
 QUANTITIES = {"position": "length", "force": "force", "torque": "torque", "frequency": "frequency"}
+
+#: A preset in either system of units, beside which a table of a spec can be read.
+ANY_SPEC = {"SI": "goto/C", "dimensionless": "tabak/helix"}
+TABLES = {"swimmer", "wall", "field"}
 
 
 class SwimmerTable(Table):
@@ -101,7 +109,19 @@ def read_scene(
         for n, table in enumerate(tables)
         for member in _members(n, table, path.parent, common, trust, specs)
     ]
-    return Group(tuple(members), _wall(scene.get("wall"), members[0].swimmer.units))
+    units = members[0].swimmer.units
+    applied = _field(scene.get("field"), path.parent, units)
+    return Group(tuple(members), _wall(scene.get("wall"), units), applied)
+
+
+def _field(given: Any, folder: Path, units: str) -> AppliedField | None:
+    """Return the field of a scene, read as that of a spec in these units; None without one."""
+    if given is None:
+        return None
+    if not isinstance(given, dict):
+        raise SpecError("field", given, 'a table, [field] with kind = "rotating" and the like')
+    any_spec = text.toml(presets.read(ANY_SPEC[units]), ANY_SPEC[units])
+    return file.from_dict(beside({**any_spec, "field": given}, folder)).field
 
 
 def _wall(given: Any, units: str) -> Any:
@@ -126,8 +146,8 @@ def _swimmer_tables(tables: dict[str, Any], name: str) -> list[dict[str, Any]]:
     found = tables.get("swimmer")
     if found is None and {"body", "tail"} & tables.keys():
         raise SpecError(f"{name}: this is the spec of one swimmer; {_MEND}")
-    for other in tables.keys() - {"swimmer", "wall"}:
-        close = nearest(other, ["swimmer", "wall"])
+    for other in tables.keys() - TABLES:
+        close = nearest(other, TABLES)
         raise SpecError(f"{other}: no such table in a scene; {close}")
     if not isinstance(found, list) or not found or not all(isinstance(t, dict) for t in found):
         raise SpecError(f"{name}: no [[swimmer]] table, in double brackets; {_MEND}")

@@ -41,6 +41,23 @@ class FieldInSpace(AppliedField):
         return here | {"field_place": np.asarray(place, float)}
 
 
+def dipole(moment: np.ndarray, away: np.ndarray) -> np.ndarray:
+    """Return B (..., 3) of dipoles (..., 3), so far away from them (..., 3)."""
+    p, r = np.broadcast_arrays(moment, away)
+    size = np.linalg.norm(r, axis=-1, keepdims=True)
+    along = np.sum(p * r, axis=-1, keepdims=True)
+    return MU_0 / (4.0 * np.pi) * (3.0 * r * along / size**5 - p / size**3)
+
+
+def dipole_gradient(moment: np.ndarray, away: np.ndarray) -> np.ndarray:
+    """Return ``dB_i/dx_j`` (..., 3, 3) of dipoles (..., 3), so far away from them (..., 3)."""
+    p, r = np.broadcast_arrays(moment, away)
+    d = np.linalg.norm(r, axis=-1)[..., None, None]
+    along, pair = np.sum(p * r, axis=-1)[..., None, None], r[..., :, None] * p[..., None, :]
+    own = np.eye(3) - 5.0 * r[..., :, None] * r[..., None, :] / d**2
+    return MU_0 / (4.0 * np.pi) * 3.0 / d**5 * (pair + np.swapaxes(pair, -1, -2) + along * own)
+
+
 #: Share of the strongest gradient per ampere below which one is not asked for.
 WEAK = 0.05
 
@@ -107,24 +124,16 @@ class DipoleField(FieldInSpace):
 
     def at(self, times: Any, places: Any = (0.0, 0.0, 0.0)) -> np.ndarray:
         """Return B (..., 3) at times (...) and places (..., 3)."""
-        p, r, size = self._seen(times, places)
-        along = np.sum(p * r, axis=-1, keepdims=True)
-        return MU_0 / (4.0 * np.pi) * (3.0 * r * along / size**5 - p / size**3)
+        return dipole(*self._seen(times, places))
 
     def gradient(self, times: Any, places: Any = (0.0, 0.0, 0.0)) -> np.ndarray:
         """Return ``dB_i/dx_j`` (..., 3, 3)."""
-        p, r, size = self._seen(times, places)
-        along, d = np.sum(p * r, axis=-1)[..., None, None], size[..., None]
-        pair = r[..., :, None] * p[..., None, :]
-        own = np.eye(3) - 5.0 * r[..., :, None] * r[..., None, :] / d**2
-        both = pair + np.swapaxes(pair, -1, -2) + along * own
-        return MU_0 / (4.0 * np.pi) * 3.0 / d**5 * both
+        return dipole_gradient(*self._seen(times, places))
 
-    def _seen(self, times: Any, places: Any) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-        """Moment, way from the magnet to the places, and its length."""
+    def _seen(self, times: Any, places: Any) -> tuple[np.ndarray, np.ndarray]:
+        """Moment, and way from the magnet to the places."""
         here, p = self.pose(times)
-        p, r = np.broadcast_arrays(p, np.asarray(places, float) - here)
-        return p, r, np.linalg.norm(r, axis=-1, keepdims=True)
+        return p, np.asarray(places, float) - here
 
     def pose(self, times: Any) -> tuple[np.ndarray, np.ndarray]:
         """Return place (..., 3) and moment (..., 3) of the magnet at times (...), lab frame."""

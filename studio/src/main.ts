@@ -38,7 +38,7 @@ const answers = new Answers(store);
 const map = new SpeedMap(store, controls);
 const judge = new Judge(store);
 const paths = new Paths(store, replayed);
-const driver = new Driver(store, restart, () => answers.trust(store.design));
+const driver = new Driver(store, restart, () => [answers.trust(store.design), ...answers.missed(store.design, "")]);
 
 /** stopped at a wall */
 let touched = false;

@@ -29,7 +29,7 @@ export class Answers {
     this.node.replaceChildren(
       many ? this.heads() : this.hero(),
       ...this.store.designs.flatMap((d, i) => [
-        this.trust(d, i === this.store.active ? "trust" : undefined, many ? `${"AB"[i]}: ` : ""), ...this.missed(d, many ? `${"AB"[i]}: ` : ""),
+        this.trust(d, i === this.store.active ? "trust" : undefined, many ? `${"AB"[i]}: ` : ""), ...(many ? this.missed(d, `${"AB"[i]}: `) : this.missed(d, "", "missed")),
       ]),
       ...(this.went ? [this.line(this.answered(this.store.design), "gait-trust", "Its gait, below. ")] : []),
       ...this.better(),
@@ -125,7 +125,7 @@ export class Answers {
       const [n, unit] = reading(first, answer.readings[first], answer.dimensional);
       const back = first === "swimming_speed" && answer.leading_end === "tail" ? "tail first" : "";
       const name = many ? back : [called(first).label.toLowerCase(), back].filter(Boolean).join(", ");
-      return [el("b", {}, many ? el("small", {}, `${"AB"[i]} `) : null, n, unit ? el("small", {}, ` ${unit}`) : null), name ? el("small", {}, name) : null, this.trust(d)];
+      return [el("b", {}, many ? el("small", {}, `${"AB"[i]} `) : null, n, unit ? el("small", {}, ` ${unit}`) : null), name ? el("small", {}, name) : null, this.trust(d), ...this.missed(d, "")];
     }).filter((e) => e !== null);
   }
 
@@ -139,14 +139,14 @@ export class Answers {
   }
 
   /** What its calibration did not make agree, where that was at this design: as plain as what it did. */
-  private missed(design: Design, before: string): HTMLElement[] {
+  missed(design: Design, before: string, id?: string): HTMLElement[] {
     const { calibration } = design.answer;
     if (this.store.model === "bem" || !calibration?.here) return [];
     const off = Object.entries(calibration.missed);
     if (!off.length) return [];
     const said = off.map(([what, by]) => `${what} ${by < 0 ? "−" : "+"}${digits(Math.abs(100 * by), 2)} %`);
     const worst = Math.max(...off.map(([, by]) => Math.abs(by)));
-    return [el("div", { class: `trust ${worst < 0.2 ? "fair" : "poor"}`, id: before ? undefined : "missed" }, el("i"), `${before}Not matched: ${said.join(", ")}`)];
+    return [el("div", { class: `trust ${worst < 0.2 ? "fair" : "poor"}`, id }, el("i"), `${before}Not matched: ${said.join(", ")}`)];
   }
 
   /** The atlas, one click away, where a law or coefficients of the spec answer what it knows. */

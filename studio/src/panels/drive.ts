@@ -24,6 +24,9 @@ export class Driver {
   elevation = 0;
   private chart = el("canvas", { width: 536, height: 170, id: "stepout" });
   private state = el("div", { class: "trust open", id: "step" }, el("i"), "");
+  /** where its Reynolds number is beyond what the model holds for; and the same in few words */
+  private inertia = el("div", { class: "trust poor", id: "inertia", hidden: true }, el("i"), "");
+  private beyond = el("small", { class: "warn" });
   private figure = el("div", { class: "figure", id: "driven-speed" });
   private caption = el("div", { class: "caption" });
   private sure = el("div", { id: "drive-trust" });
@@ -39,12 +42,12 @@ export class Driver {
   private clock = 0;
   measured = 0;
 
-  constructor(private store: Store, private changed: () => void, private trust: () => HTMLElement) {
+  constructor(private store: Store, private changed: () => void, private trust: () => HTMLElement[]) {
     store.on("structure", () => this.renew(true));
     store.on("answer", () => this.renew(false));
     for (const event of ["answer", "designs"] as const) {
       store.on(event, () => {
-        this.sure.replaceChildren(this.trust());
+        this.sure.replaceChildren(...this.trust());
         this.entitle();
       });
     }
@@ -203,7 +206,7 @@ export class Driver {
     this.entitle();
     const sliders = el("div", { hidden: !this.magnetic },
       el("div", { class: "hero" }, this.caption, this.figure),
-      this.state, this.sure, ...(this.built ? [] : [this.chart, this.slider("Field frequency", "share", 0, 2, () => this.frequency(this.rate))]),
+      this.state, this.inertia, this.sure, ...(this.built ? [] : [this.chart, this.slider("Field frequency", "share", 0, 2, () => this.frequency(this.rate))]),
       this.slider(this.built ? "Field, times" : "Field strength", "strength", -1, 1, () => this.built ? digits(10 ** this.strength, 2) : this.said(this.B, "T")),
       this.slider(this.built ? "Magnet, times" : "Moment of the magnet", "size", -1, 1, () => this.built ? digits(10 ** this.size, 2) : this.said(Math.hypot(...this.moment), "A m²")),
       ...(this.built ? [el("p", { class: "fine" }, "The field is that of the spec at the swimmer's place: torque m × B, force from its gradient. The motor turns as the spec says.")] : [
@@ -273,6 +276,7 @@ export class Driver {
     this.went = [];
     this.state.className = "trust open";
     this.state.lastChild!.textContent = "Not measured yet";
+    this.felt(0);
     this.tell("–");
     for (const design of this.store.designs) this.specs.restart(design.answer);
   }
@@ -326,6 +330,8 @@ export class Driver {
     const follows = this.measured > 0.97 * this.rate;
     const early = (pose.time - t0) * this.rate < 2 * Math.PI;
     this.state.className = `trust ${this.rate === 0 || early ? "open" : follows ? "good" : "poor"}`;
+    const { across, along } = this.store.design.answer.magnet.inertia;
+    this.felt(Math.abs(this.rate) * (across + along * Math.sin((Math.PI * this.lean) / 180) ** 2));
     this.state.lastChild!.textContent = this.rate === 0 ? "The field stands still"
       : early ? "The field has not turned once yet"
       : follows ? `${this.regime()}: turns at ${this.frequency(this.rate)}`
@@ -336,7 +342,7 @@ export class Driver {
   /** The speed, in the panel and where it stays in sight. */
   private tell(n: string, unit = ""): void {
     this.figure.replaceChildren(n, el("small", {}, unit));
-    this.glance.replaceChildren(this.whose, n, el("small", {}, ` ${unit}`));
+    this.glance.replaceChildren(this.whose, n, el("small", {}, ` ${unit} `), this.beyond);
   }
 
   private entitle(): void {
@@ -372,14 +378,31 @@ export class Driver {
     const m = momentIn(magnet!, b);
     const off = (180 / Math.PI) * Math.acos(Math.min(1, Math.max(-1, dot(m, b) / (Math.hypot(...m) * Math.hypot(...b) || 1))));
     const force = Math.hypot(...wrench.slice(0, 3));
+    const turning = twist(gait, pose.phase, gait.rate, wrench).slice(3);
+    const spin = Math.abs(turning[answer.magnet.long]);
+    const { across, along } = answer.magnet.inertia;
+    this.felt(spin * across + Math.sqrt(Math.max(dot(turning, turning) - spin ** 2, 0)) * (across + along));
     this.state.className = "trust good";
     this.state.lastChild!.textContent = `Field ${this.said(Math.hypot(...B), "T")} here, ${Math.round(off)}° off the moment`
       + (force > 0 ? `; its gradient pulls with ${this.said(force, "N")}` : "");
   }
 
+  /** Mean angle (degrees) between its axis and the field's. */
+  private get lean(): number {
+    return this.leans.reduce((a, b) => a + b, 0) / this.leans.length;
+  }
+
+  /** Say where it turns so fast that inertia, which is left out, is felt. */
+  private felt(number: number): void {
+    const told = number > this.store.design.answer.magnet.inertia.most ? `Reynolds number of the turning ${digits(number, 2)}: inertia, which is left out, is felt` : "";
+    this.inertia.hidden = !told;
+    if (this.inertia.lastChild!.textContent !== told) this.inertia.lastChild!.textContent = told;
+    this.beyond.textContent = told && "inertia is felt";
+  }
+
   /** How it turns in step, by the mean angle between its axis and the field's. */
   private regime(): string {
-    const lean = this.leans.reduce((a, b) => a + b, 0) / this.leans.length;
+    const { lean } = this;
     const [straight, steep] = words().lean;
     const name = lean < straight ? "Synchronous" : lean < steep ? "Wobbling" : "Tumbling";
     return lean < straight ? name : `${name}, ${Math.round(lean)}° off the axis`;

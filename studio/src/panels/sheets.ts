@@ -46,7 +46,7 @@ export class Sheets {
   /** Speed and trust in sight: of what swims by its motor, or of what a field drives. */
   tell(): void {
     const by = this.driven();
-    this.glance.replaceChildren(...(by ? [by, this.answers.trust(this.store.design)] : this.answers.glance()));
+    this.glance.replaceChildren(...(by ? [by, this.answers.trust(this.store.design), ...this.answers.missed(this.store.design, "")] : this.answers.glance()));
   }
 
   /** Raise one sheet; the one that is up, or none by name, goes down. */

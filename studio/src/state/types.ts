@@ -71,6 +71,8 @@ export interface Magnet {
   frequency: number | null;
   /** axis of the body frame along which the robot is long */
   long: 0 | 1 | 2;
+  /** times by which a rate of turning gives the Reynolds number, about the long axis and across it; and the largest that the models hold for */
+  inertia: { across: number; along: number; most: number };
   /** the field about the start, where it is more than one that turns a hard magnet */
   own: Nearby | null;
   /** quantities of a robot in its rotating field, which a map can show; none where nothing turns it */

@@ -68,10 +68,10 @@ def is_corner(swimmer):
     return np.sum((t < EDGE) | (t > 1.0 - EDGE)) >= 2
 
 
-def is_small(swimmer, share=SMALL):
+def is_small(swimmer):
     """Whether its body is small for its helix."""
     bk, _, _, head, *_ = coordinates.numbers(swimmer)
-    return head / bk < share
+    return head / bk < SMALL
 
 
 #: What is compared of a kind: names of means and of amplitudes, and their places.

@@ -11,7 +11,7 @@ import os
 import pickle
 import queue
 from collections import deque
-from collections.abc import Callable, Iterable, Iterator, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from typing import Any
 
 from microswim.errors import MachineError, SpecError
@@ -91,6 +91,41 @@ def answers(
     elif jobs := list(jobs):
         check_portable(call, jobs[0])
         yield from _pooled(call, jobs, workers)
+
+
+def answers_by_name(
+    call: Callable[..., Any],
+    jobs: Mapping[str, tuple],
+    workers: int,
+    progress: Callable[[int, int], None] | None = None,
+) -> dict[str, Any]:
+    """Return ``call(*job)`` of each named job, in their order.
+
+    Parameters
+    ----------
+    call, workers
+        As for `answers`.
+    jobs
+        Arguments by name.
+    progress
+        Called with the number of jobs done and in all.
+
+    Raises
+    ------
+    SpecError
+        If another process cannot load the call.
+    MachineError
+        If worker processes cannot start, or a job is `Lost`.
+    """
+    found: dict[str, Any] = {}
+    order = list(jobs)
+    for i, answer in answers(call, jobs.values(), workers):
+        if isinstance(answer, Lost):
+            raise MachineError(f"{order[i]}: {answer.reason}")
+        found[order[i]] = answer
+        if progress is not None:
+            progress(len(found), len(order))
+    return {name: found[name] for name in order}
 
 
 def _pooled(call: Any, jobs: Sequence[tuple], workers: int) -> Iterator[tuple[int, Any]]:

@@ -34,12 +34,10 @@ def inertia_of(swimmer: Swimmer, axis: int = 0) -> tuple[float, float]:
     rs, *sides = np.roll([float(np.real(x)) for x in swimmer.body.semi_axes3], -axis)
     tail = float(getattr(swimmer.tail, "amplitude", None) or 0.0) + float(swimmer.tail.radius)
     long = rs + float(np.real(swimmer.tail.apparent_length)) / 2.0
-    density, viscosity = (
-        float(np.real(x)) for x in (swimmer.fluid.density, swimmer.fluid.viscosity)
-    )
-    return density * float(max(*sides, tail)) ** 2 / viscosity, density * float(
-        long
-    ) ** 2 / viscosity
+    fluid = swimmer.fluid
+    slowness = float(np.real(fluid.density)) / float(np.real(fluid.viscosity))
+    half_width, half_length = float(max(*sides, tail)), float(long)
+    return slowness * half_width**2, slowness * half_length**2
 
 
 def remarks_of(

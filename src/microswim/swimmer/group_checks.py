@@ -11,6 +11,7 @@ from microswim import checks
 from microswim.errors import SpecError, measured
 from microswim.swimmer.in_units import as_units
 from microswim.swimmer.magnetism.between import are_magnetic
+from microswim.swimmer.magnetism.drive import check_field_units
 from microswim.swimmer.member import Member
 from microswim.swimmer.swimmer import Swimmer
 
@@ -96,5 +97,4 @@ def checked_field(field: Any, members: tuple[Member, ...]) -> None:
         raise SpecError(
             "field: no swimmer of the group has a magnet; add [magnet] to a spec, or remove it"
         )
-    if field.needs_si and members[0].swimmer.units != "SI":
-        raise SpecError("field.kind", field.kind, '"rotating" or "uniform" without units')
+    check_field_units(field, members[0].swimmer.units)

@@ -79,26 +79,31 @@ def outline(swimmer: Swimmer) -> Outline | None:
     SpecError
         If it is of another kind than is known there.
     """
-    none = np.zeros((0, 0, 0, 0, 0))
-    if swimmer.channel is not None and swimmer.channel.is_cylinder:
+    channel, ground = swimmer.channel, np.array([0.0, 0, 0, 0, 0, 1])
+    if channel is not None and channel.is_cylinder:
         shape = layout.shape_of(swimmer, Scatter.smallest)
+        axis = np.array([0.0, 0, 0, 1, 0, 0, 0.5 * channel.diameter])
         numbers = tube.numbers_of(shape, Scatter.smallest)
-        bounds = np.array([0.0, 0, 0, 1, 0, 0, 0.5 * swimmer.channel.diameter])
-        parts = numbers, shape.body, shape.tail, shape.kinks, none
-        return Outline(PoseTable(TUBE, np.zeros((1, 27)), bounds, *parts), tube.start_of(swimmer))
-    if swimmer.channel is not None or swimmer.wall is None:
+        return Outline(_bare(TUBE, axis, numbers, shape, shape.kinks), tube.start_of(swimmer))
+    if channel is not None or swimmer.wall is None:
         return None
-    ground, start = np.array([0.0, 0, 0, 0, 0, 1]), wall.start_of(swimmer.wall)
+    start = wall.start_of(swimmer.wall)
     if layout.has_three(swimmer):
         shape = layout.shape_of(swimmer, wall.Grid.smallest)
-        parts = shape.numbers, shape.body, shape.tail, shape.kinks, none
-        return Outline(PoseTable(WALL, np.zeros((1, 27)), ground, *parts), start)
+        return Outline(_bare(WALL, ground, shape.numbers, shape, shape.kinks), start)
     if not any_shape.is_known(swimmer):
         return None
     any_one = any_shape.shape_of(swimmer, Scatter.smallest)
-    parts = any_one.numbers, any_one.body, any_one.tail, np.zeros(0), none
     known = np.zeros((2, 1, 1))
-    return Outline(PoseTable(WALL, np.zeros((1, 27)), ground, *parts, known), start)
+    return Outline(_bare(WALL, ground, any_one.numbers, any_one, np.zeros(0), known), start)
+
+
+def _bare(
+    kind: int, boundary: Array, numbers: Array, shape: Any, kinks: Array, *known: Array
+) -> PoseTable:
+    """Return the table of a swimmer about a boundary, without a solve."""
+    alone, added = np.zeros((1, 27)), np.zeros((0, 0, 0, 0, 0))
+    return PoseTable(kind, alone, boundary, numbers, shape.body, shape.tail, kinks, added, *known)
 
 
 def same_poses(swimmer: Swimmer) -> str:

@@ -6,9 +6,7 @@ from collections.abc import Callable, Mapping
 from functools import partial
 
 from microswim import checks
-from microswim.errors import MachineError
-from microswim.jobs.processes import answers, counted
-from microswim.jobs.worker import Lost
+from microswim.jobs.processes import answers_by_name, counted
 from microswim.studies.identification.films.track import Track
 from microswim.studies.identification.without_model import TrackNumbers, describe_track
 
@@ -59,13 +57,7 @@ def describe_tracks(
     many = counted(workers)
     for name, track in tracks.items():
         checks.instance(f"tracks {name}", track, "Track")
-    order, jobs = list(tracks), [(track, name) for name, track in tracks.items()]
+    jobs = {f"track {name}": (track, name) for name, track in tracks.items()}
     long = sum(track.time.size for track in tracks.values()) >= FEWEST and len(jobs) > 1
-    found: dict[str, TrackNumbers] = {}
-    for i, answer in answers(describe_track, jobs, many if long else 0):
-        if isinstance(answer, Lost):
-            raise MachineError(f"track {order[i]}: {answer.reason}")
-        found[order[i]] = answer
-        if progress is not None:
-            progress(len(found), len(order))
-    return {name: found[name] for name in order}
+    found = answers_by_name(describe_track, jobs, many if long else 0, progress)
+    return dict(zip(tracks, found.values(), strict=True))

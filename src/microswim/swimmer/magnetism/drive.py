@@ -36,5 +36,11 @@ def check_units(swimmer: Any) -> None:
     if magnet is not None and magnet.moment is None:
         way = "remanence" if magnet.susceptibility is None else "susceptibility"
         raise SpecError(f"magnet.{way}: for a swimmer in SI; without units give the moment")
-    if field is not None and field.needs_si:
+    if field is not None:
+        check_field_units(field, swimmer.units)
+
+
+def check_field_units(field: Any, units: str) -> None:
+    """Refuse a field that only SI knows, of swimmers without units."""
+    if field.needs_si and units != "SI":
         raise SpecError("field.kind", field.kind, '"rotating" or "uniform" without units')

@@ -7,9 +7,8 @@ from functools import partial
 from typing import Any
 
 from microswim import checks
-from microswim.errors import MachineError, MicroswimError, SpecError
-from microswim.jobs.processes import answers, counted
-from microswim.jobs.worker import Lost
+from microswim.errors import MicroswimError, SpecError
+from microswim.jobs.processes import answers_by_name, counted
 from microswim.numerics.compiling.compiled import settled
 from microswim.studies.identification.films.track import Track
 from microswim.studies.identification.fitting.first_guesses import Grid
@@ -89,15 +88,9 @@ def identify_swimmers(
     grid = None if start is not None else Grid.of(swimmer, names)
     how = {"sigma": sigma, "sigma_attitude": sigma_attitude, "start": start, "starts": starts}
     call = partial(_one, swimmer, names, grid, how | {"model_error": model_error})
-    found: dict[str, Identification | MicroswimError] = {}
-    order, jobs = list(tracks), [(track,) for track in tracks.values()]
-    for i, answer in answers(call, jobs, many if len(jobs) >= FEWEST else 0):
-        if isinstance(answer, Lost):
-            raise MachineError(f"track {order[i]}: {answer.reason}")
-        found[order[i]] = answer
-        if progress is not None:
-            progress(len(found), len(order))
-    return {name: found[name] for name in order}
+    jobs = {f"track {name}": (track,) for name, track in tracks.items()}
+    found = answers_by_name(call, jobs, many if len(jobs) >= FEWEST else 0, progress)
+    return dict(zip(tracks, found.values(), strict=True))
 
 
 @settled(True)  # thousands of gaits, one by one

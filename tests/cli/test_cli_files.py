@@ -164,3 +164,13 @@ def test_numbers_are_printed_though_their_picture_is_not(
     assert "No space left on device" in run.stderr
     assert len(json.loads(run.stdout)) > 1 if as_json else says in run.stdout
     assert run.stderr.count("Error:") == 1
+
+
+@pytest.mark.parametrize("command", ["identify", "run"])
+def test_a_table_in_the_place_of_the_spec_is_told(spec, tmp_path, command):
+    track = tmp_path / "track.csv"
+    track.write_text(TRACK)
+    run = call(command, *([spec] if command == "identify" else []), track)
+    assert run.exit_code == 2
+    assert run.stderr.count("\n") == 1
+    assert "track.csv: a table where the spec belongs" in run.stderr

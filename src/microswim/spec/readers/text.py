@@ -18,6 +18,7 @@ from microswim.errors import SpecError
 LARGEST_SPEC = 4 * 1024**2  #: bytes; a region calibration is the most of it
 LARGEST_TABLE = 256 * 1024**2
 DEEPEST = 32  #: brackets within brackets: far beyond any spec
+TABLES = (".csv", ".tsv", ".xml", ".txt", ".dat")  #: endings of what films and series come in
 
 
 def read_text(
@@ -108,6 +109,10 @@ def toml(text: str, name: str) -> dict[str, Any]:
         tables = tomllib.loads(text)
     except (ValueError, RecursionError) as error:
         why = " ".join(str(error).split()) if isinstance(error, ValueError) else "nested too deeply"
+        if name.lower().endswith(TABLES):
+            raise SpecError(
+                f"{name}: a table where the spec belongs (a TOML file); --help shows the order"
+            ) from None
         raise SpecError(f"{name}: not valid TOML: {why}") from None
     if _depth(tables) > DEEPEST:
         raise SpecError(f"{name}: not a spec: nested more than {DEEPEST} deep")

@@ -10,14 +10,12 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from functools import cache
-from typing import Any
 
 import numpy as np
 from scipy.interpolate import CubicSpline
-from scipy.signal import savgol_coeffs, savgol_filter
-from scipy.stats import chi2
-from scipy.stats import t as student
+from scipy.special import chdtri, stdtrit
 
+from microswim.studies.identification import parabolas
 from microswim.studies.identification.turning_frame import Averaging, local_fit, rate_of_winding
 
 MOST = 20_000  #: averages of which a path is made
@@ -190,7 +188,7 @@ def mean_error(values: np.ndarray, apart: int) -> float:
 @cache
 def _quantile(freedom: int) -> float:
     """Student's t, 97.5 %."""
-    return float(student.ppf(0.975, freedom))
+    return float(stdtrit(freedom, 0.975))
 
 
 def average_path(t: np.ndarray, x: np.ndarray, period: float | None) -> AveragePath:
@@ -219,7 +217,7 @@ def _straight(time: np.ndarray, mean: np.ndarray) -> AveragePath:
     s2 = float(((mean - line) ** 2).sum() / max(d * (m - 2), 1))
     least = ROUNDING * float(np.abs(mean).max())
     noise = max(float(np.sqrt(s2)), least) / float(np.sqrt(centred @ centred))
-    swims = bool(v @ v > noise**2 * chi2.ppf(0.999, d))
+    swims = bool(v @ v > noise**2 * chdtri(d, 0.001))
     return AveragePath(time, mean, line, np.tile(v, (m, 1)), noise, m, swims)
 
 
@@ -244,25 +242,20 @@ def smoothed(
         fit = local_fit(dt, mean, window, winding, averaging)
         smooth, v, off, h, spread = fit.position, fit.velocity, fit.off, fit.hat, fit.spread
     else:
-        smooth, v = (_parabolas(mean, window, deriv=k, delta=dt) for k in (0, 1))
+        smooth, v = parabolas.positions_and_velocities(mean, window, dt)
         off, h = (mean - smooth)[window // 2 : m - window // 2], _own(window)
-        spread = float(np.sqrt(np.sum(savgol_coeffs(window, 2, deriv=1, delta=dt) ** 2)))
+        spread = float(np.sqrt(np.sum(parabolas.weights(window)[1] ** 2))) / dt
     s2 = float(np.mean(off**2) / (1.0 - h))
     noise = max(float(np.sqrt(s2)), ROUNDING * float(np.abs(mean).max())) * spread
     some = v[window // 2 : m - window // 2][::window]
     total = float((some**2).sum())
-    swims = total > noise**2 * chi2.ppf(0.999, some.size) and total > 0
+    swims = total > noise**2 * chdtri(some.size, 0.001) and total > 0
     return AveragePath(time, mean, smooth, v, noise, window, bool(swims), winding, averaging)
 
 
-def _parabolas(x: np.ndarray, window: int, *, mode: str = "interp", **options: Any) -> np.ndarray:
-    return np.asarray(savgol_filter(x, window, 2, axis=0, mode=mode, **options))
-
-
-@cache
 def _own(window: int) -> float:
     """Share of an average in its own parabola."""
-    return float(savgol_coeffs(window, 2)[window // 2])
+    return float(parabolas.weights(window)[0, window // 2])
 
 
 def _averages(
@@ -307,7 +300,7 @@ def _window(time: np.ndarray, x: np.ndarray, averaging: Averaging) -> tuple[int 
         best = min(errors)
         return max(w for w, e in zip(fits, errors) if e <= 1.02 * best), best
 
-    errors = [float(np.mean((x - _parabolas(x, w, mode="nearest"))[inner] ** 2))
+    errors = [float(np.mean((x - parabolas.middle(x, w))[inner] ** 2))
               / (1.0 - _own(w)) ** 2 for w in fits]  # fmt: skip
     window, straight = chosen(errors)
     winding = rate_of_winding(step, x) if x.shape[1] == 2 else 0.0

@@ -7,7 +7,7 @@ from typing import Any
 
 import numpy as np
 from scipy.optimize import minimize_scalar
-from scipy.stats import t as student
+from scipy.special import stdtrit
 
 from microswim.studies.identification.average_path import AveragePath, Estimate
 from microswim.studies.identification.turning_frame import rate_of_winding
@@ -103,4 +103,4 @@ def _circle(t: np.ndarray, z: np.ndarray, rate: float) -> tuple[np.ndarray, np.n
     free = max(len(z) * (1.0 - memory) / (1.0 + memory) - 3.0, 1.0)
     share = np.sqrt(np.diag(np.linalg.inv(np.real(basis.conj().T @ basis))) * len(z) / (free + 3.0))
     deviation = np.sqrt(total / (2.0 * len(z)) * (free + 3.0) / free)
-    return c, left, student.ppf(0.975, free) * deviation * share
+    return c, left, stdtrit(free, 0.975) * deviation * share

@@ -17,7 +17,7 @@ from typing import Any
 
 import numpy as np
 from scipy.optimize import least_squares
-from scipy.stats import t as student
+from scipy.special import stdtrit
 
 from microswim import checks
 from microswim.errors import SpecError
@@ -174,7 +174,7 @@ def _persistence(swims: list[Any], seed: int) -> dict[str, Estimate | None]:
     if rate <= floor:
         return {}
     logs = np.log(np.maximum(draws, 1e-300))
-    few = student.ppf(0.975, count - 1) / 1.96 * np.sqrt(count / (count - 1.0))
+    few = stdtrit(count - 1, 0.975) / 1.96 * np.sqrt(count / (count - 1.0))
     share = np.exp(few * (logs - np.median(logs, axis=0)))
     squares, rates = square * share[:, 0], np.maximum(rate * share[:, 1], floor)
 

@@ -11,7 +11,7 @@ from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
-from scipy.stats import t as student
+from scipy.special import stdtrit
 
 from microswim.calibration.identifiability import Direction, determined
 from microswim.numerics.array import read_only
@@ -70,7 +70,7 @@ class Branch:
 
     def interval(self, level: float = 0.95) -> np.ndarray:
         """Return the confidence interval of each value, if this design it is, shape (n, 2)."""
-        half = student.ppf(0.5 + level / 2.0, max(self.degrees, 1)) * self.uncertainty
+        half = stdtrit(max(self.degrees, 1), 0.5 + level / 2.0) * self.uncertainty
         reach = np.outer(half, [-1.0, 1.0])
         if self.stretch is not None:
             reach = np.where(np.isfinite(reach), reach * self.stretch, reach)
@@ -121,7 +121,7 @@ def branch_of(
         rest = np.sqrt(np.diag(more))[:, None] * typical[:, None]
         stretch = np.hypot(stretch * noise[:, None], rest) / whole
         degrees = max(done.fun.size - done.x.size, 1)
-        half = student.ppf(0.975, degrees) * whole[:, 0]
+        half = stdtrit(degrees, 0.975) * whole[:, 0]
         for name, ends in reach(problem, grid, done, spread, errors).items():
             i = problem.names.index(name)
             out = np.abs(np.array(ends) - values[i]) / max(half[i], 1e-300)

@@ -12,7 +12,7 @@ from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
-from scipy.stats import t as student
+from scipy.special import stdtrit
 
 from microswim.studies.identification.fitting.descent import least
 from microswim.studies.identification.fitting.problem import PathProblem
@@ -41,7 +41,7 @@ def stretches(
     found = np.ones((values.size, 2))
     if not np.isfinite(uncertainty).all() or not (uncertainty > 0).all():
         return found
-    t = float(student.ppf(0.5 + LEVEL / 2.0, max(done.fun.size - done.x.size, 1)))
+    t = float(stdtrit(max(done.fun.size - done.x.size, 1), 0.5 + LEVEL / 2.0))
     ways = _ways(problem, done)
 
     def end(i: int, sense: float) -> _End:

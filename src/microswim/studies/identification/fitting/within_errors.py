@@ -23,7 +23,7 @@ import numpy as np
 from scipy.interpolate import RegularGridInterpolator
 from scipy.ndimage import label
 from scipy.optimize import least_squares
-from scipy.stats import norm
+from scipy.special import ndtri
 
 from microswim.errors import MicroswimError
 from microswim.gait.gait import Gait
@@ -40,7 +40,7 @@ from microswim.swimmer.fields import lifted
 
 LARGE = 0.2  #: error of a velocity from which on the shape of a path tells no design from others
 SHOWN = (0, 1, 5)  #: us, uq and or
-T = float(norm.ppf(0.975))
+T = float(ndtri(0.975))
 FINER = 4  #: designs between two of the grid
 COARSER = (4, 5)  #: steps of the grid between designs whose errors are asked for
 ALL = 1.22  #: times the error within which one lies in 19 of 20: so all three of them do

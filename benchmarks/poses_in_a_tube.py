@@ -12,6 +12,7 @@ from dataclasses import replace
 import numpy as np
 
 import microswim as ms
+from microswim.calibration.poses import lines as tube_lines
 from microswim.calibration.poses import scattered, tube
 from microswim.calibration.poses.layout import shape_of
 from microswim.calibration.poses.solved import Table
@@ -29,7 +30,7 @@ def unused(swimmer, radius, count, seed=SEED):
     """Lines (count, 6) at random, their gaps (count, 2)."""
     shape = shape_of(swimmer, CLOSEST)
     numbers = tube.numbers_of(shape, CLOSEST)
-    lines, _ = tube.places(shape, numbers, radius, count, among=count, seed=seed)
+    lines, _ = tube_lines.places(shape, numbers, radius, count, among=count, seed=seed)
     gaps, Z = np.empty((len(lines), 2)), np.empty((len(lines), inside.FEATURES))
     inside.of_lines(lines, shape.body, shape.tail, numbers, radius, gaps, Z)
     return lines, gaps

@@ -9,7 +9,7 @@ import numpy as np
 
 import microswim as ms
 from microswim.calibration.poses import fit, layout, scattered, tube
-from microswim.calibration.poses.layout import shape_of
+from microswim.calibration.poses import lines as tube_lines
 from microswim.calibration.poses.solved import SolvedPoses, power_of
 from microswim.calibration.poses.wall import start_of
 from microswim.gait.poses import beside_wall
@@ -43,9 +43,9 @@ def beside(swimmer, distance=1.0):
 
 def inside(swimmer, adds=0.4, radius=RADIUS):
     """A gait at every pose in the made-up tube: the nearer, the harder to move."""
-    shape = shape_of(swimmer, 0.02)
+    shape = tube.in_a_tube(swimmer, 0.02)
     numbers = tube.numbers_of(shape, 0.02)
-    _, Z = tube.places(shape, numbers, radius, 40, 200)
+    _, Z = tube_lines.places(shape, numbers, radius, 40, 200)
     Y = np.zeros((len(Z), 46))
     for m, (i, j) in enumerate(zip(*np.tril_indices(6), strict=True)):
         Y[:, m] = -adds * Z[:, 8:10].sum(axis=1) if i == j else 0.0

@@ -87,7 +87,7 @@ def test_a_flow_onto_the_wall_presses_as_in_free_fluid():
         kept_off_wall(numbers, touch, R, free, U, D, np.empty(90))
         kept_off_wall(numbers, np.roll(touch, 7), R, free, U, turned, np.empty(90))
         assert pytest.approx(turned, rel=1e-9) == D  # whichever part is nearer
-        N = np.concatenate([touch[4:7], np.cross(touch[1:4], touch[4:7])])
+        N = np.concatenate([touch[4:7], touch[1:4]])
         held, alone = (N @ (U + D), N @ U) / (N @ np.linalg.solve(R, N))
         there = N @ U / (N @ np.linalg.solve(free, N))
         assert min(abs(there), abs(alone)) * 0.999 <= abs(held) <= abs(alone)

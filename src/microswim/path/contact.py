@@ -87,8 +87,6 @@ def add_contact(contact: Any, touch: Any, W: Any, rate: Any, u: Any, G: Any) -> 
         if touch[part] < near:
             close = np.exp(-touch[part] / contact[REACH])
             push = F * close / (1.0 - close)
-            f0, f1, f2 = push * touch[part + 4], push * touch[part + 5], push * touch[part + 6]
-            W[0] += f0
-            W[1] += f1
-            W[2] += f2
-            cross_to(W, 3, touch[part + 1 : part + 4], f0, f1, f2)
+            for i in range(3):
+                W[i] += push * touch[part + 4 + i]
+                W[3 + i] += push * touch[part + 1 + i]

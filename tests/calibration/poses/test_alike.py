@@ -87,7 +87,7 @@ def test_other_units_frequency_density_and_axes_find_the_same_solves(
     boundary: tuple[str, str], kind: str, monkeypatch: pytest.MonkeyPatch, tmp_path: Path
 ) -> None:
     monkeypatch.setattr("microswim.calibration.poses.any_shape.POSES", 40)
-    monkeypatch.setattr("microswim.calibration.poses.tube.MOST_LOOKS", 1)
+    monkeypatch.setattr("microswim.calibration.poses.lines.MOST_LOOKS", 1)
     one = asked_for("microns", boundary[0], kind, monkeypatch, tmp_path)
     other = asked_for("metres", boundary[1], kind, monkeypatch, tmp_path)
     assert len(one) >= 17

@@ -116,7 +116,9 @@ def test_a_turn_is_full_where_another_turn_of_the_tail_is_nearest(
             wall_at_0, shape.numbers, shape.body, shape.tail, x, q, phase, touch, at
         )
         beside_wall.place(shape.numbers, shape.kinks, shape.switch, touch, phase, at)
-        nearest[k], turns[k] = touch[8], at[6]
+        n = touch[11:14]
+        nearest[k] = np.cross(n, touch[8:11])[0] + (touch[7] - x[2]) * n[0]
+        turns[k] = at[6]
     jumps, fulls = np.abs(np.diff(nearest, append=nearest[:1])), np.diff(turns, append=turns[:1])
     wave = float(swimmer.tail.apparent_length / swimmer.tail.number_of_waves)
     assert np.flatnonzero(jumps > 0.3 * wave) == pytest.approx(np.flatnonzero(fulls < 0.0), abs=1)
@@ -214,7 +216,7 @@ def test_lubrication_goes_on_below_the_smallest_gap() -> None:
     q, across, pushed = wall.start_of(ms.Wall(1.0, tilt=0.2))[1], [], []
     for height in 0.5 + 0.5 * np.geomspace(1e-8, 0.02, 40):
         R, _, touch = asked(table, [0, 0, height], q, 0.0)
-        N = np.concatenate([touch[4:7], np.cross(touch[1:4], touch[4:7])])
+        N = np.concatenate([touch[4:7], touch[1:4]])
         across.append(touch[0])
         pushed.append(1.0 / (N @ np.linalg.solve(R, N)))
     below = np.array(across[1:]) < table.numbers[beside_wall.LEAST]

@@ -73,7 +73,8 @@ def test_the_gap_is_that_of_the_surface_at_any_phase(swimmer: ms.Swimmer) -> Non
         assert touch[0] == pytest.approx(5.0 + (X @ n).min(), abs=3e-3)
         assert touch[4:7] == pytest.approx(n, abs=1e-12)
         lowest = X[(X @ n).argmin()]
-        assert n @ touch[1:4] == pytest.approx(n @ lowest, abs=3e-3)
+        part = touch[:7] if touch[0] <= touch[7] else touch[7:]
+        assert part[1:4] == pytest.approx(np.cross(lowest, n), abs=0.03)
 
 
 def test_a_wall_far_away_leaves_free_fluid() -> None:
@@ -149,7 +150,7 @@ def test_resistance_of_any_shape_is_positive_definite_and_grows_like_one_over_th
         R, _, touch, _ = asked(table, [0.0, 0.0, height + gap], q, 0.4)
         scale = 1 / np.sqrt(np.diag(R))
         assert np.linalg.eigvalsh(R * np.outer(scale, scale)).min() > -1e-9
-        N = np.concatenate([touch[4:7], np.cross(touch[1:4], touch[4:7])])
+        N = np.concatenate([touch[4:7], touch[1:4]])
         pushed.append(1.0 / (N @ np.linalg.solve(R, N)))
     slopes = np.diff(np.log(pushed)) / np.diff(np.log(gaps))
     assert slopes[:30] == pytest.approx(-1.0, abs=0.01)

@@ -81,7 +81,7 @@ def outline(swimmer: Swimmer) -> Outline | None:
     """
     channel, ground = swimmer.channel, np.array([0.0, 0, 0, 0, 0, 1])
     if channel is not None and channel.is_cylinder:
-        shape = layout.shape_of(swimmer, Scatter.smallest)
+        shape = tube.in_a_tube(swimmer, Scatter.smallest)
         axis = np.array([0.0, 0, 0, 1, 0, 0, 0.5 * channel.diameter])
         numbers = tube.numbers_of(shape, Scatter.smallest)
         return Outline(_bare(TUBE, axis, numbers, shape, shape.kinks), tube.start_of(swimmer))

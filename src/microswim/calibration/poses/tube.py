@@ -3,15 +3,15 @@
 from __future__ import annotations
 
 import os
-from collections.abc import Callable, Iterator
+from collections.abc import Callable
 from dataclasses import replace
 
 import numpy as np
-from numpy.typing import NDArray
 
 from microswim.calibration.poses import scattered
 from microswim.calibration.poses.alike import to_digits
 from microswim.calibration.poses.layout import Shape, shape_of
+from microswim.calibration.poses.lines import first, with_close_ones
 from microswim.calibration.poses.scattered import Scatter
 from microswim.calibration.poses.solved import (
     SolvedPoses,
@@ -25,14 +25,11 @@ from microswim.calibration.poses.solved import (
 from microswim.errors import SpecError
 from microswim.gait.gait import Gait
 from microswim.gait.poses import in_tube as inside
-from microswim.gait.poses.beside_wall import REACH
 from microswim.gait.poses.table import TUBE, PoseTable
 from microswim.gait.stepping import length_of, pack
 from microswim.models.bem.solution import middle_of
 from microswim.numerics.array import Array
-from microswim.numerics.compiling.compiled import settled
 from microswim.numerics.rigid_motion import quaternion_of
-from microswim.numerics.sobol import points
 from microswim.swimmer.geometry.surroundings import Channel
 from microswim.swimmer.swimmer import Swimmer
 
@@ -42,11 +39,8 @@ ENDS = 1.5
 #: Share of the poses that need not be solved: body and tail both all but touch, or the side of a
 #: cylinder does in a tight tube. What is left is judged by the poses left out.
 LOST = 0.1
-#: Poses at random among which each that is solved is chosen; those that are looked at at once.
-AMONG, LOOK = 2, 2**14
-#: Share of the poses of which the tail is close to the tube; draws of these; their least gap over
-#: their own, at which it is close no more.
-CLOSE, FIRST_CLOSE, MOST_LOOKS, TOO_FAR = 0.25, 500_000, 100, 0.1
+#: Poses at most, unless asked for more.
+POSES = 750
 
 
 def in_tube(
@@ -83,25 +77,25 @@ def in_tube(
     MicroswimError
         If a pose cannot be solved.
     """
-    scatter = Scatter() if scatter is None else scatter
+    scatter = Scatter(poses=POSES) if scatter is None else scatter
     swimmer = to_digits(swimmer)
     channel = _tube_of(swimmer)
     start = start_of(swimmer)
-    shape = shape_of(swimmer, scatter.smallest)
+    shape = in_a_tube(swimmer, scatter.smallest)
     radius = 0.5 * channel.diameter
     numbers = numbers_of(shape, scatter.smallest)
-    lines, Z = with_close_ones(shape, numbers, radius, max(scatter.poses, Scatter.poses))
-    some = _first(len(lines), scatter.poses)  # of fewer the solves are found by more
+    lines, Z = with_close_ones(shape, numbers, radius, max(scatter.poses, POSES))
+    some = first(shape, len(lines), scatter.poses)  # of fewer the solves are found by more
     lines, Z = lines[some], Z[some]
     out = np.zeros((0, 6))
     if scatter.left_out:
-        out, _ = places(shape, numbers, radius, scatter.left_out, among=scatter.left_out, seed=1)
+        out, _ = with_close_ones(shape, numbers, radius, scatter.left_out, among=1, seed=1)
     free_swimmer = replace(swimmer, wall=None, channel=None)
     asked = [beside(free_swimmer, radius, line) for line in np.concatenate([lines, out])]
     on, off = asked[: len(lines)], asked[len(lines) :]
     with kept_in(folder) as place:
         for count in scatter.parts:
-            some = _first(len(lines), count)
+            some = first(shape, len(lines), count)
             made = solved(
                 free_swimmer, [on[i] for i in some] + off, len(off), level, folder=place,
                 workers=workers, progress=progress, lost=LOST,
@@ -114,12 +108,14 @@ def in_tube(
     return SolvedPoses(made.best, table, start, error)
 
 
-def _first(whole: int, count: int) -> NDArray[np.int64]:
-    """Indices of the first poses of `with_close_ones`, as many of those close in proportion."""
-    if count >= whole:
-        return np.arange(whole)
-    close, of_all = int(CLOSE * count), whole - int(CLOSE * whole)
-    return np.concatenate([np.arange(count - close), of_all + np.arange(close)])
+def in_a_tube(swimmer: Swimmer, smallest: float) -> Shape:
+    """Return what of a swimmer touches a tube: of a cylinder or a capsule `rings`."""
+    shape, body = shape_of(swimmer, smallest), swimmer.body
+    circle = body.rim
+    if circle is None:
+        return shape
+    s, rho, thick = (float(np.real(v)) for v in circle)
+    return replace(shape, body=np.array([[s, rho, thick], [-s, rho, thick]]))
 
 
 def _table(
@@ -165,128 +161,6 @@ def numbers_of(shape: Shape, smallest: float) -> Array:
 
 #: Scale of the gap in half axes of the body.
 SIZE = 2.0
-
-
-def places(
-    shape: Shape, numbers: Array, radius: float, count: int, among: int, seed: int = 0
-) -> tuple[Array, Array]:
-    """Return lines (count, 6) and their features (count, 14), far from one another.
-
-    Raises
-    ------
-    SpecError
-        If the swimmer does not fit into the tube.
-    """
-    lines: list[Array] = []
-    Z: list[Array] = []
-    for found, z, _ in _that_fit(shape, numbers, radius, 1000 * seed):
-        lines.append(found)
-        Z.append(z)
-        if sum(map(len, lines)) >= among:
-            break
-    if not lines:
-        raise SpecError(
-            "channel.diameter", 2.0 * radius, "wide enough for the swimmer to move in it"
-        )
-    all_lines, all_z = np.concatenate(lines)[:among], np.concatenate(Z)[:among]
-    chosen = scattered.spread(all_z[:, : inside.WHERE], count)
-    return all_lines[chosen], all_z[chosen]
-
-
-def with_close_ones(shape: Shape, numbers: Array, radius: float, count: int) -> tuple[Array, Array]:
-    """Return what `places` does; of a part of the poses the tail is close to the tube.
-
-    There velocities change most from pose to pose, and few poses at random lie there: these are
-    spread evenly in the logarithm of the tail's gap.
-    """
-    lines, Z = places(shape, numbers, radius, count, AMONG * count)
-    close = int(CLOSE * count)
-    if not len(shape.tail) or not close:
-        return lines, Z
-    lines, Z = lines[: count - close], Z[: count - close]
-    found: list[Array] = []
-    features: list[Array] = []
-    for n, (some, z, gaps) in enumerate(_that_fit(shape, numbers, radius, FIRST_CLOSE)):
-        odds = numbers[inside.LEAST] / gaps[:, 1]
-        keep = (odds > points(LOOK, 1, FIRST_CLOSE + n)[: len(some), 0]) & (odds > TOO_FAR)
-        found.append(some[keep])
-        features.append(z[keep])
-        if sum(map(len, found)) >= AMONG * close or n == MOST_LOOKS:
-            break
-    some, z = np.concatenate(found)[: AMONG * close], np.concatenate(features)[: AMONG * close]
-    where = slice(0, inside.WHERE)
-    chosen = scattered.spread(z[:, where], close, others=Z[:, where])
-    return np.concatenate([lines, some[chosen]]), np.concatenate([Z, z[chosen]])
-
-
-def _that_fit(
-    shape: Shape, numbers: Array, radius: float, first: int
-) -> Iterator[tuple[Array, Array, Array]]:
-    """Yield lines at random that fit, their features and the gaps of body and tail."""
-    widest, steep, some = radius - numbers[inside.LEAST], 1.0, False
-    for more in range(400):
-        found, z, gaps = _drawn(shape, numbers, radius, first + more, (widest, steep))
-        fits = gaps.min(axis=1) > numbers[inside.LEAST]
-        if fits.sum() < MANY and not some:  # a narrow tube: what is steep does not fit
-            least = found[fits, 0].min() if fits.any() else 1.0 - steep / 4.0
-            steep = min(1.5 * (1.0 - least), 0.5 * steep) if fits.any() else steep / 4.0
-            if steep < 1e-9:
-                widest, steep = _room(shape, numbers, radius, first)
-                some = True
-            continue
-        some = True
-        if not fits.any():
-            break
-        yield found[fits], z[fits], gaps[fits]
-
-
-#: Lines that have to fit among those that are looked at.
-MANY = 2**8
-
-
-def _room(shape: Shape, numbers: Array, radius: float, first: int) -> tuple[float, float]:
-    """Return how far the body's centre may be from the axis of a tight tube, and 1 - cos(tilt).
-
-    From bounds that hold for any swimmer, then with a margin about what fits.
-    """
-    widest = radius - numbers[inside.LEAST] - (numbers[inside.LENGTH] if len(shape.body) else 0.0)
-    slope = min(1.0, (widest + radius) / max(float(numbers[REACH]), 1e-300))
-    steep = 1.0 - np.sqrt(1.0 - slope * slope)
-    for _ in range(20):
-        found, _, gaps = _drawn(shape, numbers, radius, first, (widest, steep))
-        fits = gaps.min(axis=1) > numbers[inside.LEAST]
-        if fits.sum() >= MANY:
-            break
-        if fits.sum() < MANY // 8:
-            widest, steep = widest / 1.2, steep / 1.5
-            continue
-        away = np.linalg.norm(found[fits, 3:], axis=1).max()
-        widest, steep = min(widest, 1.2 * away), min(steep, 1.5 * (1.0 - found[fits, 0].min()))
-    return widest, steep
-
-
-def _drawn(
-    shape: Shape, numbers: Array, radius: float, draw: int, room: tuple[float, float]
-) -> tuple[Array, Array, Array]:
-    """Return lines at random, their features and the gaps of body and tail."""
-    found = _lines(points(LOOK, 4, draw), *room)
-    gaps, z = np.empty((len(found), 2)), np.empty((len(found), inside.FEATURES))
-    with settled(True):
-        inside.of_lines(found, shape.body, shape.tail, numbers, radius, gaps, z)
-    return found, z, gaps
-
-
-def _lines(u: Array, widest: float, steep: float) -> Array:
-    """Lines (n, 6) of points (n, 4) of the unit cube: evenly in direction and in place."""
-    t0 = 1.0 - steep * u[:, 0]
-    across = np.sqrt(1.0 - t0 * t0)
-    c, s = np.cos(2.0 * np.pi * u[:, 1]), np.sin(2.0 * np.pi * u[:, 1])
-    t = np.stack([t0, across * c, across * s], axis=-1)
-    first = np.stack([-across, t0 * c, t0 * s], axis=-1)
-    second = np.stack([0.0 * c, -s, c], axis=-1)
-    away, turn = widest * np.sqrt(u[:, 2]), 2.0 * np.pi * u[:, 3]
-    b = (away * np.cos(turn))[:, None] * first + (away * np.sin(turn))[:, None] * second
-    return np.ascontiguousarray(np.concatenate([t, b], axis=-1))
 
 
 def beside(swimmer: Swimmer, radius: float, line: Array) -> Swimmer:

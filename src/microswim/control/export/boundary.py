@@ -136,6 +136,7 @@ def _common(around: Any) -> str:
         + _array("CONTACT", around.contact)
         + f"static const int FREE_TO[6] = {{{free}}};\n"
         + f"#define BODY_POINTS {len(table.body)}\n"
+        + f"#define BODY_COLUMNS {table.body.shape[1]}\n"
         + _array("BODY", table.body)
         + f"#define TAIL_POINTS {len(table.tail)}\n"
         + _array("TAIL", table.tail)

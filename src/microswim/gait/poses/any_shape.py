@@ -23,7 +23,14 @@ from typing import Any
 
 import numpy as np
 
-from microswim.gait.poses.beside_wall import LEAST, LENGTH, REACH, SIZE, TAIL_RADIUS
+from microswim.gait.poses.beside_wall import (
+    LEAST,
+    LENGTH,
+    REACH,
+    SIZE,
+    TAIL_RADIUS,
+    as_moment,
+)
 from microswim.gait.poses.in_tube import exponential
 from microswim.gait.poses.lubricated import grown
 from microswim.gait.stepping import row
@@ -195,6 +202,8 @@ def contact(
         at[4] = _tail(numbers, tail, height, phase, n0, n1, n2, touch[7:])
     for i in (4, 11):
         touch[i], touch[i + 1], touch[i + 2] = n0, n1, n2
+    as_moment(touch[:7])
+    as_moment(touch[7:])
 
 
 @compiled(error_model="numpy")

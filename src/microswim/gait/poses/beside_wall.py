@@ -48,12 +48,20 @@ SIGN, TAIL_RADIUS, SIZE, REACH, BLUR, LOWEST, LENGTH, VISCOSITY, TAIL_BLUR, POWE
 LEAST = 10  #: the smallest gap that was solved
 
 
+@compiled()
+def as_moment(touch: Any) -> None:
+    """Put the moment ``p x n`` in place of the nearest point p, of one part (7,)."""
+    p0, p1, p2 = touch[1], touch[2], touch[3]
+    n0, n1, n2 = touch[4], touch[5], touch[6]
+    touch[1], touch[2], touch[3] = p1 * n2 - p2 * n1, p2 * n0 - p0 * n2, p0 * n1 - p1 * n0
+
+
 @compiled(fastmath=FAST, error_model="numpy")
 def contact(
     boundary: Any, numbers: Any, body: Any, tail: Any, x: Any, q: Any, phase: Any, touch: Any,
     at: Any,
 ) -> None:  # fmt: skip
-    """Write gap, nearest point, normal to touch (14,); tilt and azimuth of the normal to at[:2].
+    """Write gap, moment, normal to touch (14,), and the normal's tilt and azimuth to at[:2].
 
     Of the body, then of the tail; what the swimmer does not have has an infinite gap.
     """
@@ -106,6 +114,8 @@ def contact(
         touch[10] = p1 * st + p2 * ct - numbers[1] * n2
     for i in (4, 11):
         touch[i], touch[i + 1], touch[i + 2] = n0, n1, n2
+    as_moment(touch[:7])
+    as_moment(touch[7:])
     at[0], at[1] = np.arctan2(n0, across), azimuth
 
 

@@ -20,8 +20,9 @@ from typing import Any, Protocol
 import numpy as np
 
 from microswim.gait.gait import Gait
-from microswim.gait.poses.table import WORK, PoseTable, free_table, resist
+from microswim.gait.poses.table import TUBE, WORK, PoseTable, free_table, resist
 from microswim.numerics.array import Array
+from microswim.numerics.rigid_motion import rotation_matrix
 
 
 class Poses(Protocol):
@@ -86,11 +87,30 @@ class Tabulated:
     def touch(self, position: Any, quaternion: Any, phase: float) -> tuple[float, Array, Array]:
         """Return the gap, the surface's nearest point (3,) and the boundary's normal (3,) there."""
         touch = self._asked(position, quaternion, phase)[2]
-        return float(touch[0]), touch[1:4], touch[4:7]
+        x, q = (np.asarray(v, float) for v in (position, quaternion))
+        return float(touch[0]), _nearest(self.table, x, q / np.linalg.norm(q), touch), touch[4:7]
 
     def gap(self, position: Any, quaternion: Any, phase: float) -> float:
         """Return the smallest distance of the surface to the boundary, infinite in free fluid."""
         return self.touch(position, quaternion, phase)[0]
+
+
+def _nearest(table: PoseTable, x: Array, q: Array, touch: Array) -> Array:
+    """Return the point (3,) at which a force along the normal has its moment, at the gap."""
+    gap, moment, n = touch[0], touch[1:4], touch[4:7]
+    square = float(n @ n)
+    if not np.isfinite(gap) or not square > 0.0:
+        return np.zeros(3)
+    axis = table.boundary[3:6]
+    away = x - table.boundary[:3]
+    if table.kind == TUBE:
+        away = away - (away @ axis) * axis
+        level = table.boundary[6] - gap
+    else:
+        level = -gap
+    own = np.asarray(rotation_matrix(q)).T @ away
+    along = (-level - own @ n / np.sqrt(square)) / np.sqrt(square)
+    return np.asarray(np.cross(n, moment) / square + along * n)
 
 
 @dataclass(frozen=True, eq=False)

@@ -28,7 +28,7 @@ from typing import Any
 import numpy as np
 
 from microswim.gait.poses.beside_wall import LEAST, LENGTH, SIZE, TAIL_RADIUS
-from microswim.gait.poses.tube_contact import body_in_tube, tail_in_tube
+from microswim.gait.poses.tube_contact import of_line
 from microswim.numerics.compiling.compiled import FAST, compiled
 from microswim.numerics.matern import matern
 
@@ -222,10 +222,6 @@ def of_lines(
     """Write the gaps of body and tail (n, 2) and the features (n, 14) of lines (n, 6)."""
     touch, work = np.zeros(14), np.zeros(16)
     for n in range(lines.shape[0]):
-        touch[0] = touch[7] = np.inf
-        if body.shape[0] > 0:
-            body_in_tube(lines[n], body, radius, touch[:7], work)
-        if tail.shape[0] > 0:
-            tail_in_tube(lines[n], tail, numbers[TAIL_RADIUS], radius, touch[7:])
+        of_line(lines[n], body, tail, numbers, radius, touch, work)
         gaps[n, 0], gaps[n, 1] = touch[0], touch[7]
         features(lines[n], touch[0], touch[7], tail, numbers, radius, Z[n])

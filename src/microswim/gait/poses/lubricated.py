@@ -28,11 +28,8 @@ def ease(touch: Any, R: Any, N: Any, work: Any) -> Any:
     Returns ``N' R^-1 N``.
     """
     V, A = work[:6], work[6:42].reshape((6, 6))
-    p, n = touch[1:4], touch[4:7]
-    N[0], N[1], N[2] = n[0], n[1], n[2]
-    N[3] = p[1] * n[2] - p[2] * n[1]
-    N[4] = p[2] * n[0] - p[0] * n[2]
-    N[5] = p[0] * n[1] - p[1] * n[0]
+    for i in range(3):
+        N[i], N[3 + i] = touch[4 + i], touch[1 + i]
     for i in range(6):
         V[i] = N[i]
         for j in range(6):
@@ -50,8 +47,7 @@ def continued(numbers: Any, touch: Any, R: Any, F: Any, work: Any) -> Any:
 
     `touch` (14,): body, then tail. Returns what is added to G.
     """
-    p, n = touch[8:11], touch[11:14]
-    rises = numbers[SIGN] * (p[1] * n[2] - p[2] * n[1])
+    rises = numbers[SIGN] * touch[8]
     first = grown(numbers, touch[:7], 0.0, R, F, work)
     return first + grown(numbers, touch[7:], rises, R, F, work)
 

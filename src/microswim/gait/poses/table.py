@@ -143,9 +143,11 @@ def resist(table: Any, x: Any, q: Any, phase: Any, R: Any, F: Any, touch: Any, w
         Written: symmetric positive definite (6, 6); per unit phase rate (6,).
     touch
         Written (14,): the gap, that is the smallest distance from the surface to the boundary,
-        negative where it reaches into it, infinite in free fluid; the surface's nearest point, body
-        frame, from the body's centre; the boundary's unit normal into the fluid there, body frame.
-        Then the same of the part, body or tail, that is further away.
+        negative where it reaches into it, infinite in free fluid; the moment about the body's
+        centre of the boundary's normal into the fluid where the surface is nearest, and that
+        normal, body frame: the wrench of a unit force there (means of both where several points of
+        a body in a tube are near, see `rings`). Then the same of the part, body or tail, that is
+        further away.
     work
         Scratch of `WORK` numbers.
 

@@ -10,12 +10,15 @@ from typing import Any
 
 import numpy as np
 
-from microswim.gait.poses.beside_wall import SIGN, TAIL_RADIUS
+from microswim.gait.poses.beside_wall import LEAST, SIGN, TAIL_RADIUS, as_moment
+from microswim.gait.poses.rings import rings_in_tube
 from microswim.numerics.compiling.compiled import FAST, compiled
 from microswim.numerics.rigid_motion import to_lab
 
 #: Directions in which the body's farthest point is looked for, steps of the search, of the other.
-AROUND, STEPS, ASCENT = 16, 12, 100
+AROUND, STEPS = 16, 12
+#: Of the smallest gap solved, over which what touches of a body with edges loses its weight.
+SOFT = 0.5
 
 
 @compiled(fastmath=FAST, error_model="numpy")
@@ -69,39 +72,33 @@ def _reach(line: Any, body: Any, e: Any, turn: Any, out: Any) -> Any:
 
 
 @compiled(error_model="numpy")
-def _ascended(line: Any, body: Any, radius: Any, out: Any) -> Any:
-    """Write what `_reach` does for the side of the point in out[:3], then of the next, to rest.
-
-    A point p farthest to one side lies to its own side no less far: what is returned only grows.
-    """
-    best = -np.inf
-    for _ in range(ASCENT):
-        along, size = 0.0, 0.0
-        for i in range(3):
-            along += (line[3 + i] + out[i]) * line[i]
-        for i in range(3):
-            out[3 + i] = line[3 + i] + out[i] - along * line[i]
-            size += out[3 + i] * out[3 + i]
-        for i in range(3):
-            out[3 + i] /= np.sqrt(size) + 1e-300
-        out[0], out[1], out[2] = _support(body, out[3], out[4], out[5])
-        far = 0.0
-        for i in range(3):
-            far += out[3 + i] * (line[3 + i] + out[i])
-        if far - best < 1e-13 * radius:
-            best = max(far, best)
+def _top(line: Any, body: Any, e: Any, angle: Any, out: Any) -> Any:
+    """Write what `_reach` does where the distance is largest about an angle, which is returned."""
+    step = 2.0 * np.pi / AROUND
+    at, low, high = angle, angle - step, angle + step
+    _, f = _reach(line, body, e, low, out)
+    _, g = _reach(line, body, e, high, out)
+    far = 0.0
+    for _ in range(STEPS):  # false position, Illinois
+        at = high - g * (high - low) / (g - f) if g != f else 0.5 * (low + high)
+        far, change = _reach(line, body, e, at, out)
+        if change * g < 0.0:
+            low, f = high, g
+        else:
+            f *= 0.5
+        high, g = at, change
+        if g == 0.0:
             break
-        best = far
-    return best
+    return far
 
 
 @compiled(error_model="numpy")
 def body_in_tube(line: Any, body: Any, radius: Any, out: Any, work: Any) -> None:
-    """Write gap, nearest point and normal into the fluid, (7,), of a body in a tube.
+    """Write gap, nearest point and normal into the fluid, (7,), of a smooth body in a tube.
 
     The distance of a convex body's farthest point is the largest of ``d . b + h(d)`` over
-    directions d across the axis, h its support function: the best of several, then by false
-    position. Of a body with flat sides that may end between two humps: then by ascent.
+    directions d across the axis, h its support function: the largest of its humps, each between
+    two directions of several, by false position.
     """
     e, here = work[:6], work[6:12]
     k = 0  # a first direction across t
@@ -115,31 +112,19 @@ def body_in_tube(line: Any, body: Any, radius: Any, out: Any, work: Any) -> None
     e[3] = line[1] * e[2] - line[2] * e[1]
     e[4] = line[2] * e[0] - line[0] * e[2]
     e[5] = line[0] * e[1] - line[1] * e[0]
-    best, at, step = -np.inf, 0.0, 2.0 * np.pi / AROUND
+    best, step = -np.inf, 2.0 * np.pi / AROUND
+    last, _ = _reach(line, body, e, -step, here)
+    this, _ = _reach(line, body, e, 0.0, here)
     for n in range(AROUND):
-        far, _ = _reach(line, body, e, n * step, here)
-        if far > best:
-            best, at = far, n * step
-    first, most = at, best
-    low, high = at - step, at + step
-    _, f = _reach(line, body, e, low, here)
-    _, g = _reach(line, body, e, high, here)
-    for _ in range(STEPS):  # false position, Illinois
-        at = high - g * (high - low) / (g - f) if g != f else 0.5 * (low + high)
-        best, change = _reach(line, body, e, at, here)
-        if change * g < 0.0:
-            low, f = high, g
-        else:
-            f *= 0.5
-        high, g = at, change
-        if abs(change) < 1e-13 * radius:
-            break
-    if not best >= most:
-        _reach(line, body, e, first, here)
-        best = _ascended(line, body, radius, here)
-    out[0] = radius - best
-    for i in range(3):
-        out[1 + i], out[4 + i] = here[i], -here[3 + i]
+        following, _ = _reach(line, body, e, (n + 1) * step, here)
+        if this >= last and this >= following:
+            far = _top(line, body, e, n * step, here)
+            if far > best:
+                best = far
+                out[0] = radius - far
+                for i in range(3):
+                    out[1 + i], out[4 + i] = here[i], -here[3 + i]
+        last, this = this, following
 
 
 @compiled(fastmath=FAST, error_model="numpy")
@@ -194,13 +179,25 @@ def touch_tube(
     What the swimmer does not have has an infinite gap.
     """
     axis_in_body(boundary, numbers[SIGN] * phase, x, q, line)
+    of_line(line, body, tail, numbers, boundary[6], touch, work)
+
+
+@compiled(error_model="numpy")
+def of_line(
+    line: Any, body: Any, tail: Any, numbers: Any, radius: Any, touch: Any, work: Any
+) -> None:
+    """Write gaps, moments and normals of body and tail where a line is the axis, touch (14,)."""
     for i in range(14):
         touch[i] = 0.0
     touch[0] = touch[7] = np.inf
-    if body.shape[0] > 0:
-        body_in_tube(line, body, boundary[6], touch[:7], work)
+    if body.shape[0] > 0 and body.shape[1] == 3:
+        rings_in_tube(line, body, radius, SOFT * numbers[LEAST], touch[:7], work[:6])
+    elif body.shape[0] > 0:
+        body_in_tube(line, body, radius, touch[:7], work)
+        as_moment(touch[:7])
     if tail.shape[0] > 0:
-        tail_in_tube(line, tail, numbers[TAIL_RADIUS], boundary[6], touch[7:])
+        tail_in_tube(line, tail, numbers[TAIL_RADIUS], radius, touch[7:])
+        as_moment(touch[7:])
 
 
 @compiled()

@@ -71,6 +71,13 @@ class Body(ABC):
         return None
 
     @property
+    def rim(self) -> tuple[Any, Any, Any] | None:
+        """A circle about s on either side of the centre whose hull, as far out as a radius, is the
+        body, or None: its distance from the centre, its radius, and how far out.
+        """
+        return None
+
+    @property
     def exact(self) -> Body:
         """The same body with its exact isolated resistance."""
         return self

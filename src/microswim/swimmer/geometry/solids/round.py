@@ -70,6 +70,10 @@ class Capsule(TurnedBody):
     def semi_axes3(self) -> tuple[Any, Any, Any]:
         return (0.5 * self.length, self.radius, self.radius)
 
+    @property
+    def rim(self) -> tuple[Any, Any, Any]:
+        return (0.5 * self.length - self.radius, 0.0 * self.radius, self.radius)
+
     def scaled(self, factor: float) -> Self:
         return replace(self, length=self.length * factor, radius=self.radius * factor)
 
@@ -131,6 +135,10 @@ class Cylinder(TurnedBody):
     @property
     def semi_axes3(self) -> tuple[Any, Any, Any]:
         return (0.5 * self.length, self.radius, self.radius)
+
+    @property
+    def rim(self) -> tuple[Any, Any, Any]:
+        return (0.5 * self.length - self.fillet, self.radius - self.fillet, self.fillet)
 
     def scaled(self, factor: float) -> Self:
         edge = None if self.edge is None else self.edge * factor

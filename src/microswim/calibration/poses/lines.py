@@ -26,7 +26,7 @@ CLOSE, FIRST_CLOSE, MOST_LOOKS, TOO_FAR = 0.2, 500_000, 100, 0.1
 def places(
     shape: Shape, numbers: Array, radius: float, count: int, among: int, seed: int = 0
 ) -> tuple[Array, Array]:
-    """Return lines (count, 6) and their features (count, 14), far from one another.
+    """Return lines (count, 6) and their features (count, 18), far from one another.
 
     Raises
     ------

@@ -121,7 +121,7 @@ def in_a_tube(swimmer: Swimmer, smallest: float) -> Shape:
 def _table(
     shape: Shape, numbers: Array, radius: float, made: Solves, lines: Array, Z: Array
 ) -> PoseTable:
-    """Return the table of solves at lines (n, 6) of features Z (n, 14)."""
+    """Return the table of solves at lines (n, 6) of features Z (n, 18)."""
     free, root = made.best, root_of(made.free)
     there = [i for i, gait in enumerate(made.poses) if gait is not None]
     Y = np.array([targets(gait, root) for gait in made.there])

@@ -13,7 +13,8 @@ functions of
 
 with q = log(g/(g + size)) of the gap g: of body and tail where they are nearest, and averaged over
 the tail, which feels how much of it is near, where along it and on which side (n points from the
-wall to the axis). Which turn of the tail is nearest jumps from pose to pose, the means do not.
+wall to the axis); of a body with edges averaged over these as well. Which turn of the tail is
+nearest jumps from pose to pose, the means do not.
 None knows the sense of t. L and w are interpolated between scattered poses by their covariances,
 Matern 5/2 of the distance in z: one for L, and one for velocities, which change over lengths of
 their own. Towards contact the eigenvalue of L across the wall goes like
@@ -33,21 +34,28 @@ from microswim.numerics.compiling.compiled import FAST, compiled
 from microswim.numerics.matern import matern
 
 #: Features of a pose; those first that say where it is.
-FEATURES, WHERE = 14, 10
+FEATURES, WHERE = 18, 10
+#: Points of a circle of a body with edges.
+AROUND = 16
 
 
 @compiled(fastmath=FAST, error_model="numpy")
 def features(
-    line: Any, of_body: Any, of_tail: Any, tail: Any, numbers: Any, radius: Any, z: Any
+    line: Any, of_body: Any, of_tail: Any, parts: Any, numbers: Any, radius: Any, z: Any
 ) -> None:
-    """Write z (14,) of a line and the gaps of body and tail; one below the least counts as it."""
+    """Write z (18,) of a line and the gaps of body and tail; one below the least counts as it."""
     per = 1.0 / numbers[LENGTH]
     t0, t1, t2 = line[0], line[1], line[2]
     z[0], z[1], z[2] = line[3] * per, line[4] * per, line[5] * per
     z[3], z[4], z[5], z[6] = t0 * t1, t0 * t2, t1 * t1 - t2 * t2, t1 * t2
     z[7] = t0 * t0
     z[8], z[9] = _of_gap(of_body, numbers), _of_gap(of_tail, numbers)
+    body, tail = parts
     _along(line, tail, numbers, radius, z)
+    for k in range(14, FEATURES):
+        z[k] = 0.0
+    if body.shape[0] > 0 and body.shape[1] == 3:
+        _around(line, body, numbers, radius, z)
 
 
 @compiled(fastmath=FAST, error_model="numpy")
@@ -69,6 +77,26 @@ def _along(line: Any, tail: Any, numbers: Any, radius: Any, z: Any) -> None:
         z[11] += q * (tail[i, 0] - middle) / numbers[LENGTH]
         z[12] -= q * y1 / radius
         z[13] -= q * y2 / radius
+
+
+@compiled(fastmath=FAST, error_model="numpy")
+def _around(line: Any, rings: Any, numbers: Any, radius: Any, z: Any) -> None:
+    """Add the means over the circles of a body with edges to z[14:18]."""
+    share = 1.0 / (AROUND * rings.shape[0])
+    for m in range(rings.shape[0]):
+        for k in range(AROUND):
+            angle = 2.0 * np.pi * k / AROUND
+            y0 = line[3] + rings[m, 0]
+            y1 = line[4] + rings[m, 1] * np.cos(angle)
+            y2 = line[5] + rings[m, 1] * np.sin(angle)
+            along = y0 * line[0] + y1 * line[1] + y2 * line[2]
+            y0, y1, y2 = y0 - along * line[0], y1 - along * line[1], y2 - along * line[2]
+            far = np.sqrt(y0 * y0 + y1 * y1 + y2 * y2)
+            q = share * _of_gap(radius - far - rings[m, 2], numbers)
+            z[14] += q
+            z[15] += q * rings[m, 0] / numbers[LENGTH]
+            z[16] -= q * y1 / radius
+            z[17] -= q * y2 / radius
 
 
 @compiled(error_model="numpy")
@@ -219,9 +247,9 @@ def out_of_the_tail(turn: Any, R: Any, F: Any, touch: Any) -> None:
 def of_lines(
     lines: Any, body: Any, tail: Any, numbers: Any, radius: Any, gaps: Any, Z: Any
 ) -> None:
-    """Write the gaps of body and tail (n, 2) and the features (n, 14) of lines (n, 6)."""
+    """Write the gaps of body and tail (n, 2) and the features (n, 18) of lines (n, 6)."""
     touch, work = np.zeros(14), np.zeros(16)
     for n in range(lines.shape[0]):
         of_line(lines[n], body, tail, numbers, radius, touch, work)
         gaps[n, 0], gaps[n, 1] = touch[0], touch[7]
-        features(lines[n], touch[0], touch[7], tail, numbers, radius, Z[n])
+        features(lines[n], touch[0], touch[7], (body, tail), numbers, radius, Z[n])

@@ -161,7 +161,8 @@ def resist(table: Any, x: Any, q: Any, phase: Any, R: Any, F: Any, touch: Any, w
     near(table, x, q, phase, touch, work)
     if table.kind == 2:
         line, z = work[28:34], work[34:54]
-        features(line, touch[0], touch[7], table.tail, table.numbers, table.boundary[6], z)
+        parts = table.body, table.tail
+        features(line, touch[0], touch[7], parts, table.numbers, table.boundary[6], z)
         both(table.known, table.weights, z, values, work[54:])
         from_logarithm(table.root, values, R, F, work[54:])
         power = from_power(table.root, values, F)
@@ -220,7 +221,8 @@ def carry(table: Any, x: Any, q: Any, phase: Any, D: Any, work: Any) -> None:
     """
     values, line, z, touch = work[:18], work[28:34], work[34:54], work[-14:]
     near(table, x, q, phase, touch, work)
-    features(line, touch[0], touch[7], table.tail, table.numbers, table.boundary[6], z)
+    parts = table.body, table.tail
+    features(line, touch[0], touch[7], parts, table.numbers, table.boundary[6], z)
     between(table.known[1], table.carried, z, values, work[54:])
     for i in range(6):  # D t', times t: the same for either sense of the line
         D[i] = 0.0

@@ -223,34 +223,47 @@ def _print(rows: list[Any], units: str, fitted: bool) -> None:
     for row in rows:
         if len(rows) > 1:
             click.echo(f"track {row['track']}")
-        _print_fit(row)
+        _print_fit(row, units)
     return _print_cells(without, units) if without else None
 
 
-def _print_fit(row: dict[str, Any]) -> None:
+def _print_fit(row: dict[str, Any], units: str) -> None:
     """Values with their 95 % intervals, then what cannot be determined."""
     for name, value in row.get("values", {}).items():
         low, high = row["interval_95"][name]
-        known = "not determined" if low is None else f"95 %: {low:.6g} to {high:.6g}"
-        click.echo(f"{name:22s} {value:12.6g}   {known}")
+        text, ends = _with_ends(name, value, (low, high), units, 6)
+        known = f"95 %: {ends}" if ends else "not determined"
+        click.echo(f"{name:22s} {text:>14s}   {known}")
     if "residual" in row:
-        residual = row["residual"]
-        click.echo(f"{'residual':22s} {residual:12.3g}   (root mean square, per coordinate)")
+        text, _ = _with_ends("tail.length", row["residual"], (None, None), units, 3)
+        click.echo(f"{'residual':22s} {text:>14s}   (root mean square, per coordinate)")
     designs = row.get("branches", ())
     for i, design in enumerate(designs if len(designs) > 1 else ()):
-        click.echo(f"design {i + 1} of {len(designs)}: " + ", ".join(_known(design)))
+        click.echo(f"design {i + 1} of {len(designs)}: " + ", ".join(_known(design, units)))
     for sentence in row.get("warnings", ()):
         click.echo(f"note: {sentence}")
 
 
-def _known(design: dict[str, Any]) -> list[str]:
+def _known(design: dict[str, Any], units: str) -> list[str]:
     """Each value of a design that fits, with its 95 % interval."""
     found = []
     for name, value in design["values"].items():
-        low, high = design["interval_95"][name]
-        known = "not determined" if low is None else f"{low:.4g} to {high:.4g}"
-        found.append(f"{name} = {value:.4g} ({known})")
+        text, ends = _with_ends(name, value, design["interval_95"][name], units, 4)
+        found.append(f"{name} = {text} ({ends or 'not determined'})")
     return found
+
+
+def _with_ends(name: str, value: float, interval: Any, units: str, digits: int) -> tuple[str, str]:
+    """A number of the spec with its unit, and the ends of its interval in the same one."""
+    from microswim.gait.readable import prefixed
+    from microswim.spec.describe import unit_of
+
+    measured_in = unit_of(name, units)
+    factor, short = prefixed(value, measured_in) if measured_in else (1.0, "")
+    after = f" {short}" if short else ""
+    low, high = (None if x is None else f"{x * factor:.{digits}g}" for x in interval)
+    ends = "" if low is None else f"{low} to {high}{after}"
+    return f"{value * factor:.{digits}g}{after}", ends
 
 
 SHOWN = {
@@ -261,10 +274,21 @@ SHOWN = {
 RARE = ("loop_radius", "drift")  #: shown where a cell has them
 
 
+def _estimated(value: float, interval: list[float], measured_in: str) -> str:
+    """A number with the half of its interval; one that noise hides, by its bound."""
+    from microswim.gait.readable import quantity, with_error
+
+    low, high = interval
+    if value == 0.0 and high > low:
+        return f"below {quantity(max(-low, high), measured_in, 2)}"
+    half = (high - low) / 2.0
+    return with_error(value, half / abs(value) if value else None, measured_in)
+
+
 def _print_cells(rows: list[Any], units: str) -> None:
     """A row for each cell, then what the tracks cannot hold."""
     from microswim.cli._print import print_table
-    from microswim.gait.readable import with_error
+    from microswim.gait.readable import quantity
     from microswim.output.report.html import Table
     from microswim.studies.identification.without_model import NUMBERS
 
@@ -278,11 +302,10 @@ def _print_cells(rows: list[Any], units: str) -> None:
             if value is None:
                 line.append("-")
                 continue
-            half = (interval[1] - interval[0]) / 2.0
-            line.append(with_error(value, half / abs(value) if value else None, of))
+            line.append(_estimated(value, interval, of))
         lines.append(tuple(line))
     fastest = min(row["frame_rate"] for row in rows) / 2.0
-    limit = with_error(fastest, None, unit(units, "frequency"))
+    limit = quantity(fastest, unit(units, "frequency"))
     note = f"± is the 95 % interval. A beat faster than {limit} does not show at this frame rate."
     print_table(Table("Cells", ("track", *(SHOWN[n] for n in names)), lines, note))
     notes: dict[str, list[str]] = {}

@@ -17,6 +17,7 @@ from microswim.models.elastic.unsteady.frozen import judged
 from microswim.models.elastic.unsteady.held_by_field import SHARP, Held, held_by_field
 from microswim.models.elastic.unsteady.numbers import units_of
 from microswim.numerics.array import Array
+from microswim.path.regime_remarks import turns
 from microswim.swimmer.magnetism.applied_field import RotatingField
 from microswim.swimmer.swimmer import SURROUNDINGS, Swimmer
 
@@ -66,7 +67,7 @@ def held_at(swimmer: Swimmer, frequencies: Array, judge: Judge | None = None) ->
         at, last, rows[i] = found, asked[i], _numbers(one, found, judge)
     step_out, velocity, remarks = float("nan"), float("nan"), _remarks(swimmer)
     if lost is None:
-        remarks += (f"the field holds it up to {last:.4g} turns per time, the highest asked for: "
+        remarks += (f"the field holds it up to {turns(last, swimmer.units)}, the highest asked for: "
                     "step-out lies beyond",)  # fmt: skip
     elif at is None or last is None:
         remarks += ("the field loses it below the lowest frequency asked for",)

@@ -8,13 +8,27 @@ import numpy as np
 
 from microswim.gait.gait import Gait
 from microswim.gait.poses.one_pose import remark, remark_turned
+from microswim.gait.readable import quantity, significant
 from microswim.gait.turning.long_axis import AXES, long_axis
 from microswim.gait.turning.steady_turning import SteadyTurning
 from microswim.gait.turning.step_out import mobility_of
+from microswim.gait.units import unit
 from microswim.numerics.array import Array
 from microswim.path.regime_portrait import SPINS
 from microswim.swimmer.physical_sense import INERTIA
 from microswim.swimmer.swimmer import Swimmer
+
+
+def turns(frequency: float, units: str) -> str:
+    """Return a frequency of turning in the words of its units.
+
+    Examples
+    --------
+    >>> turns(1250.0, "SI"), turns(0.5, "dimensionless")
+    ('1.250 kHz', '0.5000 turns per time')
+    """
+    said = quantity(frequency, unit(units, "frequency"))
+    return said if units == "SI" else f"{said} turns per time"
 
 
 def long_axis_of(swimmer: Swimmer, gait: Gait) -> int:
@@ -53,14 +67,14 @@ def remarks_of(
     if not steady.step_out:
         why = SPINS if steady.cone else "its moment does not turn it"
         yield f"the field never holds the robot: {why}"
-    yield from of_inertia(frequencies, reynolds)
+    yield from of_inertia(frequencies, reynolds, gait.units)
 
 
-def of_inertia(frequencies: Array, reynolds: Array) -> Iterator[str]:
+def of_inertia(frequencies: Array, reynolds: Array, units: str) -> Iterator[str]:
     """Return from which frequency on inertia, which is left out, is felt."""
     if reynolds.max() > INERTIA:
         first = frequencies[np.argmax(reynolds > INERTIA)]
         yield (
-            f"from {first:.3g} turns per time on the Reynolds number of the turning is above "
-            f"{INERTIA:g} (largest {reynolds.max():.2g}): inertia, which is left out, is felt there"
+            f"from {turns(first, units)} on the Reynolds number of the turning is above "
+            f"{INERTIA:g} (largest {significant(reynolds.max(), 2)}): inertia, which is left out, is felt there"
         )

@@ -227,7 +227,7 @@ def _of_elastic(swimmer: Swimmer, frequencies: Array, judge: Any) -> Regimes:
         velocity_at_step_out=found.at_step_out, reversals=(), reynolds=reynolds, closed_form=None,
         expected_error=expected_of_elastic(swimmer, judge, found.torque), units=swimmer.units,
         model="elastic" if judge is None else judge[0],
-        remarks=(*found.remarks, *of_inertia(frequencies, reynolds)),
+        remarks=(*found.remarks, *of_inertia(frequencies, reynolds, swimmer.units)),
     )  # fmt: skip
 
 

@@ -30,6 +30,7 @@ from microswim.spec.describe import describe
 from microswim.studies.optimisation.limits import limit_said
 from microswim.studies.optimisation.merits import of_gait
 from microswim.studies.optimisation.problem import Problem
+from microswim.studies.optimisation.remark import Remark
 from microswim.studies.optimisation.sensitivity import Sensitivity, sensitivities
 from microswim.swimmer.parts import replaced
 from microswim.swimmer.swimmer import Swimmer
@@ -38,7 +39,6 @@ from microswim.swimmer.variants import vary
 STARTS = 4
 APART = 0.1  # least distance of two starts in the unit cube
 LARGE = 0.05  #: expected error from which on the outcome says so
-UNSURE = "the error at the optimum"  #: with which that sentence begins
 FEASIBLE = 1e-7  # relative margin that counts as holding
 
 
@@ -77,7 +77,8 @@ class Optimum(Printed):
     model
         What answered: ``"atlas"`` or ``"rft"``.
     remarks
-        How the error is known, whether it is large here, and where the model did not hold.
+        How the error is known, whether it is large here, and where the model did not hold; the
+        ``kind`` of each says which.
 
     Examples
     --------
@@ -103,7 +104,7 @@ class Optimum(Printed):
     ranges: dict[str, tuple[float, float]] = field(default_factory=dict)
     history: tuple[dict[str, Any], ...] = ()
     model: str = "rft"
-    remarks: tuple[str, ...] = ()
+    remarks: tuple[Remark, ...] = ()
 
     def _portrait(self) -> tuple[str, Rows]:
         off = percent(self.expected_error)
@@ -172,16 +173,17 @@ def _limits(problem: Problem) -> str:
     return ", ".join(limit_said(c.text, problem.swimmer.units) for c in problem.limits)
 
 
-def _of_choices(tried: list[tuple[dict[str, Any], Problem]]) -> list[str]:
+def _of_choices(tried: list[tuple[dict[str, Any], Problem]]) -> list[Remark]:
     """Say which choices were answered by the atlas, where others were not."""
     by_atlas = [isinstance(variant.swimmer.region, Everywhere) for _, variant in tried]
     if all(by_atlas) or not any(by_atlas):
         return []
     known = [" ".join(map(str, picked.values())) for (picked, _), by in zip(tried, by_atlas) if by]
-    return [
+    said = (
         f"compared by two models: the atlas for {', '.join(known)}, rft for the others, whose "
         "error may decide; --reference bem judges the best, --model rft compares by one"
-    ]
+    )
+    return [Remark(said, "choices")]
 
 
 def _screen(problem: Problem, seed: int, samples: int | None) -> tuple[list[np.ndarray], int]:
@@ -290,16 +292,19 @@ def trusted(swimmer: Swimmer, gait: Gait) -> tuple[float | None, str]:
     return known, "one standard deviation of the calibration over a region"
 
 
-def _remarks(problem: Problem, swimmer: Swimmer, model: str, error: Any, how: str) -> list[str]:
+def _remarks(problem: Problem, swimmer: Swimmer, model: str, error: Any, how: str) -> list[Remark]:
     """Say how the error is known, where it is large, and what the atlas left out."""
-    out = [how]
+    out = [Remark(how, "how known")]
     if error is None or error > LARGE:
         off = "is not known" if error is None else f"is large, {percent(error)}"
-        out.append(f"{UNSURE} {off}: reference bem judges it")
+        said = f"the error at the optimum {off}: reference bem judges it"
+        out.append(Remark(said, "unsure"))
     if model == "atlas" and problem.covered < 1.0:
         share = percent(problem.covered)
-        out.append(f"searched where the atlas holds, {share} of the ranges; model rft knows all")
+        said = f"searched where the atlas holds, {share} of the ranges; model rft knows all"
+        out.append(Remark(said, "atlas"))
     edges = coordinates.edges(swimmer) if model == "atlas" else []
     if edges:
-        out.append(f"at the edge of the atlas ({', '.join(edges)}): better ones may lie beyond")
+        said = f"at the edge of the atlas ({', '.join(edges)}): better ones may lie beyond"
+        out.append(Remark(said, "atlas"))
     return out

@@ -22,7 +22,8 @@ from microswim.numerics.plain import plain
 from microswim.studies.optimisation.limits import for_people
 from microswim.studies.optimisation.merits import of_gait
 from microswim.studies.optimisation.problem import Problem
-from microswim.studies.optimisation.search import UNSURE, Optimum, search
+from microswim.studies.optimisation.remark import Remark
+from microswim.studies.optimisation.search import Optimum, search
 from microswim.swimmer.swimmer import Swimmer
 
 ROUNDS = 6
@@ -111,8 +112,8 @@ def _judged(best: Optimum, verdict: dict[str, Any], tolerance: float) -> Optimum
     if own is not None:
         said += f"; {by} itself is good to {percent(own)}"
     known = None if own is None else verdict["miss_us"] + own
-    others = [remark for remark in best.remarks[1:] if not remark.startswith(UNSURE)]
-    return replace(best, expected_error=known, remarks=(said, *others))
+    others = [r for r in best.remarks if r.kind not in ("how known", "unsure")]
+    return replace(best, expected_error=known, remarks=(Remark(said, "judged"), *others))
 
 
 def _verdict(problem: Problem, best: Optimum, judged: Any, tolerance: float) -> dict[str, Any]:

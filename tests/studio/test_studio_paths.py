@@ -208,6 +208,10 @@ def test_a_scene_that_is_moved_as_a_whole_is_the_same_scene():
         (SCENE.format(first="", second="force = [1, 0, 0]\nposition = [9, 0, 0]"), "are shown"),
         (SCENE.format(first="", second="position = [9, 0, 0]")
          + "[wall]\nnormal = [0, 0, 1]\nposition = [0, 0, -5]", "free fluid"),
+        (SCENE.format(first="", second="position = [9, 0, 0]")
+         + '[field]\nkind = "rotating"\nstrength = 1.0\nfrequency = 1.0', "microswim group"),
+        (SCENE.format(first="", second="position = [9, 0, 0]")
+         + '[field]\nkind = "coils"\nfile = "/etc/passwd"', "not shown here"),
         ("[[swimmer]", "not valid TOML"),
     ],
 )  # fmt: skip

@@ -42,7 +42,9 @@ def read(text: str) -> dict[str, Any]:
     SpecError
         If it is no scene of two swimmers in free fluid that are presets.
     """
-    tables = toml(text, "the scene").get("swimmer")
+    scene = toml(text, "the scene")
+    _check_fieldless(scene)
+    tables = scene.get("swimmer")
     for n, one in enumerate(tables if isinstance(tables, list) else []):
         _check_data(n, one)
     with tempfile.TemporaryDirectory() as folder:
@@ -62,6 +64,15 @@ def read(text: str) -> dict[str, Any]:
         ],
         "places": [_place(member, group.members[0]) for member in group.members],
     }
+
+
+def _check_fieldless(scene: dict[str, Any]) -> None:
+    """Refuse a field, before its file is read: the page has no paths of several magnets."""
+    if "field" in scene:
+        raise SpecError(
+            "field: two robots in one field are not shown here; microswim group SCENE --time 2s "
+            "follows them; Drive shows one robot in its field"
+        )
 
 
 def _check_data(n: int, one: Any) -> None:

@@ -93,6 +93,22 @@ def test_a_track_far_from_the_origin():
     assert figure.axes[0].get_xlabel() == "x from the start (µm)"
 
 
+def test_a_track_that_is_next_to_a_line_shows_its_wobble():
+    t = np.linspace(0.0, 1.0, 60)
+    track = np.stack([-8e-6 * t, 5e-9 * np.sin(20 * t), 0 * t], axis=-1) + 2.345e-3
+    figure = track_and_fit(track, track, "m")
+    assert reads_well(figure)
+    axes = figure.axes[0]
+    assert axes.get_ylabel() == "y from the start, drawn larger than x (nm)"
+    low, high = axes.get_ylim()
+    assert high - low < 20.0
+
+
+def test_an_optimum_of_a_magnetic_robot_has_its_unit():
+    assert plots_design._value("speed_at_step_out", 0.0276, "SI") == "27.6 mm/s"
+    assert plots_design._value("swimming_speed / mean_torque", 0.0276, "SI") == "0.0276"
+
+
 def test_maps_of_a_validation():
     over = {"tail.amplitude": [0.05, 0.1, 0.15], "tail.waves": [2.0, 3.0]}
     result = ms.validate(HELIX, over, "rft", workers=0)

@@ -14,6 +14,7 @@ from microswim import checks
 from microswim.errors import SpecError, nearest
 from microswim.gait.quantities import QUANTITIES, current
 from microswim.gait.readable import quantity
+from microswim.gait.turning.driven import DRIVEN
 from microswim.gait.units import unit
 from microswim.output.io.surface import surface
 from microswim.output.plots import doubt
@@ -175,9 +176,10 @@ def _curve(result: xr.Dataset, values: xr.DataArray, merit: str, label: str | No
 
 def _value(name: str, value: float, units: str) -> str:
     """A quantity with its unit; a number where it is an expression."""
-    if name not in QUANTITIES:
+    known = QUANTITIES | DRIVEN
+    if name not in known:
         return f"{value:.3g}"
-    return quantity(value, unit(units, QUANTITIES[name].dimension), 3)
+    return quantity(value, unit(units, known[name].dimension), 3)
 
 
 def _axis(values: xr.DataArray, name: str) -> tuple[float, str]:

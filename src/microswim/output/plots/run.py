@@ -107,6 +107,9 @@ def velocity(run: xr.Dataset) -> Figure:
         return figure
 
 
+NARROW = 0.125  #: height over width of a track, below which it is drawn higher
+
+
 def track_and_fit(track: np.ndarray, path: np.ndarray, unit: str) -> Figure:
     """Draw a measured track and the fitted path in the image plane.
 
@@ -120,19 +123,28 @@ def track_and_fit(track: np.ndarray, path: np.ndarray, unit: str) -> Figure:
     Returns
     -------
     matplotlib.figure.Figure
-        Both from the first point of the track, in one unit and to scale.
+        Both from the first point of the track, in one unit and to scale; of a track that is next
+        to a line along x, y is drawn larger, and says so.
     """
     track, path = (x[:, :2] - track[0, :2] for x in (track, path))
-    factor, shown = prefixed(float(np.abs(track).max()), unit)
+    wide, high = np.ptp(track, axis=0)
+    narrow = bool(high < NARROW * wide)
+    units = [prefixed(float(np.abs(x).max()), unit) for x in (track.T if narrow else (track,) * 2)]
+    factor = np.array([size for size, _ in units])
     with look():
         figure = blank(5.0, 4.0)
         axes = figure.subplots()
-        axes.plot(*(factor * track.T), ".", color=GREY, ms=3, label="track")
-        axes.plot(*(factor * path.T), color=ORANGE, lw=1.0, label="fit")
-        axes.set(aspect="equal")
-        axes.set(**{f"{x}label": label(f"{x} from the start", shown) for x in "xy"})
-        few_ticks(axes, 3)
-        axes.legend()
+        axes.plot(*(factor * track).T, ".", color=GREY, ms=3, label="track")
+        axes.plot(*(factor * path).T, color=ORANGE, lw=1.0, label="fit")
+        names = ["x from the start", "y from the start"]
+        if narrow:
+            names[1] += ", drawn larger than x"
+        else:
+            axes.set(aspect="equal", adjustable="datalim")
+        labels = [label(name, shown) for name, (_, shown) in zip(names, units)]
+        axes.set(xlabel=labels[0], ylabel=labels[1])
+        few_ticks(axes, 4)
+        axes.legend(loc="upper center", bbox_to_anchor=(0.5, 1.12), ncols=2)
     return figure
 
 

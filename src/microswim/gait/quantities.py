@@ -7,7 +7,7 @@ in the numbers of the swimmer, so the complex step differentiates them.
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterable
 from dataclasses import dataclass
 from typing import Any
 
@@ -275,11 +275,15 @@ def summary(gait: Gait) -> dict[str, Any]:
     return numbers(gait)
 
 
-def numbers(gait: Gait, body_length: Any = None) -> dict[str, Any]:
-    """Return every number of a gait, those in body lengths if the body's length is given."""
+def numbers(gait: Gait, body_length: Any = None, names: Iterable[str] = ()) -> dict[str, Any]:
+    """Return every number of a gait, those in body lengths if the body's length is given.
+
+    Or those of the names alone: some, as those of its path, take as long as the gait itself.
+    """
     basis, left = Rounded(gait, body_length), OF_SHAPE if body_length is None else ()
+    asked = set(names) or {q.name for q in _LIST if q.name not in left}
     return {
-        q.name: plain(np.real(q.of(basis)) + 0.0, nan=True) for q in _LIST if q.name not in left
+        q.name: plain(np.real(q.of(basis)) + 0.0, nan=True) for q in _LIST if q.name in asked
     }
 
 

@@ -13,7 +13,7 @@ import numpy as np
 
 from microswim import checks
 from microswim.errors import MicroswimError, SpecError
-from microswim.gait.quantities import summary
+from microswim.gait import quantities
 from microswim.models.rft.batch_numbers import (
     OUTPUTS,
     blank,
@@ -52,7 +52,7 @@ from microswim.swimmer.geometry.tails.kinds import as_wave
 from microswim.swimmer.swimmer import Swimmer
 
 CHUNK = 8192
-ONE_GAIT = 3e-3  #: seconds of a gait and its summary as Python
+ONE_GAIT = 3e-3  #: seconds of a gait and its numbers as Python
 SECONDS = {
     "helix": 3e-5,
     "plane_wave": 2e-4,
@@ -291,7 +291,7 @@ def _one_by_one(out: dict[str, Any], swimmer: Swimmer, arrays: dict[str, Any]) -
         for i in range(n):
             values = {k: float(v[i if v.size > 1 else 0]) for k, v in arrays.items()}
             try:
-                made = summary(swimmer.with_(values).gait())
+                made = quantities.numbers(swimmer.with_(values).gait(), names=OUTPUTS)
             except MicroswimError:
                 continue
             for name in OUTPUTS:

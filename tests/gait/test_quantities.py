@@ -11,7 +11,7 @@ from click.testing import CliRunner
 import microswim as ms
 from microswim.cli import main
 from microswim.errors import RenamedWarning
-from microswim.gait.quantities import NUMBERS, OF_SHAPE, OLD, QUANTITIES
+from microswim.gait.quantities import NUMBERS, OF_SHAPE, OLD, QUANTITIES, numbers
 from microswim.gait.units import UNITS
 from microswim.output.io.run import dataset
 from microswim.studies.optimisation import merits
@@ -79,6 +79,12 @@ def test_every_quantity_has_a_derivative(name):
     power = float(slope) / value
     assert power == pytest.approx(round(power), abs=1e-8)
     assert -1 <= round(power) <= 2
+
+
+def test_some_numbers_are_those_of_all():
+    gait = ms.Swimmer.preset("tabak/helix").gait()
+    some = ("mean_velocity", "efficiency")
+    assert numbers(gait, names=some) == {name: ms.summary(gait)[name] for name in some}
 
 
 def test_many_designs_agree_with_one(told):

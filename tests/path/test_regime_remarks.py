@@ -7,6 +7,7 @@ import pytest
 from scipy.spatial.transform import Rotation
 
 import microswim as ms
+from microswim.path.regime_remarks import of_inertia
 
 
 def rod(axis):
@@ -53,3 +54,12 @@ def test_a_wall_that_would_turn_with_the_robot_is_said():
     beside = ms.regimes(robot, [0.012]).remarks
     assert any("as if the wall turned with the robot" in remark for remark in beside)
     assert not any("left out; microswim path and" in remark for remark in beside)
+
+
+def test_inertia_is_told_in_the_units_of_the_spec():
+    frequencies, reynolds = np.array([10.0, 1250.0]), np.array([0.1, 302.0])
+    (said,) = of_inertia(frequencies, reynolds, "SI")
+    assert said.startswith("from 1.250 kHz on")
+    assert "largest 302)" in said
+    (said,) = of_inertia(frequencies, reynolds, "dimensionless")
+    assert said.startswith("from 1250 turns per time on")

@@ -282,9 +282,7 @@ def numbers(gait: Gait, body_length: Any = None, names: Iterable[str] = ()) -> d
     """
     basis, left = Rounded(gait, body_length), OF_SHAPE if body_length is None else ()
     asked = set(names) or {q.name for q in _LIST if q.name not in left}
-    return {
-        q.name: plain(np.real(q.of(basis)) + 0.0, nan=True) for q in _LIST if q.name in asked
-    }
+    return {q.name: plain(np.real(q.of(basis)) + 0.0, nan=True) for q in _LIST if q.name in asked}
 
 
 def current(name: str) -> str:

@@ -10,6 +10,7 @@ from scipy.stats import binom
 
 import microswim as ms
 from microswim.calibration.unknowns import resolve
+from microswim.cli import identify as cli_identify
 from microswim.cli import main
 from microswim.numerics.rigid_motion import multiply
 from microswim.studies.identification.fitting import honesty, outcome, within_errors
@@ -241,3 +242,13 @@ def is_listed(truth, track, monkeypatch):
     inside = [np.all((low < wanted) & (wanted < high)) for low, high in
               (branch.interval(0.99).T for branch in found.branches)]  # fmt: skip
     return any(inside)
+
+
+def test_the_command_says_a_fit_in_the_units_of_the_spec():
+    """An interval has the unit of its value; what noise hides is told by its bound."""
+    text, ends = cli_identify._with_ends("tail.amplitude", 1.735e-7, (1.7e-7, 2.1e-6), "SI", 4)
+    assert (text, ends) == ("173.5 nm", "170 to 2100 nm")
+    text, ends = cli_identify._with_ends("tail.waves", 3.0351, (None, None), "SI", 4)
+    assert (text, ends) == ("3.035", "")
+    assert cli_identify._estimated(0.0, [0.0, 0.0878], "rad/s") == "below 0.088 rad/s"
+    assert cli_identify._estimated(0.246, [0.169, 0.323], "rad/s") == "0.246 ± 0.077 rad/s"

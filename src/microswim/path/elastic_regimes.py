@@ -67,8 +67,9 @@ def held_at(swimmer: Swimmer, frequencies: Array, judge: Judge | None = None) ->
         at, last, rows[i] = found, asked[i], _numbers(one, found, judge)
     step_out, velocity, remarks = float("nan"), float("nan"), _remarks(swimmer)
     if lost is None:
-        remarks += (f"the field holds it up to {turns(last, swimmer.units)}, the highest asked for: "
-                    "step-out lies beyond",)  # fmt: skip
+        highest = turns(last, swimmer.units)
+        said = f"the field holds it up to {highest}, the highest asked for: step-out lies beyond"
+        remarks += (said,)
     elif at is None or last is None:
         remarks += ("the field loses it below the lowest frequency asked for",)
     else:

@@ -76,5 +76,6 @@ def of_inertia(frequencies: Array, reynolds: Array, units: str) -> Iterator[str]
         first = frequencies[np.argmax(reynolds > INERTIA)]
         yield (
             f"from {turns(first, units)} on the Reynolds number of the turning is above "
-            f"{INERTIA:g} (largest {significant(reynolds.max(), 2)}): inertia, which is left out, is felt there"
+            f"{INERTIA:g} (largest {significant(reynolds.max(), 2)}): inertia, which is left out, "
+            "is felt there"
         )

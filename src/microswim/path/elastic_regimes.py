@@ -56,8 +56,8 @@ def held_at(swimmer: Swimmer, frequencies: Array, judge: Judge | None = None) ->
         If its filament bends too sharply.
     """
     _check(swimmer)
-    asked = frequencies.tolist()
-    rows, at, lost, last = np.full((len(frequencies), 4), np.nan), None, None, None
+    asked: list[float] = frequencies.tolist()
+    rows, at, lost, last = np.full((len(frequencies), 4), np.nan), None, None, float("nan")
     for i in np.argsort(frequencies).tolist():
         one = _at(swimmer, asked[i])
         found = held_by_field(one, at)
@@ -70,7 +70,7 @@ def held_at(swimmer: Swimmer, frequencies: Array, judge: Judge | None = None) ->
         highest = turns(last, swimmer.units)
         said = f"the field holds it up to {highest}, the highest asked for: step-out lies beyond"
         remarks += (said,)
-    elif at is None or last is None:
+    elif at is None:
         remarks += ("the field loses it below the lowest frequency asked for",)
     else:
         step_out, velocity = _narrowed(swimmer, at, (last, lost), judge)

@@ -219,7 +219,8 @@ def lighthill_integrals(alpha: Any, epsilon: Any) -> tuple[Any, Any]:
             ("epsilon", epsilon, EPSILON_RANGE),
         ):
             if not lo <= x.real <= hi:
-                raise SpecError(name, x.real, f"from {lo} to {hi} for Lighthill's integrals")
+                said = float(f"{x.real:.6g}")  # mostly what a spec works out to, not what it says
+                raise SpecError(name, said, f"from {lo} to {hi} for Lighthill's integrals")
         if isinstance(alpha, complex) or isinstance(epsilon, complex):
             alpha, epsilon = complex(alpha), complex(epsilon)
         if epsilon.real <= THIN:

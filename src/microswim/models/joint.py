@@ -109,6 +109,9 @@ class Joint:
         psi, Theta = theta + beta(s) - beta(s(pole)) the angle of the generator that does not wind.
     body : Body
         The body as those directions map to it.
+    is_open : bool
+        Whether the curve does not go round the tube: the root of a tail that leans comes out of the
+        far side of the body's end.
     """
 
     s: float
@@ -117,6 +120,7 @@ class Joint:
     second: Array
     series: NDArray[np.complex128]
     body: Body
+    is_open: bool = False
 
     @property
     def ahead(self) -> float:
@@ -272,7 +276,8 @@ def trace_joint(body: Body, tail: Tail, phase: float = 0.0, points: int = 96) ->
         return trace_joint(body, tail, phase, 2 * points)
     if left > 0.01:
         raise _lies_on_body(tail)
-    return Joint(start, pole, first, second, series, body)
+    behind = np.angle(turned * np.conj(np.roll(turned, 1))).sum() / (2.0 * np.pi)
+    return Joint(start, pole, first, second, series, body, round(float(behind)) != 0)
 
 
 def check_clear(body: Body, tail: Tail, joint: Joint, phase: float = 0.0) -> None:

@@ -78,3 +78,12 @@ def test_a_steep_root_is_resolved_alike_at_every_phase(phase):
     assert np.abs((later.resistance - R) / size).max() < 1e-4
     assert later.activity == pytest.approx(first.activity, rel=1e-5)
     assert trust.misfit(later) == pytest.approx(trust.misfit(first), rel=0.3)
+
+
+def test_a_root_that_comes_out_of_its_body_is_said():
+    body = ms.Ellipsoid(semi_axes=(2.6, 0.56, 0.56))
+    tail = ms.HelicalTail(length=3.8, amplitude=0.3, waves=0.6, ramp=0.07, radius=0.15)
+    solved = bem.solve(
+        ms.Swimmer(body=body, tail=tail, fluid=ms.Fluid(viscosity=1.0)), level="coarse"
+    )
+    assert trust.OPEN in trust.doubts([solved])

@@ -160,8 +160,10 @@ def main() -> None:
     solved = solve(asked.designs, asked.folder, **own) if asked.designs else []
     for path in asked.solves or ():
         solved += solves.read(path, partial(design, kind=kind))
-    # what lies beyond a corner helps nobody inside, and each answer pays for it
-    solved = [s for s in solved if coordinates.misses(coordinates.numbers(s.swimmer), kind) < 2]
+    # what lies outside helps where solves are few, and each answer pays for it
+    most = 0 if kind == "helix" else 1
+    missed = (coordinates.misses(coordinates.numbers(s.swimmer), kind) for s in solved)
+    solved = [s for s, number in zip(solved, missed) if number <= most]
     former = None if asked.kernels else shipped(kind)
     made = fit(solved, {"reference": "bem", "level": LEVEL, "designs": asked.designs}, former)
     Path(__file__).with_name(FILES[kind]).write_bytes(pack(made))

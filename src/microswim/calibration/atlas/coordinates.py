@@ -31,15 +31,17 @@ RATIOS = (
     ("length along the filament / its radius", 0.0, 1300.0),
     ("body radius / amplitude", 0.15, 140.0),  # below, u_s is a small difference of large numbers
     ("amplitude / length of the ramp", 0.0, 2.0),  # above, the tail stands up beside the body
+    ("room for the root in the body's end / its width", 1.0, 60.0),  # below, it comes out
 )
 #: In their place for a plane wave: boundary elements of longer filaments are dear, its speed is no
-#: difference of two, and it stays in a plane.
+#: difference of two, it stays in a plane, and its root leans at two moments of the period alone.
 WAVES = {
     bound[0]: bound
     for bound in (
         ("length along the filament / its radius", 0.0, 430.0),
         ("body radius / amplitude", 0.0, 140.0),
         ("amplitude / length of the ramp", 0.0, 16.0),
+        ("room for the root in the body's end / its width", 0.0, 60.0),
     )
 }
 
@@ -85,15 +87,20 @@ def numbers(swimmer: Swimmer) -> np.ndarray:
 def ratios(x: Any, kind: str = "helix") -> tuple[Any, ...]:
     """Return the numbers of `RATIOS` of designs x (6, ...).
 
-    A plane wave is as long as its mean square slope makes it, to the leading order.
+    A plane wave is as long as its mean square slope makes it, to the leading order. Room for the
+    root: continued into a body of half axes R and a, a tail of slope m and radius r lies within it
+    somewhere all around where ``sqrt(a^2 + m^2 R^2) - m R > r sqrt(1 + m^2)``.
     """
-    bk, thick, waves, head, _, ramp = x
+    bk, thick, waves, head, aspect, ramp = x
     length, slope2 = 2.0 * np.pi * waves, bk * bk * (0.5 if kind.startswith("plane_wave") else 1.0)
     filament = length * np.sqrt(1.0 + slope2) / thick
     flat = bk == 0
     broad = np.where(flat, np.inf, head / np.where(flat, 1.0, bk))
     rise = bk / (np.where(ramp == 0, np.inf, ramp) * length)  # without a ramp nothing rises
-    return head / thick, head / length, filament, broad, rise
+    half = head * aspect ** (-1.0 / 3.0)
+    far = rise * aspect * half
+    room = (np.sqrt(half * half + far * far) - far) / (thick * np.sqrt(1.0 + rise * rise))
+    return head / thick, head / length, filament, broad, rise, room
 
 
 def features(x: Any, kind: str = "helix") -> np.ndarray:

@@ -30,7 +30,7 @@ class Misses:
     missed
         Size of the error of each of `QUANTITIES`, (n, 4), NaN where it is not known.
     factor
-        By which the quantiles are widened, (4,), so that `SHARE` of the designs hold.
+        By which the quantiles are widened, (4,), so that `SHARE` hold also where designs are few.
     """
 
     spots: np.ndarray
@@ -59,12 +59,16 @@ class Misses:
         return [ranked(column) for column in self.missed.T]
 
     def _around(self, z: Any, without: int | None = None) -> np.ndarray:
-        far = np.sum((self.spots - z) ** 2, axis=1) / (2.0 * WIDTH**2)
+        far = self.far(z)
         if without is not None:
             far[without] = np.inf
         weight = np.exp(far.min() - far)
         columns = zip(self.missed.T, self._orders)
         return np.array([quantile(column, weight, order=order) for column, order in columns])
+
+    def far(self, z: Any) -> np.ndarray:
+        """Return the exponent of each design's weight at a design z (f,), shape (n,)."""
+        return np.sum((self.spots - z) ** 2, axis=1) / (2.0 * WIDTH**2)
 
     def left_out(self) -> np.ndarray:
         """Return what the rule says at each design from all others, (n, 4)."""
@@ -97,8 +101,13 @@ def quantile(
 
 
 def measured(spots: np.ndarray, missed: np.ndarray) -> Misses:
-    """Return the errors of designs with factors that let `SHARE` of them hold."""
+    """Return the errors of designs with factors that let `SHARE` of the lonelier half hold.
+
+    At the edges of the range the designs around are few and lie to one side.
+    """
     plain = Misses(spots, missed, np.ones(missed.shape[1]))
     ratio = missed / np.maximum(plain.left_out(), 1e-300)
-    factor = np.nanquantile(ratio, SHARE, axis=0)
+    company = np.array([np.exp(-plain.far(z)).sum() for z in spots])
+    lonely = company <= np.median(company)
+    factor = np.nanquantile(ratio[lonely], SHARE, axis=0)
     return Misses(spots, missed, np.maximum(factor, 1.0))

@@ -123,4 +123,7 @@ def swimmer_surface(body: Body, tail: Tail, phase: float, r: Resolution) -> Surf
         inner[row:rows, first:patches] = t.inner
         row, first = rows, patches
     of_tail = np.repeat(np.arange(len(tails) + 1), [bare, *(len(t.controls) for t in tails)])
-    return Surface(np.ascontiguousarray(X), np.ascontiguousarray(motion), of_tail, r.order, inner)
+    return Surface(
+        np.ascontiguousarray(X), np.ascontiguousarray(motion), of_tail, r.order, inner,
+        is_open=any(joint.is_open for joint in joints),
+    )  # fmt: skip

@@ -45,6 +45,8 @@ class Surface:
         Which patches belong to a tube around the swimmer, which stands still.
     closed : bool
         Whether the tube holds all the fluid.
+    is_open : bool
+        Whether a tail's root comes out of its body, so that patches there overlap.
     """
 
     controls: Array
@@ -54,6 +56,7 @@ class Surface:
     inner: Array | None = None
     vessel: NDArray[np.bool_] | None = None
     closed: bool = False
+    is_open: bool = False
 
     @property
     def on_tail(self) -> NDArray[np.bool_]:

@@ -77,7 +77,7 @@ class Atlas:
         one = _bare(swimmer)
         x, z, waves = self.place(one)
         Z, N = np.atleast_2d(z), np.atleast_1d(waves)
-        size = np.exp(np.tensordot(self.exponents, coordinates.powers(x), axes=1))
+        size = np.exp(self.exponents @ coordinates.powers(x))
         known = not (np.iscomplexobj(size) or swimmer.body.is_absent)
         if known and pays(EACH * len(Z)):
             from microswim.calibration.region import evaluate as compiled  # loads Numba

@@ -118,13 +118,15 @@ def features(x: Any, kind: str = "helix") -> np.ndarray:
     width, root = head * aspect ** (-1.0 / 3.0) / thick, bk / (ramp * waves)
     logs = (bk, thick, waves, head, aspect)
     ratios = (head / waves, head / bk, width, root)
-    return np.array([*map(np.log, logs), ramp, *map(np.log, ratios)])
+    found = np.log(np.array([*logs, ramp, *ratios]))
+    found[len(logs)] = ramp
+    return found
 
 
 def powers(x: Any) -> np.ndarray:
     """Return what the powers of a correction's scale multiply, shape (6, ...)."""
-    head = np.where(x[3] == 0.0, 1.0, x[3])  # without a body there is no such power
-    return np.array([0.0 * x[0] + 1.0, *map(np.log, (*x[:3], head, x[4]))])
+    head = x[3] + (x[3] == 0.0)  # without a body there is no such power
+    return np.log(np.array([0.0 * x[0] + np.e, *x[:3], head, x[4]]))
 
 
 def outside(swimmer: Swimmer) -> list[str]:

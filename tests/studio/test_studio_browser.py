@@ -424,7 +424,19 @@ def test_what_has_no_units_is_not_put_beside_what_has(page):
     assert page.evaluate("() => studio.store.designs.length") == 1
     assert page.text_content("#driven-speed") == "–"  # not that of the one before
     page.evaluate("() => { studio.view.paused = false; }")
-    page.click("#drive-motor")
+    page.click("#tab-map")
+    settled(page)
+
+
+def test_what_has_no_magnet_begins_with_its_motor(page):
+    page.click("#tab-drive")
+    page.select_option("#presets", "shapes/magnet")
+    page.wait_for_function("() => studio.store.design.answer.magnet.moment !== null")
+    page.click("#drive-field")
+    page.select_option("#presets", "tabak/helix")
+    page.wait_for_function("() => studio.store.design.name === 'tabak/helix'")
+    assert page.evaluate("() => studio.driver.magnetic") is False
+    assert page.get_attribute("#drive-motor", "aria-pressed") == "true"
     page.click("#tab-map")
     settled(page)
 

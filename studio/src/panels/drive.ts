@@ -43,6 +43,7 @@ export class Driver {
   measured = 0;
 
   constructor(private store: Store, private changed: () => void, private trust: () => HTMLElement[]) {
+    store.on("opened", () => this.release());
     store.on("structure", () => this.renew(true));
     store.on("answer", () => this.renew(false));
     for (const event of ["answer", "designs"] as const) {
@@ -61,6 +62,11 @@ export class Driver {
   /** Whether such a field of the spec drives the active design. */
   get bySpec(): boolean {
     return Boolean(this.store.design) && this.specs.has(this.store.design.answer);
+  }
+
+  /** A design without a magnet begins with its motor, whatever drove the one before. */
+  private release(): void {
+    if (this.magnetic && !this.store.design.answer.magnet.moment) this.choose(false);
   }
 
   /** Other sliders where another kind of field drives it. */

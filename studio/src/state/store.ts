@@ -32,7 +32,7 @@ interface Ask {
   adopt: boolean;
 }
 
-export type Event = "tables" | "answer" | "structure" | "designs" | "problem" | "rest";
+export type Event = "opened" | "tables" | "answer" | "structure" | "designs" | "problem" | "rest";
 
 /** Who judges: boundary elements know a wall, finite elements a channel. */
 export const METHODS = { bem: "Boundary elements", fem: "Finite elements" };
@@ -218,7 +218,7 @@ export class Store {
       this.scene = "";
     }
     this.designs[this.active] = this.make(name, answer);
-    this.tell("designs", "structure", "answer", "tables", "problem", "rest");
+    this.tell("designs", "structure", "answer", "tables", "problem", "rest", "opened");
   }
 
   /** A spec or a scene of two, as text. */
@@ -231,7 +231,7 @@ export class Store {
     this.designs = designs.map((d) => this.make(d.name, d.answer));
     this.active = 0;
     this.scene = name;
-    this.tell("designs", "structure", "answer", "tables", "problem", "rest");
+    this.tell("designs", "structure", "answer", "tables", "problem", "rest", "opened");
     for (const put of this.placed) put(places);
   }
 

@@ -5,6 +5,7 @@ from __future__ import annotations
 from typing import Literal
 
 Kind = Literal["how known", "unsure", "atlas", "choices", "judged"]
+OF_THE_ERROR: tuple[Kind, ...] = ("how known", "unsure")  #: what a reference's word replaces
 
 
 class Remark(str):

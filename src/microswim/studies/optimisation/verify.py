@@ -22,7 +22,7 @@ from microswim.numerics.plain import plain
 from microswim.studies.optimisation.limits import for_people
 from microswim.studies.optimisation.merits import of_gait
 from microswim.studies.optimisation.problem import Problem
-from microswim.studies.optimisation.remark import Remark
+from microswim.studies.optimisation.remark import OF_THE_ERROR, Remark
 from microswim.studies.optimisation.search import Optimum, search
 from microswim.swimmer.swimmer import Swimmer
 
@@ -112,7 +112,7 @@ def _judged(best: Optimum, verdict: dict[str, Any], tolerance: float) -> Optimum
     if own is not None:
         said += f"; {by} itself is good to {percent(own)}"
     known = None if own is None else verdict["miss_us"] + own
-    others = [r for r in best.remarks if r.kind not in ("how known", "unsure")]
+    others = [r for r in best.remarks if r.kind not in OF_THE_ERROR]
     return replace(best, expected_error=known, remarks=(Remark(said, "judged"), *others))
 
 

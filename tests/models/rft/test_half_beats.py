@@ -45,3 +45,11 @@ def test_amplitudes_are_half_of_peak_to_peak_of_dense_samples():
 def test_a_beat_whose_harmonics_do_not_die_out_is_not_resolved():
     V = np.concatenate([twists(16, ratio=0.9), twists(16)])
     assert half_beats.half_beats(V)[0].tolist() == [False] * 40 + [True] * 40
+
+
+def test_a_design_that_is_not_answered_is_not_resolved():
+    V = twists(16)
+    V[3] = np.nan
+    for found in (half_beats.half_beats(np.tile(V, (100, 1, 1))), batch_numbers.half_beats(V)):
+        assert not found[0][3]
+        assert found[0][:3].all()

@@ -165,7 +165,8 @@ def _half_beats(V: Any, moves: Any, odd: Any, to_terms: Any, to_samples: Any, tu
     for block in prange((n + BLOCK - 1) // BLOCK):
         terms, heading, values = np.empty((6, m)), np.empty(m), np.empty(to_samples.shape[2])
         for d in range(block * BLOCK, min(n, (block + 1) * BLOCK)):
-            fine[d] = _fill_terms(terms, V[d], moves, odd, to_terms)
+            known = np.isfinite(V[d].sum())  # a design that is not answered is NaN
+            fine[d] = known and _fill_terms(terms, V[d], moves, odd, to_terms)
             if not fine[d]:
                 continue
             speed[d] = abs(_ahead(V[d], heading, turned))

@@ -3,13 +3,12 @@
 from __future__ import annotations
 
 import pytest
-from _pytest.doctest import DoctestItem
 
 
 @pytest.fixture(autouse=True)
 def _examples_write_elsewhere(
     request: pytest.FixtureRequest, tmp_path_factory: pytest.TempPathFactory
 ) -> None:
-    if isinstance(request.node, DoctestItem):
+    if isinstance(request.node, pytest.DoctestItem):
         patch = request.getfixturevalue("monkeypatch")
         patch.chdir(tmp_path_factory.mktemp("example"))

@@ -97,10 +97,15 @@ def ratios(x: Any, kind: str = "helix") -> tuple[Any, ...]:
     flat = bk == 0
     broad = np.where(flat, np.inf, head / np.where(flat, 1.0, bk))
     rise = bk / (np.where(ramp == 0, np.inf, ramp) * length)  # without a ramp nothing rises
-    half = head * aspect ** (-1.0 / 3.0)
+    half = half_width(head, aspect)
     far = rise * aspect * half
     room = (np.sqrt(half * half + far * far) - far) / (thick * np.sqrt(1.0 + rise * rise))
     return head / thick, head / length, filament, broad, rise, room
+
+
+def half_width(head: Any, aspect: Any) -> Any:
+    """Return the half axis across of a spheroid of a mean radius and an aspect ratio."""
+    return head * aspect ** (-1.0 / 3.0)
 
 
 def features(x: Any, kind: str = "helix") -> np.ndarray:
@@ -115,7 +120,7 @@ def features(x: Any, kind: str = "helix") -> np.ndarray:
     if kind.endswith("_alone"):
         steep = np.where(ramp == 0, 0.0, bk / np.where(ramp == 0, 1.0, ramp) / waves)
         return np.array([*map(np.log, (bk, thick, waves)), ramp, np.log(1.0 + steep)])
-    width, root = head * aspect ** (-1.0 / 3.0) / thick, bk / (ramp * waves)
+    width, root = half_width(head, aspect) / thick, bk / (ramp * waves)
     logs = (bk, thick, waves, head, aspect)
     ratios = (head / waves, head / bk, width, root)
     found = np.log(np.array([*logs, ramp, *ratios]))

@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
+from itertools import islice
 
 import numpy as np
 from numpy.typing import NDArray
@@ -33,20 +34,25 @@ def places(
     SpecError
         If the swimmer does not fit into the tube.
     """
-    lines: list[Array] = []
-    Z: list[Array] = []
-    for found, z, _ in _that_fit(shape, numbers, radius, 1000 * seed):
-        lines.append(found)
-        Z.append(z)
-        if sum(map(len, lines)) >= among:
-            break
-    if not lines:
+    fit = _that_fit(shape, numbers, radius, 1000 * seed)
+    lines, Z = _gathered(((found, z) for found, z, _ in fit), among)
+    if not len(lines):
         raise SpecError(
             "channel.diameter", 2.0 * radius, "wide enough for the swimmer to move in it"
         )
-    all_lines, all_z = np.concatenate(lines)[:among], np.concatenate(Z)[:among]
-    chosen = scattered.spread(all_z[:, : inside.WHERE], count)
-    return all_lines[chosen], all_z[chosen]
+    chosen = scattered.spread(Z[:, : inside.WHERE], count)
+    return lines[chosen], Z[chosen]
+
+
+def _gathered(parts: Iterable[tuple[Array, Array]], count: int) -> tuple[Array, Array]:
+    """Return the first lines (count, 6) and their features, fewer where there are no more."""
+    lines, Z = [np.empty((0, 6))], [np.empty((0, inside.FEATURES))]
+    for some, z in parts:
+        lines.append(some)
+        Z.append(z)
+        if sum(map(len, lines)) >= count:
+            break
+    return np.concatenate(lines)[:count], np.concatenate(Z)[:count]
 
 
 def with_close_ones(
@@ -84,17 +90,16 @@ def _close(
 ) -> tuple[Array, Array]:
     """Return lines, and their features, of which the tail or the body is close to the tube."""
     part, seed = which
-    found: list[Array] = []
-    features: list[Array] = []
     first = FIRST_CLOSE * (2 - part) + 1000 * seed
-    for n, (some, z, gaps) in enumerate(_that_fit(shape, numbers, radius, first)):
-        odds = numbers[inside.LEAST] / gaps[:, part]
-        keep = (odds > points(LOOK, 1, first + n)[: len(some), 0]) & (odds > TOO_FAR)
-        found.append(some[keep])
-        features.append(z[keep])
-        if sum(map(len, found)) >= count or n == MOST_LOOKS:
-            break
-    return np.concatenate(found)[:count], np.concatenate(features)[:count]
+
+    def near() -> Iterator[tuple[Array, Array]]:
+        looks = islice(_that_fit(shape, numbers, radius, first), MOST_LOOKS + 1)
+        for n, (some, z, gaps) in enumerate(looks):
+            odds = numbers[inside.LEAST] / gaps[:, part]
+            keep = (odds > points(LOOK, 1, first + n)[: len(some), 0]) & (odds > TOO_FAR)
+            yield some[keep], z[keep]
+
+    return _gathered(near(), count)
 
 
 def _that_fit(

@@ -52,10 +52,11 @@ def positions_and_velocities(
     half, w, powers = window // 2, weights(window), _powers(window)
     slopes = np.stack([np.zeros(window), powers[:, 0], 2.0 * powers[:, 1]], axis=1)
     found = []
+    first, last = w @ x[:window], w @ x[-window:]
     for weight, row in ((w[0], powers), (w[1], slopes)):
         along = correlate1d(x, weight, axis=0, mode="nearest")
-        along[:half] = (row @ w @ x[:window])[:half]
-        along[-half:] = (row @ w @ x[-window:])[-half:]
+        along[:half] = row[:half] @ first
+        along[-half:] = row[-half:] @ last
         found.append(along)
     return found[0], found[1] / step
 

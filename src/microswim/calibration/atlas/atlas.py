@@ -60,22 +60,24 @@ class Atlas:
     plain: dict[str, Misses]
     about: dict[str, Any] = field(default_factory=dict)
 
-    def place(self, swimmer: Swimmer) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-        """Return numbers (6, ...), scaled coordinates (..., f) and waves of a design."""
-        x = coordinates.numbers(swimmer)
+    def place(self, swimmer: Swimmer, x: Any = None) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+        """Return numbers (6, ...), scaled coordinates (..., f) and waves of a design; x its
+        numbers, where they are known.
+        """
+        x = coordinates.numbers(swimmer) if x is None else x
         features = coordinates.features(x, coordinates.kind_of(swimmer))
         z = (features.T - self.centre) / self.spread
         return x, z, x[2]
 
-    def matrices(self, swimmer: Swimmer) -> tuple[np.ndarray, ...]:
+    def matrices(self, swimmer: Swimmer, x: Any = None) -> tuple[np.ndarray, ...]:
         """Return R (n, m, 6, 6), F_p (n, m, 6), G (n, m) and the body's share (n, 3).
 
-        Of one design, n = 1, or of arrays of designs (`microswim.swimmer.fields.lifted`). A helix
-        at phase 0, a plane wave at m phases of the period. Many run compiled; few, and complex
-        ones, as Python.
+        Of one design, n = 1, or of arrays of designs (`microswim.swimmer.fields.lifted`), x (6,
+        ...) their numbers where they are known. A helix at phase 0, a plane wave at m phases of the
+        period. Many run compiled; few, and complex ones, as Python.
         """
         one = _bare(swimmer)
-        x, z, waves = self.place(one)
+        x, z, waves = self.place(one, x)
         Z, N = np.atleast_2d(z), np.atleast_1d(waves)
         size = np.exp(self.exponents @ coordinates.powers(x))
         known = not (np.iscomplexobj(size) or swimmer.body.is_absent)

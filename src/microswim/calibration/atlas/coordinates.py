@@ -45,6 +45,7 @@ WAVES = {
     )
 }
 
+LEAST = 1e-300  #: beside which nothing counts, in place of a division by zero
 #: Sections and motion of the surface in the solves, by the kind of tail.
 SURFACES = {"helix": ("perpendicular", "rigid"), "plane_wave": ("sheared", "translating")}
 #: Of a tail without a body, which may begin at its full amplitude.
@@ -91,15 +92,14 @@ def ratios(x: Any, kind: str = "helix") -> tuple[Any, ...]:
     root: continued into a body of half axes R and a, a tail of slope m and radius r lies within it
     somewhere all around where ``sqrt(a^2 + m^2 R^2) - m R > r sqrt(1 + m^2)``.
     """
-    bk, thick, waves, head, aspect, ramp = x
+    bk, thick, waves, head, aspect, ramp = x  # numbers or arrays: nothing here is dear for either
     length, slope2 = 2.0 * np.pi * waves, bk * bk * (0.5 if kind.startswith("plane_wave") else 1.0)
-    filament = length * np.sqrt(1.0 + slope2) / thick
-    flat = bk == 0
-    broad = np.where(flat, np.inf, head / np.where(flat, 1.0, bk))
-    rise = bk / (np.where(ramp == 0, np.inf, ramp) * length)  # without a ramp nothing rises
+    filament = length * (1.0 + slope2) ** 0.5 / thick
+    broad = head / (bk + LEAST)
+    rise = bk * ramp / (ramp * ramp * length + LEAST)  # without a ramp nothing rises
     half = half_width(head, aspect)
     far = rise * aspect * half
-    room = (np.sqrt(half * half + far * far) - far) / (thick * np.sqrt(1.0 + rise * rise))
+    room = ((half * half + far * far) ** 0.5 - far) / (thick * (1.0 + rise * rise) ** 0.5)
     return head / thick, head / length, filament, broad, rise, room
 
 
@@ -136,13 +136,14 @@ def powers(x: Any) -> np.ndarray:
 
 def outside(swimmer: Swimmer) -> list[str]:
     """Return in words what puts a swimmer outside the atlas; empty inside."""
-    kind = unlike(swimmer)
-    if kind:
-        return kind
-    x, like = np.real(numbers(swimmer)).tolist(), kind_of(swimmer)
+    return unlike(swimmer) or beyond(numbers(swimmer), kind_of(swimmer))
+
+
+def beyond(x: np.ndarray, kind: str) -> list[str]:
+    """Return in words which of its numbers x (6,) put a design outside the atlas."""
     return [
         f"{name} {value:.4g} is not in {low:g} to {high:g}"
-        for (name, low, high), value in zip(bounds(like), values(x, like))
+        for (name, low, high), value in zip(bounds(kind), values(np.real(x).tolist(), kind))
         if not low * (1 - 1e-9) <= value <= high * (1 + 1e-9)
     ]
 

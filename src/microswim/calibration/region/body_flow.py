@@ -196,6 +196,11 @@ def parameters(swimmer: Swimmer) -> np.ndarray:
         *(*local, swimmer.body.semi_axes3[0], tail.spin * tail.sign),
         _LAW.end(tail, swimmer.fluid.viscosity),
     )
+    return side_by_side(values)
+
+
+def side_by_side(values: tuple[Any, ...]) -> np.ndarray:
+    """Return numbers, or numbers of many designs, as one array (..., values)."""
     if not any(isinstance(v, np.ndarray) for v in values):
         return np.array(values) + 0.0
     kind = np.result_type(np.float64, *values)

@@ -17,6 +17,7 @@ from microswim.numerics.series.fourier import MIRROR_Q, MIRROR_R
 from microswim.numerics.solve6 import solve
 from microswim.swimmer.swimmer import Swimmer
 
+BOTH = np.outer(MIRROR_R, MIRROR_R)
 BLOCK = 16  #: designs that share scratch arrays
 
 
@@ -126,20 +127,20 @@ def matrices(many: Swimmer, Z: Any, N: Any, surfaces: Surfaces, size: Any = None
         By what each correction is multiplied, (n, columns); one by default.
     """
     n = len(Z)
-    p = np.broadcast_to(shaded.parameters(many), (n, 11))
-    drags = many.body.diagonal(many.fluid.viscosity)
-    D = np.empty((n, 6), dtype=np.result_type(*drags))
-    for column, drag in zip(D.T, drags):
-        column[:] = drag
-    mu = np.broadcast_to(many.fluid.viscosity, (n,))
+    mu = many.fluid.viscosity
+    p, D = shaded.parameters(many), shaded.side_by_side(many.body.diagonal(mu))
     *packed, mean = surfaces.packed
-    size = np.ones((n, len(mean))) if size is None else size
+    size = 1.0 if size is None else size
     kind = np.result_type(Z, p, D, mu, size, np.float64)
-    arrays = (lent(x, kind) for x in (p, D, mu, Z, N, size))
+    arrays, shapes = [], ((11,), (6,), (), Z.shape[1:], (), mean.shape)
+    for values, shape in zip((p, D, mu, Z, N, size), shapes):
+        each = np.empty((n, *shape), dtype=kind)
+        each[...] = values
+        arrays.append(lent(each))
     turn = shaded.hand(many) > 0
     run = (helices if turn else waves).over(n)
     sizes = shaded.sizes(N)
     R, F, G, extra = run(*arrays, sizes, *shaded.rules(int(sizes.max())), *packed, mean)
     if turn and many.tail.sign < 0:
-        R, F, extra = R * np.outer(MIRROR_R, MIRROR_R), F * MIRROR_R, extra * OTHER_HAND
+        R, F, extra = R * BOTH, F * MIRROR_R, extra * OTHER_HAND
     return R, F, G, extra

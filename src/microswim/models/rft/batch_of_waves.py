@@ -53,11 +53,12 @@ def of_waves(
             results = of_plane_waves(V, [x[fine] for x in beats], power, rate[done], own, *work)
             for name, value in results.items():
                 out[name][done] = value
-            some = some[~fine]
+            again = ~fine & np.isfinite(found[0][:, 0, 0])  # more phases do not answer a NaN
+            some = some[again]
             if not len(some) or 2 * phases > MOST_PHASES:
                 break
             between = solved(some, np.pi * (np.arange(phases) + 0.5) / phases)
-            found = [_interleaved(a[~fine], b) for a, b in zip(found, between)]
+            found = [_interleaved(a[again], b) for a, b in zip(found, between)]
             phases *= 2
 
 

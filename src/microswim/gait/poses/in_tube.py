@@ -36,7 +36,7 @@ from microswim.numerics.matern import matern
 #: Features of a pose; those first that say where it is.
 FEATURES, WHERE = 18, 10
 #: Points of a circle of a body with edges.
-AROUND = 16
+AROUND = 64
 
 
 @compiled(fastmath=FAST, error_model="numpy")

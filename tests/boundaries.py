@@ -12,7 +12,7 @@ from microswim.calibration.poses import fit, layout, scattered, tube
 from microswim.calibration.poses import lines as tube_lines
 from microswim.calibration.poses.solved import SolvedPoses, power_of
 from microswim.calibration.poses.wall import start_of
-from microswim.gait.poses import beside_wall
+from microswim.gait.poses import beside_wall, in_tube
 from microswim.gait.poses.table import TUBE, WALL, PoseTable
 from microswim.gait.stepping import pack
 
@@ -49,11 +49,12 @@ def inside(swimmer, adds=0.4, radius=RADIUS):
     Y = np.zeros((len(Z), 46))
     for m, (i, j) in enumerate(zip(*np.tril_indices(6), strict=True)):
         Y[:, m] = -adds * Z[:, 8:10].sum(axis=1) if i == j else 0.0
-    known, weights = scattered.known_of_both(Z, Y)
+    known, (L, rest, carried) = scattered.known_of_each(Z, Y[:, :21], Y[:, 21:28], Y[:, 28:])
     gait = replace(swimmer, channel=None).gait()
+    root = tube.root_of(gait)
+    root[in_tube.SHARED] = 1.0
     table = PoseTable(
         TUBE, pack(gait), np.array([0.0, 0, 0, 1, 0, 0, radius]), numbers, shape.body, shape.tail,
-        np.zeros(0), np.zeros((0, 0, 0, 0, 0)), known, weights[:28].copy(), weights[28:].copy(),
-        tube.root_of(gait),
+        np.zeros(0), np.zeros((0, 0, 0, 0, 0)), known, np.concatenate([L, rest]), carried, root,
     )  # fmt: skip
     return SolvedPoses(gait, table, tube.start_of(swimmer), {})

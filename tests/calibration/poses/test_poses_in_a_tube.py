@@ -41,12 +41,14 @@ def planted(swimmer: ms.Swimmer, radius: float, count: int = 60) -> PoseTable:
     shape = tube.in_a_tube(swimmer, 0.02)
     numbers = tube.numbers_of(shape, 0.02)
     _, Z = tube_lines.places(shape, numbers, radius, count, among=400)
-    known, weights = scattered.known_of_both(Z, Z @ MIX[:, :46])
+    Y = Z @ MIX
+    known, (L, rest, carried) = scattered.known_of_each(Z, Y[:, :21], Y[:, 21:28], Y[:, 28:])
     gait = swimmer.gait()
+    root = tube.root_of(gait)
+    root[in_tube.SHARED] = 1.0
     return PoseTable(
         TUBE, pack(gait), np.array([0.0, 0, 0, 1, 0, 0, radius]), numbers, shape.body, shape.tail,
-        np.zeros(0), np.zeros((0, 0, 0, 0, 0)), known, weights[:28].copy(), weights[28:].copy(),
-        tube.root_of(gait),
+        np.zeros(0), np.zeros((0, 0, 0, 0, 0)), known, np.concatenate([L, rest]), carried, root,
     )  # fmt: skip
 
 
@@ -176,7 +178,8 @@ def test_what_is_known_comes_back_and_a_smooth_function_between() -> None:
             ROBOT.gait(), resistance_series=R[None], propulsion_series=F[None],
             activity_series=np.array([G]),
         )  # fmt: skip
-        assert tube.targets(made, root) == pytest.approx(z @ MIX[:, :28], abs=0.01)
+        near = tube.of_tail(shape, TABLE.numbers, RADIUS, line)
+        assert tube.targets(made, root, near) == pytest.approx(z @ MIX[:, :28], abs=0.01)
 
 
 def test_a_tube_knows_no_place_along_it_no_side_and_no_end() -> None:

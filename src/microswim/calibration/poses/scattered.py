@@ -90,8 +90,14 @@ def known_of_both(Z: Array, Y: Array) -> tuple[Array, Array]:
 
     Velocities change over other lengths than resistances do.
     """
-    L, rest = known(Z, Y[:, :OF_L]), known(Z, Y[:, OF_L:])
-    return np.stack([L[0], rest[0]]), np.concatenate([L[1], rest[1]])
+    found, weights = known_of_each(Z, Y[:, :OF_L], Y[:, OF_L:])
+    return found, np.concatenate(weights)
+
+
+def known_of_each(Z: Array, *targets: Array) -> tuple[Array, list[Array]]:
+    """Return `PoseTable.known` (k, 1 + f, n), and weights (m, 1 + n) of each group of targets."""
+    found = [known(Z, Y) for Y in targets]
+    return np.stack([poses for poses, _ in found]), [weights for _, weights in found]
 
 
 def known(Z: Array, Y: Array) -> tuple[Array, Array]:

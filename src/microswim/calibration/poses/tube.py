@@ -12,7 +12,7 @@ from microswim.calibration.poses import scattered
 from microswim.calibration.poses.alike import to_digits
 from microswim.calibration.poses.layout import Shape, shape_of
 from microswim.calibration.poses.lines import first, with_close_ones
-from microswim.calibration.poses.scattered import Scatter
+from microswim.calibration.poses.scattered import OF_L, Scatter
 from microswim.calibration.poses.solved import (
     SolvedPoses,
     Solves,
@@ -26,9 +26,11 @@ from microswim.errors import SpecError
 from microswim.gait.gait import Gait
 from microswim.gait.poses import in_tube as inside
 from microswim.gait.poses.table import TUBE, PoseTable
+from microswim.gait.poses.tail_near_tube import near_tail
 from microswim.gait.stepping import length_of, pack
 from microswim.models.bem.solution import middle_of
 from microswim.numerics.array import Array
+from microswim.numerics.compiling.compiled import settled
 from microswim.numerics.rigid_motion import quaternion_of
 from microswim.swimmer.geometry.surroundings import Channel
 from microswim.swimmer.swimmer import Swimmer
@@ -124,14 +126,41 @@ def _table(
     """Return the table of solves at lines (n, 6) of features Z (n, 18)."""
     free, root = made.best, root_of(made.free)
     there = [i for i, gait in enumerate(made.poses) if gait is not None]
-    Y = np.array([targets(gait, root) for gait in made.there])
+    near = [of_tail(shape, numbers, radius, lines[i]) for i in there]
+    share = _share(made.there, near, root)
+    near = [(share * R, share * F) for R, F in near]
+    Y = np.array([targets(g, root, part) for g, part in zip(made.there, near, strict=True)])
     C = np.array([carried(g, lines[i], radius) for i, g in zip(there, made.there, strict=True)])
-    known, weights = scattered.known_of_both(Z[there], np.concatenate([Y, C], axis=1))
+    known, weights = scattered.known_of_each(Z[there], Y[:, :OF_L], Y[:, OF_L:], C)
+    best = root_of(free)
+    best[inside.SHARED] = share
     return PoseTable(
         TUBE, np.ascontiguousarray(pack(free)), np.array([0.0, 0, 0, 1, 0, 0, radius]), numbers,
         shape.body, shape.tail, np.zeros(0), np.zeros((0, 0, 0, 0, 0)),
-        known, weights[: Y.shape[1]].copy(), weights[Y.shape[1] :].copy(), root_of(free),
+        known, np.concatenate(weights[:2]), weights[2], best,
     )  # fmt: skip
+
+
+def of_tail(shape: Shape, numbers: Array, radius: float, line: Array) -> tuple[Array, Array]:
+    """Return what a tail close to the tube adds to R (6, 6) and F_p (6,), see `tail_near_tube`."""
+    R, F = np.zeros((6, 6)), np.zeros(6)
+    with settled(True):
+        near_tail(line, shape.tail, numbers, radius, 1.0, R, F, np.zeros(12))
+    return R, F
+
+
+def _share(gaits: list[Gait], near: list[tuple[Array, Array]], root: Array) -> float:
+    """Return how much of that can be taken off such that at every pose R stays well above zero."""
+    inverse = np.linalg.inv(root[:6])
+    for share in (1.0, 0.5, 0.25):
+        left = [g.resistance(0.0) - share * R for g, (R, _) in zip(gaits, near, strict=True)]
+        if np.linalg.eigvalsh(inverse @ np.array(left) @ inverse.T).min() > WELL_ABOVE:
+            return share
+    return 0.0
+
+
+#: Least eigenvalue of R in units of that in free fluid, once the tail's part is taken off.
+WELL_ABOVE = 0.5
 
 
 def _tube_of(swimmer: Swimmer) -> Channel:
@@ -180,19 +209,25 @@ def beside(swimmer: Swimmer, radius: float, line: Array) -> Swimmer:
 
 
 def root_of(free: Gait) -> Array:
-    """Return `PoseTable.root` (8, 6): S of ``R = S exp(L) S'``, R^-1 F_p and P in free fluid."""
+    """Return `PoseTable.root` (8, 6): S of ``R = S exp(L) S'``, S^-1 F_p and P in free fluid."""
     R, F = free.resistance(0.0), free.propulsion(0.0)
     unit = np.repeat([1.0, length_of(free)], 3)
     values, vectors = np.linalg.eigh(R / np.outer(unit, unit))
     S = unit[:, None] * ((vectors * np.sqrt(values)) @ vectors.T)
-    w = np.linalg.solve(R, F)
     power = np.zeros(6)
     power[0] = power_of(free)
-    return np.concatenate([S, w[None], power[None]])
+    return np.concatenate([S, np.linalg.solve(S, F)[None], power[None]])
 
 
-def targets(gait: Gait, root: Array) -> Array:
-    """Return L by the rows of its lower triangle (21), w (6) and log of P over that of free fluid.
+def targets(gait: Gait, root: Array, near: tuple[Array, Array] | None = None) -> Array:
+    """Return L by the rows of its lower triangle (21), f (6) and log of P over that of free fluid.
+
+    Parameters
+    ----------
+    gait, root
+        Of a pose; in free fluid.
+    near
+        R and F_p that are told apart.
 
     Raises
     ------
@@ -200,15 +235,16 @@ def targets(gait: Gait, root: Array) -> Array:
         If R is not positive definite.
     """
     R, F = gait.resistance(0.0), gait.propulsion(0.0)
+    if near is not None:
+        R, F = R - near[0], F - near[1]
     inverse = np.linalg.inv(root[:6])
     E = inverse @ R @ inverse.T
     values, vectors = np.linalg.eigh(0.5 * (E + E.T))
     if not values[0] > 0.0:
         raise np.linalg.LinAlgError("a resistance beside the tube is not positive definite")
     L = (vectors * np.log(values)) @ vectors.T
-    w = np.linalg.solve(R, F)
     more = added_power(gait, float(root[7, 0]))
-    return np.concatenate([L[np.tril_indices(6)], w - root[6], [more]])
+    return np.concatenate([L[np.tril_indices(6)], inverse @ F - root[6], [more]])
 
 
 def carried(gait: Gait, line: Array, radius: float) -> Array:

@@ -4,10 +4,10 @@ Body of revolution and rigid tail are one rigid thing but for a turn about s, so
 depends on where the tube's axis lies in the frame that turns with the tail: on the line's direction
 t, either sense of it, and on b, the vector from the line to the body's centre. In that frame
 
-    R = S exp(L) S',   F_p = R (w_0 + w),   S S' = R and w_0 = R^-1 F_p in free fluid,
+    R = S exp(L) S' + R_t,   F_p = S (f_0 + f) + F_t,   S S' = R and f_0 = S^-1 F_p in free fluid,
 
-so that R is symmetric positive definite for any symmetric L. L (21 numbers) and w (6) are smooth
-functions of
+R_t and F_t what a tail that all but touches the tube has from it (`tail_near_tube`), so that R is
+symmetric positive definite for any symmetric L. L (21 numbers) and f (6) are smooth functions of
 
     z = (b, t t', q_b, q_t, <q>, <q s>, <q n>)
 
@@ -15,9 +15,8 @@ with q = log(g/(g + size)) of the gap g: of body and tail where they are nearest
 the tail, which feels how much of it is near, where along it and on which side (n points from the
 wall to the axis); of a body with edges averaged over these as well. Which turn of the tail is
 nearest jumps from pose to pose, the means do not.
-None knows the sense of t. L and w are interpolated between scattered poses by their covariances,
-Matern 5/2 of the distance in z: one for L, and one for velocities, which change over lengths of
-their own. Towards contact the eigenvalue of L across the wall goes like
+None knows the sense of t. L and f are interpolated between scattered poses by their covariances,
+Matern 5/2 of the distance in z: one for L, and one for f, each with lengths of its own. Towards contact the eigenvalue of L across the wall goes like
 -log g and all else like a power of log g less; below the smallest gap solved R goes on as
 lubrication has it (`lubricated`).
 """
@@ -32,9 +31,12 @@ from microswim.gait.poses.beside_wall import LEAST, LENGTH, SIZE, TAIL_RADIUS
 from microswim.gait.poses.tube_contact import of_line
 from microswim.numerics.compiling.compiled import FAST, compiled
 from microswim.numerics.matern import matern
+from microswim.numerics.solve6 import solve
 
 #: Features of a pose; those first that say where it is.
 FEATURES, WHERE = 18, 10
+#: Where `PoseTable.root` has the share of `tail_near_tube` that is told apart.
+SHARED = 7, 1
 #: Points of a circle of a body with edges.
 AROUND = 64
 
@@ -131,7 +133,7 @@ def between(known: Any, weights: Any, z: Any, values: Any, near: Any) -> None:
 
 @compiled()
 def both(known: Any, weights: Any, z: Any, values: Any, near: Any) -> None:
-    """Write L (21 numbers), and w and the motor's power (7), each by its own lengths."""
+    """Write L (21 numbers), and f and the motor's power (7), each by its own lengths."""
     between(known[0], weights[:21], z, values[:21], near)
     between(known[1], weights[21:], z, values[21:], near)
 
@@ -178,9 +180,9 @@ def _product(A: Any, B: Any, out: Any) -> None:
 
 @compiled(error_model="numpy")
 def from_logarithm(root: Any, values: Any, R: Any, F: Any, work: Any) -> None:
-    """Write R = S exp(L) S' and F_p = R (w_0 + w), the frame of the tail.
+    """Write R = S exp(L) S' and F_p = S (f_0 + f), the frame of the tail.
 
-    `root` (8, 6): S, w_0, P_0; `values` (27,): L by rows of its lower triangle, w.
+    `root` (8, 6): S, f_0, P_0 and `SHARED`; `values` (27,): L by rows of its lower triangle, f.
     """
     L, E = work[:36].reshape((6, 6)), work[36:72].reshape((6, 6))
     room = work[72:108].reshape((6, 6))
@@ -202,19 +204,25 @@ def from_logarithm(root: Any, values: Any, R: Any, F: Any, work: Any) -> None:
     for i in range(6):
         F[i] = 0.0
         for j in range(6):
-            F[i] += R[i, j] * (root[6, j] + values[21 + j])
+            F[i] += root[i, j] * (root[6, j] + values[21 + j])
 
 
 @compiled()
-def from_power(root: Any, values: Any, F: Any) -> Any:
-    """Return G, the motor's power per squared rate with the body held: ``F_p . V_0 + P``.
+def from_power(root: Any, values: Any, R: Any, F: Any, work: Any) -> Any:
+    """Return G, the motor's power per squared rate with the body held: ``F_p . R^-1 F_p + P``.
 
     P > 0 is what the motor spends per squared rate where nothing holds the swimmer, `root[7, 0]`
     in free fluid; F_p of the tail's frame.
     """
+    V, A = work[:6], work[6:42].reshape((6, 6))
+    for i in range(6):
+        V[i] = F[i]
+        for j in range(6):
+            A[i, j] = R[i, j]
+    solve(A, V, (True, True, True, True, True, True))
     power = root[7, 0] * np.exp(values[27])
     for i in range(6):
-        power += F[i] * (root[6, i] + values[21 + i])
+        power += F[i] * V[i]
     return power
 
 

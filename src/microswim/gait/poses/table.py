@@ -31,6 +31,7 @@ from microswim.gait.poses.in_tube import (
     turned,
 )
 from microswim.gait.poses.lubricated import continued
+from microswim.gait.poses.tail_near_tube import near_tail
 from microswim.gait.poses.tube_contact import nearer_first, touch_tube
 from microswim.gait.stepping import pack, row
 from microswim.numerics.compiling.compiled import compiled
@@ -69,8 +70,8 @@ class PoseTable(NamedTuple):
     factors
         Coefficients of what the wall adds, see `beside_wall`: side, gap, tilt, turn, number.
     known, weights, carried, root
-        Of a tube, see `in_tube`: poses solved in units of the lengths over which L changes, and of
-        those over which velocities do; weights of what is interpolated between them and of how
+        Of a tube, see `in_tube`: poses solved in units of the lengths over which L changes, of
+        those over which F_p does, and of those of what a flow does; weights of what is interpolated between them and of how
         Poiseuille's flow carries the swimmer; free fluid.
         Of a wall beside a swimmer of any shape, see `any_shape`: the same, and the series of the
         motor's power in free fluid; the centreline is a series in the phase (m, 3 + 6 H), the body
@@ -165,7 +166,9 @@ def resist(table: Any, x: Any, q: Any, phase: Any, R: Any, F: Any, touch: Any, w
         features(line, touch[0], touch[7], parts, table.numbers, table.boundary[6], z)
         both(table.known, table.weights, z, values, work[54:])
         from_logarithm(table.root, values, R, F, work[54:])
-        power = from_power(table.root, values, F)
+        share = table.root[7, 1]
+        near_tail(line, table.tail, table.numbers, table.boundary[6], share, R, F, work[54:])
+        power = from_power(table.root, values, R, F, work[54:])
         power += continued(table.numbers, touch, R, F, work[54:])
         nearer_first(touch)
         out_of_the_tail(table.numbers[SIGN] * phase, R, F, touch)
@@ -223,7 +226,7 @@ def carry(table: Any, x: Any, q: Any, phase: Any, D: Any, work: Any) -> None:
     near(table, x, q, phase, touch, work)
     parts = table.body, table.tail
     features(line, touch[0], touch[7], parts, table.numbers, table.boundary[6], z)
-    between(table.known[1], table.carried, z, values, work[54:])
+    between(table.known[2], table.carried, z, values, work[54:])
     for i in range(6):  # D t', times t: the same for either sense of the line
         D[i] = 0.0
         for j in range(3):

@@ -242,7 +242,7 @@ def test_lubrication_in_a_tube_goes_on_below_the_smallest_gap(q: Any) -> None:
         N = np.concatenate([touch[4:7], touch[1:4]])
         pushed.append(1.0 / (N @ np.linalg.solve(R, N)))
     slopes = np.diff(np.log(pushed)) / np.diff(np.log(gaps))
-    assert slopes[:40] == pytest.approx(-1.0, abs=0.01)
+    assert slopes[:35] == pytest.approx(-1.0, abs=0.01)  # further off, what else is near counts
     assert np.abs(np.diff(np.log(pushed))).max() < 0.4
 
 
@@ -296,7 +296,7 @@ def test_no_pose_need_be_left_out(monkeypatch: pytest.MonkeyPatch) -> None:
         assert poses.gait is best
         drags.append(poses.at(*poses.start, 0.0)[0][0, 0])
     assert 0.9 < drags[0] / gait.resistance(0.0)[0, 0] < 1.3
-    assert drags[1] == pytest.approx(1.1 * drags[0])
+    assert drags[1] == pytest.approx(1.1 * drags[0], rel=1e-4)  # but for the tail's own part
 
 
 def test_of_a_fifth_of_the_poses_the_tail_is_close_and_of_another_the_body() -> None:

@@ -16,9 +16,11 @@ the tail, which feels how much of it is near, where along it and on which side (
 wall to the axis); of a body with edges averaged over these as well. Which turn of the tail is
 nearest jumps from pose to pose, the means do not.
 None knows the sense of t. L and f are interpolated between scattered poses by their covariances,
-Matern 5/2 of the distance in z: one for L, and one for f, each with lengths of its own. Towards contact the eigenvalue of L across the wall goes like
--log g and all else like a power of log g less; below the smallest gap solved R goes on as
-lubrication has it (`lubricated`).
+Matern 5/2 of the distance in z: one for L, and one for f, each with lengths of its own. Towards
+contact the eigenvalue of L across the wall goes like -log g and all else like a power of log g
+less; below the smallest gap solved R goes on as lubrication has it (`lubricated`). Velocities would
+not do in place of f: where the tail touches, they turn from what drags it to what the contact
+leaves, within a gap or two.
 """
 
 from __future__ import annotations

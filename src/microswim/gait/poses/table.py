@@ -71,8 +71,8 @@ class PoseTable(NamedTuple):
         Coefficients of what the wall adds, see `beside_wall`: side, gap, tilt, turn, number.
     known, weights, carried, root
         Of a tube, see `in_tube`: poses solved in units of the lengths over which L changes, of
-        those over which F_p does, and of those of what a flow does; weights of what is interpolated between them and of how
-        Poiseuille's flow carries the swimmer; free fluid.
+        those over which F_p does, and of those of what a flow does; weights of what is interpolated
+        between them and of how Poiseuille's flow carries the swimmer; free fluid.
         Of a wall beside a swimmer of any shape, see `any_shape`: the same, and the series of the
         motor's power in free fluid; the centreline is a series in the phase (m, 3 + 6 H), the body
         as `any_shape.support` has it.

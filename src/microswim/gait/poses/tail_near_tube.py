@@ -6,7 +6,7 @@ on it and across,
 
     f(h) = 4 pi mu (1/(A - B), 1/(2 A), 1/A),   A = acosh(h/r),  B = sqrt(1 - r^2/h^2)
 
-[Jeffrey & Onishi 1981, Eqs. 2.9, 3.11], h the distance of its axis. Of a piece that leans by alpha
+[Jeffrey & Onishi 1981], h the distance of its axis. Of a piece that leans by alpha
 the lower side counts, ``r cos(alpha)`` below its axis. The tip is half a ball, and as much more of
 one as it noses towards the side: with the share chi of the ball's pressure that lies on it,
 

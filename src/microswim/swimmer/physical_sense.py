@@ -15,6 +15,7 @@ import numpy as np
 
 from microswim.errors import SpecError
 from microswim.gait.gait import Gait
+from microswim.gait.readable import significant
 from microswim.swimmer.geometry import attachment
 from microswim.swimmer.geometry.tails.wave_tail import WaveTail
 
@@ -187,14 +188,14 @@ def _of_motion(swimmer: Swimmer) -> list[str]:
     Re, out = reynolds(swimmer), []
     if Re > INERTIA:
         out.append(
-            f"the Reynolds number (frequency x body length squared) is {Re:.2g}: inertia, which is "
-            "left out, is felt; swim keeps that of the fluid"
+            f"the Reynolds number (frequency x body length squared) is {significant(Re, 2)}: inertia, which "
+            "is left out, is felt; swim keeps that of the fluid"
         )
     Re = turning_reynolds(swimmer)
     if Re > INERTIA:
         out.append(
-            f"in step with its field the robot turns at a Reynolds number of {Re:.2g}: inertia, "
-            "which is left out, is felt"
+            f"in step with its field the robot turns at a Reynolds number of {significant(Re, 2)}: "
+            "inertia, which is left out, is felt"
         )
     if not stands_still(swimmer):
         return out

@@ -8,6 +8,7 @@ from click.testing import CliRunner
 
 import microswim as ms
 from microswim.cli import main
+from microswim.gait.readable import significant
 from microswim.gait.turning.driven import DRIVEN
 from microswim.gait.turning.steady_turning import SteadyTurning
 from microswim.gait.turning.step_out import Drive, fastest, onset, steady
@@ -183,4 +184,4 @@ def test_a_run_tells_them_and_warns_of_inertia():
     assert not any("turns at a Reynolds number" in line for line in one.remarks)
     fast = one.with_({"field.frequency": 200.0})
     Re = 970.0 * 2 * np.pi * 200.0 * 5e-4**2 / 0.34
-    assert any(f"turns at a Reynolds number of {Re:.2g}" in line for line in fast.remarks)
+    assert any(f"turns at a Reynolds number of {significant(Re, 2)}" in line for line in fast.remarks)

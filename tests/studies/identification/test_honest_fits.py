@@ -1,6 +1,7 @@
 """Fits that say when they know nothing, and intervals that hold the model's own error."""
 
 import json
+import re
 from dataclasses import replace
 
 import numpy as np
@@ -55,6 +56,21 @@ def test_a_beat_above_half_the_frame_rate_is_not_looked_for():
     slow = ms.Track(time=track.time, position=1e-6 * track.position)
     with pytest.raises(ms.MicroswimError, match=r"beat of the spec, [\d.]+ Hz, is .*, 487\.5 mHz"):
         ms.identify_swimmer(cell, slow)
+
+
+def test_a_swimmer_held_sideways_is_told_so_by_a_track_that_wobbles():
+    held = {"motion.free": ["us", "os"]}
+    with pytest.raises(ms.MicroswimError, match=r"us, os: all is held .*motion.free=all"):
+        ms.identify_swimmer(ms.Swimmer.preset("tabak/plane_wave").with_(held), wave_track(0))
+
+
+def test_what_is_left_is_told_in_the_units_of_the_spec():
+    """Some 90 nm are left, a few between frames; an attitude in rad."""
+    noise = np.random.default_rng(0).normal(size=(400, 2))
+    time, memory = np.arange(400.0), 90e-9 * np.sqrt(2) * np.sin(np.arange(400)[:, None] / 30)
+    said = honesty._memory(time, memory + 1e-12 * noise, 0.0, None, "m")
+    assert re.match(r"[89]\d\.\d nm, is no noise \(that is [\d.]+ nm from frame to frame\)", said)
+    assert re.match(r"0\.\d+ rad, is no noise", honesty._memory(time, 1e6 * memory, 0, None, "rad"))
 
 
 def test_what_is_left_and_is_no_noise_withholds_the_interval():

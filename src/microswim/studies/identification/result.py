@@ -9,6 +9,7 @@ import numpy as np
 
 from microswim import checks
 from microswim.calibration.identifiability import Direction
+from microswim.gait.readable import significant
 from microswim.numerics.array import read_only
 from microswim.studies.identification.fitting.branches import Branch
 from microswim.swimmer.swimmer import Swimmer
@@ -138,7 +139,7 @@ def remarks(
         out.append(f"{others} other design(s) fit as well: see branches")
     if misfit is not None and misfit > 2.0:
         out.append(
-            f"chi-squared per degree of freedom is {misfit:.3g}: the noise is larger than sigma, "
+            f"chi-squared per degree of freedom is {significant(misfit, 3)}: the noise is larger than sigma, "
             "or the model does not hold"
         )
     return tuple(out)

@@ -165,7 +165,11 @@ def identified(
     designs = None if grid is None else Designs(problem, grid)
     fits = _followed(problem, designs, start, starts, progress)
     if not fits:
-        raise MicroswimError("no first guess led to a path like the track; give start values")
+        raise MicroswimError(
+            "no first guess led to a path like the track: no design of this spec that was tried "
+            "swims and wobbles as the track does, or has a gait at all; give start values, or "
+            "another spec"
+        )
     fits.sort(key=cost)
     if problem.weighs:
         problem, fits = weighed_anew(problem, fits, sigma, sigma_attitude, model_error)

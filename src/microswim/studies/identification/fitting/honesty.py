@@ -19,6 +19,7 @@ from microswim.studies.identification.fitting.problem import PathProblem
 from microswim.studies.identification.spectrum import line
 
 PHASES = 32
+SIDEWAYS = (1, 2, 4, 5)  #: velocities that make the path wobble: u_q, u_r, w_q, w_r
 STILL = 1e-3  #: rad, of an attitude that no camera tells
 FEW = 22.5  #: sum of squared deviations of six velocities, one chance in a thousand
 CAUSES = (
@@ -33,7 +34,8 @@ def check_shown(problem: PathProblem, shape: tuple[str, ...]) -> None:
     Raises
     ------
     MicroswimError
-        If the beat is above half the frame rate, or no wobble stands above the noise.
+        If the beat is above half the frame rate, no wobble stands above the noise, or the
+        swimmer of the spec is held in all that would make one.
     """
     track, rate = problem.track, problem.swimmer.tail.frequency
     if not set(problem.names) & set(shape) or track.quaternion is not None:
@@ -53,6 +55,13 @@ def check_shown(problem: PathProblem, shape: tuple[str, ...]) -> None:
         raise MicroswimError(
             "no wobble stands above the noise: wave shape and rate are not in this track; " + hint
         )
+    motion = problem.swimmer.motion
+    if not any(motion.mask[k] for k in SIDEWAYS):
+        free = motion.free if isinstance(motion.free, str) else ", ".join(motion.free)
+        raise MicroswimError(
+            f"motion.free is {free}: all is held that would make the spec's swimmer wobble, and "
+            "the track wobbles; --set motion.free=all lets it go"
+        )
 
 
 def left_over(problem: PathProblem, residuals: np.ndarray) -> str:
@@ -62,10 +71,11 @@ def left_over(problem: PathProblem, residuals: np.ndarray) -> str:
     track, count = problem.track, problem.track.position.size
     off = problem.scale * residuals[:count].reshape(track.position.shape)
     wobble = float(np.std(track.position - track.smooth))
-    said = _memory(track.time, off, 1e-4 * wobble, problem.sigma)
+    own = unit(problem.swimmer.units, "length")
+    said = _memory(track.time, off, 1e-4 * wobble, problem.sigma, own)
     if not said and problem.weighs:
         turned = problem.sigma_attitude * residuals[count:].reshape(-1, 3)
-        said = _memory(track.time, turned, STILL, problem.sigma_attitude)
+        said = _memory(track.time, turned, STILL, problem.sigma_attitude, "rad")
         said = said and f"of the attitude: {said}"
     return said and (
         f"what the fit leaves, {said}: the model does not hold for this track, and no interval is "
@@ -73,8 +83,10 @@ def left_over(problem: PathProblem, residuals: np.ndarray) -> str:
     )
 
 
-def _memory(time: np.ndarray, off: np.ndarray, slight: float, sigma: float | None) -> str:
-    """Say why residuals (n, d) are no noise, nothing if they are, or are slight."""
+def _memory(
+    time: np.ndarray, off: np.ndarray, slight: float, sigma: float | None, of: str
+) -> str:
+    """Say why residuals (n, d), in units `of`, are no noise, nothing if they are, or are slight."""
     size = float(np.sqrt(np.mean(off**2)))
     if size < slight or (sigma is not None and size < 0.5 * sigma):
         return ""
@@ -82,7 +94,8 @@ def _memory(time: np.ndarray, off: np.ndarray, slight: float, sigma: float | Non
     memory = float(np.sum(off[1:] * off[:-1]) / np.sum(off**2))
     noise = line(time, off).noise
     if memory > max(4.0 / np.sqrt(n * d), 0.1) or size > 2.0 * noise:
-        return f"{size:.3g}, is no noise (that is {noise:.3g} from frame to frame)"
+        left, seen = quantity(size, of, 3), quantity(noise, of, 3)
+        return f"{left}, is no noise (that is {seen} from frame to frame)"
     return ""
 
 

@@ -15,6 +15,7 @@ import numpy as np
 
 from microswim.calibration.calibrate import lift
 from microswim.errors import MicroswimError
+from microswim.gait.readable import percent, significant
 from microswim.studies.identification.fitting.branches import (
     AS_WELL,
     Branch,
@@ -72,8 +73,9 @@ def _about_model(problem: PathProblem, branch: Branch) -> tuple[str, ...]:
     if branch.by_model < 1.0:
         return ()
     return (
-        f"the error of model {problem.own_model} (up to {branch.errors.max():.2g} of a velocity) "
-        f"is {branch.by_model:.2g} times the noise in these intervals; a calibration narrows them",
+        f"the error of model {problem.own_model} (up to {percent(branch.errors.max())} of a "
+        f"velocity) is {significant(branch.by_model, 2)} times the noise in these intervals; a "
+        "calibration narrows them",
     )
 
 

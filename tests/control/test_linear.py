@@ -70,6 +70,9 @@ def test_printing_a_stepper_takes_few_lines():
     assert len(text) < 400
     for word in ("rft", "dimensionless", "8 internal steps"):
         assert word in text
+    cell = ms.Swimmer.preset("goto/C").with_({"motion.free": "all"}).gait()
+    text = repr(ms.Stepper(cell, moment=(0.0, 3e-6, 0.0)))
+    assert "rad/s; magnetic moment (0 A m^2, 3.000 µA m^2, 0 A m^2)" in text
 
 
 def test_continuous_in_time_is_the_limit_of_short_steps():

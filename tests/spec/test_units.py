@@ -169,6 +169,20 @@ def test_a_curvature_is_an_angle_per_length_or_one_over_a_length(text):
     assert to_si(text, "1/m") == pytest.approx(19.1e3, rel=1e-8)
 
 
+@pytest.mark.parametrize(
+    ("body", "said"),
+    [
+        ({"shape": "sphere", "diameter": "1 um"}, r'diameter: no .* "body.radius \(half of it\)"'),
+        ({"shape": "box", "radius": "1 um"}, "radius: no such field here; it belongs to body.shape"),
+        ({"shape": "sphere"}, "radius: missing; add it"),
+    ],
+)
+def test_a_field_by_another_name_is_named_before_the_one_that_is_missing(body, said):
+    tables = tomllib.loads(ms.Swimmer.preset("goto/C").to_toml()) | {"body": body}
+    with pytest.raises(ms.SpecError, match=said):
+        from_dict(tables)
+
+
 def test_a_spec_with_units_of_its_own_is_told_where_they_go():
     tables = tomllib.loads(ms.Swimmer.preset("goto/C").to_toml()) | {"units": "SI"}
     said = "units: no such field here; write a unit with each number"

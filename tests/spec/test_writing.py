@@ -71,6 +71,12 @@ def test_a_number_of_python_is_said_with_the_prefix_that_reads_well():
     found = refusal(lambda: cell.with_({"tail.amplitude": 1.5e-6}).gait("bem"))
     assert "tail.amplitude = 1.5 µm" in found
     assert not BARE.search(found)
+    beside = from_dict(to_tables(cell) | {"wall": {"distance": "0.3 um"}})
+    wide = cell.with_({"tail.amplitude": 1.5e-6})
+    for asked in (beside.view, beside.plot, lambda: ms.mobility(wide, level="coarse")):
+        found = refusal(asked)
+        assert "nm: must be" in found or "tail.amplitude = 1.5 µm" in found
+        assert not BARE.search(found)
 
 
 def test_a_swimmer_without_units_is_refused_in_bare_numbers():

@@ -17,6 +17,8 @@ from microswim import checks
 from microswim.errors import SpecError
 from microswim.gait import doors
 from microswim.gait.gait import Gait
+from microswim.gait.readable import quantity
+from microswim.gait.units import UNITS
 from microswim.numerics.array import Array
 from microswim.numerics.rigid_motion import rotation_matrix
 from microswim.path.regimes import steady_turning
@@ -132,7 +134,8 @@ class PathFollower:
         fastest = steady.step_out / (2.0 * np.pi)
         if self.frequency is None:
             self.frequency = SLOWER * fastest
-        checks.number("frequency", self.frequency, f"positive and below step-out, {fastest:.4g}",
+        least = quantity(fastest, UNITS["frequency"][self.swimmer.units != "SI"])
+        checks.number("frequency", self.frequency, f"positive and below step-out, {least}",
                       above=0.0, most=fastest)  # fmt: skip
         self.step_out = fastest
         self._speed = float(steady.at_step_out.velocity) * self.frequency / fastest

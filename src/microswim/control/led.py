@@ -15,6 +15,8 @@ from microswim.control.follower import PathFollower
 from microswim.control.state import State
 from microswim.control.stepper import Stepper
 from microswim.errors import SpecError
+from microswim.gait.readable import quantity
+from microswim.gait.units import unit
 from microswim.numerics.array import Array
 from microswim.numerics.rigid_motion import rotation_matrix
 from microswim.swimmer.surroundings import weight
@@ -85,8 +87,9 @@ def led(
     time = SLACK * way / follower.speed if time is None else time
     count = int(np.ceil(time / dt))
     if not count <= MOST:
+        of = unit(swimmer.units, "time")
         raise SpecError(
-            "time", time, f"at most {MOST} commands of {dt:.3g}", "give a shorter path or time"
+            "time", time, f"at most {MOST} commands of {quantity(dt, of, 3)}", "give a shorter path or time"
         )
     stepper = Stepper(follower.gait, swimmer, locked=True)  # type: ignore[arg-type]
     random = np.random.default_rng(seed) if swimmer.noise is not None else None

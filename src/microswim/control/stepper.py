@@ -22,7 +22,8 @@ from microswim.errors import SpecError
 from microswim.gait import doors
 from microswim.gait.gait import Gait
 from microswim.gait.held import warn_if_held
-from microswim.gait.readable import origin
+from microswim.gait.readable import origin, quantity
+from microswim.gait.units import unit
 from microswim.numerics.array import kept, still_read_only
 from microswim.swimmer.magnetism.magnet import magnetic_of, vector_of
 from microswim.swimmer.physical_sense import turning
@@ -122,7 +123,8 @@ class Stepper:
     def __repr__(self) -> str:
         """Model, magnet, motor and steps, in a few lines."""
         felt = "felt" if self.swimmer is not None else "not felt"
-        motor = "locked" if self.locked else f"{float(np.real(self.gait.rate)):.4g} rad per time"
+        rate, of = float(np.real(self.gait.rate)), self.gait.units
+        motor = "locked" if self.locked else quantity(rate, unit(of, "rate"))
         parts = f"{self.steps} internal steps, always"
         if not self.steps:
             parts = f"{self.resolution:g} internal steps a turn, at most {self.most_steps}"
@@ -135,8 +137,10 @@ class Stepper:
 
     @property
     def _magnet(self) -> str:
-        soft = "that of a soft magnet" if self.magnetic[3:].any() else ""
-        return soft or str(tuple(map(float, self.magnetic[:3])))
+        if self.magnetic[3:].any():
+            return "that of a soft magnet"
+        of, moment = unit(self.gait.units, "moment"), self.magnetic[:3]
+        return "(" + ", ".join(quantity(x, of) for x in moment) + ")" if moment.any() else "none"
 
     @cached_property
     def response(self) -> Response:

@@ -68,8 +68,14 @@ def sentence(error: ValidationError, tables: dict[str, Any], within: str = "") -
 
 
 def _apt(complaints: list[Any]) -> Any:
-    """The first complaint; of a list that might have been a number, that about its entries."""
+    """The first complaint; of a list that might have been a number, that about its entries.
+
+    Where a field is missing beside one that is none, the other is likely its name elsewhere.
+    """
     first = complaints[0]
+    if first["type"] == "missing":
+        within = [c for c in complaints if c["loc"][:-1] == first["loc"][:-1]]
+        return next((c for c in within if c["type"] == "extra_forbidden"), first)
     if isinstance(first["input"], list):
         within = [c for c in complaints if c["loc"][:2] == first["loc"][:2]]
         return within[-1]

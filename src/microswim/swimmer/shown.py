@@ -5,6 +5,7 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 from microswim.gait import doors, portrait
+from microswim.swimmer.in_units import as_units
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -50,4 +51,5 @@ class Shown:
         >>> view.html[:15]
         '<!doctype html>'
         """
-        return doors.go(doors.VIEW, self)
+        with as_units(self):
+            return doors.go(doors.VIEW, self)

@@ -35,6 +35,7 @@ from microswim.numerics.array import Array
 from microswim.swimmer.geometry.body import Body
 from microswim.swimmer.geometry.solids import reading
 from microswim.swimmer.geometry.solids.triangles import Triangles
+from microswim.swimmer.in_units import in_its_units
 from microswim.swimmer.swimmer import Swimmer
 
 #: Viscosity where none is given: water's (Pa s), one without units.
@@ -293,6 +294,7 @@ def _of_triangles(
     return fine, others, about, mu, units, tuple(said), patches.RULE, least
 
 
+@in_its_units
 def _of_swimmer(swimmer: Swimmer, level: str, viscosity: float | None, phase: float) -> Any:
     for name in ("wall", "channel"):
         if getattr(swimmer, name) is not None:

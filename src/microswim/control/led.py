@@ -89,8 +89,9 @@ def led(
     if not count <= MOST:
         of = unit(swimmer.units, "time")
         raise SpecError(
-            "time", time, f"at most {MOST} commands of {quantity(dt, of, 3)}", "give a shorter path or time"
-        )
+            "time", time, f"at most {MOST} commands of {quantity(dt, of, 3)}",
+            "give a shorter path or time",
+        )  # fmt: skip
     stepper = Stepper(follower.gait, swimmer, locked=True)  # type: ignore[arg-type]
     random = np.random.default_rng(seed) if swimmer.noise is not None else None
     state, rows, arrived = begun(follower), [], False

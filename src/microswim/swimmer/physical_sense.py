@@ -188,8 +188,8 @@ def _of_motion(swimmer: Swimmer) -> list[str]:
     Re, out = reynolds(swimmer), []
     if Re > INERTIA:
         out.append(
-            f"the Reynolds number (frequency x body length squared) is {significant(Re, 2)}: inertia, which "
-            "is left out, is felt; swim keeps that of the fluid"
+            f"the Reynolds number (frequency x body length squared) is {significant(Re, 2)}: "
+            "inertia, which is left out, is felt; swim keeps that of the fluid"
         )
     Re = turning_reynolds(swimmer)
     if Re > INERTIA:

@@ -184,4 +184,5 @@ def test_a_run_tells_them_and_warns_of_inertia():
     assert not any("turns at a Reynolds number" in line for line in one.remarks)
     fast = one.with_({"field.frequency": 200.0})
     Re = 970.0 * 2 * np.pi * 200.0 * 5e-4**2 / 0.34
-    assert any(f"turns at a Reynolds number of {significant(Re, 2)}" in line for line in fast.remarks)
+    said = f"turns at a Reynolds number of {significant(Re, 2)}"
+    assert any(said in line for line in fast.remarks)

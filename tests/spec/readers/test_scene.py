@@ -157,6 +157,16 @@ def test_a_scene_has_a_field(scene):
     assert group.moved(time=0.125).wrench[3] == pytest.approx(5e-18)
 
 
+def test_the_field_of_a_scene_takes_the_place_of_those_of_the_specs(scene):
+    robot = '[[swimmer]]\npreset = "shapes/magnet"\n'
+    with pytest.raises(ms.SpecError, match="field: a swimmer of a group stands in still"):
+        scene(robot)
+    group = scene(robot + TURNS)
+    assert group.field.frequency == 2.0
+    assert group.members[0].swimmer.field is None
+    assert group.members[0].swimmer.magnet is not None
+
+
 @pytest.mark.parametrize(
     ("text", "said"),
     [

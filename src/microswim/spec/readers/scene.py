@@ -12,7 +12,7 @@
     position = ["0 um", "-5 um", "0 um"]
     normal = [0, 1, 0]
 
-    [field]                                  # magnetic, if any: as in a spec
+    [field]                                  # magnetic, if any: as in a spec, in place of theirs
     kind = "rotating"
 
 Lengths, forces and torques have units if the specs have, and none if they have none.
@@ -22,6 +22,9 @@ from __future__ import annotations
 
 import re
 from collections.abc import Mapping
+import dataclasses
+from dataclasses import dataclass, replace
+from functools import partial
 from os import PathLike
 from pathlib import Path
 from typing import Any
@@ -103,12 +106,8 @@ def read_scene(
     scene = text.toml(text.read_text(path, mend=_MEND), str(path))
     tables = _swimmer_tables(scene, str(path))
     common = _overridden(tables, dict(overrides or {}))
-    specs: dict[str, Swimmer] = {}
-    members = [
-        member
-        for n, table in enumerate(tables)
-        for member in _members(n, table, path.parent, common, trust, specs)
-    ]
+    specs = _Specs(path.parent, common, trust, "field" in scene)
+    members = [member for n, table in enumerate(tables) for member in _members(n, table, specs)]
     units = members[0].swimmer.units
     applied = _field(scene.get("field"), path.parent, units)
     return Group(tuple(members), _wall(scene.get("wall"), units), applied)
@@ -172,14 +171,18 @@ def _overridden(tables: list[dict[str, Any]], overrides: dict[str, Any]) -> dict
     return common
 
 
-def _members(
-    n: int,
-    given: dict[str, Any],
-    folder: Path,
-    common: dict[str, Any],
-    trust: str | PathLike[str] | None,
-    specs: dict[str, Swimmer],
-) -> list[Member]:
+@dataclass
+class _Specs:
+    """Where the specs of a scene stand, and those that were read: of one spec one swimmer."""
+
+    folder: Path
+    common: dict[str, Any]
+    trust: str | PathLike[str] | None
+    in_field: bool  #: the scene's, in place of those of the specs
+    made: dict[str, Swimmer] = dataclasses.field(default_factory=dict)
+
+
+def _members(n: int, given: dict[str, Any], specs: _Specs) -> list[Member]:
     """Return the swimmers of a table: one, or one for each of its places."""
     name = f"swimmer[{n}]"
     unknown = [k for k in given if k not in SwimmerTable.model_fields]
@@ -193,10 +196,11 @@ def _members(
     if (table.spec is None) == (table.preset is None):
         missing = "missing; add" if table.spec is None else "give one of"
         raise SpecError(f'{name}.spec: {missing} spec = "robot.toml", or preset = "tabak/helix"')
-    swimmer = _swimmer(name, table, given, folder, common, trust, specs)
+    swimmer = _swimmer(name, table, given, specs)
     _check_units(name, given, swimmer.units)
     own = table.model_dump(exclude_unset=True, include=OF_MEMBER)
-    places = [{}] if table.places is None else _places(name, table, own, folder, swimmer.units)
+    of_table = partial(_places, name, table, own, specs.folder)
+    places = [{}] if table.places is None else of_table(swimmer.units)
     try:
         return [Member(swimmer=swimmer, **own | place) for place in places]
     except SpecError as error:
@@ -214,37 +218,24 @@ def _places(
     return found
 
 
-def _swimmer(
-    name: str,
-    table: SwimmerTable,
-    given: dict[str, Any],
-    folder: Path,
-    common: dict[str, Any],
-    trust: str | PathLike[str] | None,
-    specs: dict[str, Swimmer],
-) -> Swimmer:
+def _swimmer(name: str, table: SwimmerTable, given: dict[str, Any], specs: _Specs) -> Swimmer:
     """Return the swimmer of a table; of one spec with the same changes, the same swimmer."""
-    changes = {**common, **table.set}
+    changes = {**specs.common, **table.set}
     changes |= {"tail.frequency": given["frequency"]} if "frequency" in given else {}
     changes |= {"motion.free": table.free} if table.free is not None else {}
     key = repr((table.spec, table.preset, sorted(changes.items())))
-    if key not in specs:
-        specs[key] = _read(name, table, folder, changes, trust)
-    return specs[key]
+    if key not in specs.made:
+        swimmer = _read(name, table, changes, specs)
+        specs.made[key] = replace(swimmer, field=None) if specs.in_field else swimmer
+    return specs.made[key]
 
 
-def _read(
-    name: str,
-    table: SwimmerTable,
-    folder: Path,
-    changes: dict[str, Any],
-    trust: str | PathLike[str] | None,
-) -> Swimmer:
+def _read(name: str, table: SwimmerTable, changes: dict[str, Any], specs: _Specs) -> Swimmer:
     try:
         if table.spec is not None:
-            return file.read(folder / table.spec, changes, trust)
-        tables = beside(text.toml(presets.read(str(table.preset)), str(table.preset)), folder)
-        return file.from_dict(tables, changes, trust)
+            return file.read(specs.folder / table.spec, changes, specs.trust)
+        told = text.toml(presets.read(str(table.preset)), str(table.preset))
+        return file.from_dict(beside(told, specs.folder), changes, specs.trust)
     except SpecError as error:
         raise SpecError(f"{name}, {table.spec or table.preset}: {error}") from None
 

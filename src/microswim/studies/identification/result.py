@@ -139,7 +139,7 @@ def remarks(
         out.append(f"{others} other design(s) fit as well: see branches")
     if misfit is not None and misfit > 2.0:
         out.append(
-            f"chi-squared per degree of freedom is {significant(misfit, 3)}: the noise is larger than sigma, "
-            "or the model does not hold"
+            f"chi-squared per degree of freedom is {significant(misfit, 3)}: the noise is larger "
+            "than sigma, or the model does not hold"
         )
     return tuple(out)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import tempfile
+from dataclasses import replace
 from importlib.resources import files
 from pathlib import Path
 from typing import Any
@@ -20,6 +21,7 @@ from microswim.swimmer.member import Member, direction_and_roll
 
 SHIPPED = files(__name__.rpartition(".brought")[0]) / "scenes"
 PAIR = 2
+OF_A_FILE = ("file", "path")  #: fields of a [field] that name one
 
 
 def shipped() -> dict[str, str]:
@@ -40,13 +42,19 @@ def read(text: str) -> dict[str, Any]:
     Raises
     ------
     SpecError
-        If it is no scene of two swimmers in free fluid that are presets.
+        If it is no scene of two swimmers in free fluid that are presets. A field of the scene is
+        that of both designs.
     """
     scene = toml(text, "the scene")
-    _check_fieldless(scene)
     tables = scene.get("swimmer")
     for n, one in enumerate(tables if isinstance(tables, list) else []):
         _check_data(n, one)
+    field = scene.get("field")
+    if isinstance(field, dict) and any(word in field for word in OF_A_FILE):
+        raise SpecError(
+            "field: the studio reads no file that a scene names; take microswim group, or a field "
+            "that stands in the scene"
+        )
     with tempfile.TemporaryDirectory() as folder:
         file = Path(folder) / "scene.toml"
         file.write_text(text, encoding="utf-8")
@@ -56,7 +64,7 @@ def read(text: str) -> dict[str, Any]:
             raise SpecError(str(error).replace(str(file), "the scene")) from None
     _check_pair(group)
     names = [str(one["preset"]) for one in tables]  # type: ignore[union-attr]
-    made = [canonical(member.swimmer) for member in group.members]
+    made = [canonical(replace(m.swimmer, field=group.field)) for m in group.members]
     return {
         "designs": [
             {"name": name, "answer": answers.solve(own, name)}
@@ -64,15 +72,6 @@ def read(text: str) -> dict[str, Any]:
         ],
         "places": [_place(member, group.members[0]) for member in group.members],
     }
-
-
-def _check_fieldless(scene: dict[str, Any]) -> None:
-    """Refuse a field, before its file is read: the page has no paths of several magnets."""
-    if "field" in scene:
-        raise SpecError(
-            "field: two robots in one field are not shown here; microswim group SCENE --time 2s "
-            "follows them; Drive shows one robot in its field"
-        )
 
 
 def _check_data(n: int, one: Any) -> None:
@@ -94,6 +93,17 @@ def _check_pair(group: Group) -> None:
         raise SpecError("swimmer", len(members), "two of them here", "take microswim group")
     if group.wall is not None:
         raise SpecError("wall: two swimmers are shown in free fluid; take microswim group")
+    first = group.members[0]
+    if group.field is not None and not (np.eye(3) == first.rotation).all():
+        raise SpecError(
+            "swimmer[0].direction: a scene with a field is shown in the axes of its first swimmer; "
+            "put that along x, without roll"
+        )
+    if group.field is not None and any(first.position):
+        raise SpecError(
+            "swimmer[0].position: a scene with a field is shown about its first swimmer; put that "
+            "at the origin"
+        )
     if any(any(m.force) or any(m.torque) for m in members):
         raise SpecError("force, torque: none are shown here; take microswim group")
 

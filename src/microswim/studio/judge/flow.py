@@ -8,6 +8,7 @@ from typing import Any
 
 import numpy as np
 
+from microswim.numerics.array import Array
 from microswim.numerics.series.fourier import MIRROR_Q, series_of
 from microswim.studio.drawing import reach
 from microswim.studio.spec_tables import swimmer_of
@@ -33,13 +34,20 @@ def flow(question: dict[str, Any], progress: Progress) -> dict[str, Any]:
         behind = (points - from_wall[:3]) @ from_wall[3:] <= 0
         velocities = [np.where(behind[..., None], 0.0, u) for u in velocities]
     series = series_of(np.array(velocities), harmonics=FLOW_PHASES // 2 - 1)
-    scale = float(np.percentile(np.linalg.norm(velocities, axis=-1), 97))
+    return served(S, Q, series, velocities)
+
+
+def served(s: Array, q: Array, series: Array, velocities: list[Array]) -> dict[str, Any]:
+    """Return a slice for the page: its sides, a series of velocities (term, q, s, 3), their size.
+
+    Rows along q, columns along s.
+    """
     return {
-        "s": [float(S[0]), float(S[-1])],
-        "q": [float(Q[0]), float(Q[-1])],
-        "shape": [Q.size, S.size],
+        "s": [float(s[0]), float(s[-1])],
+        "q": [float(q[0]), float(q[-1])],
+        "shape": [q.size, s.size],
         "series": [[_short(v) for v in term.ravel()] for term in series],
-        "scale": scale,
+        "scale": float(np.percentile(np.linalg.norm(velocities, axis=-1), 97)),
     }
 
 

@@ -8,13 +8,14 @@ from typing import Any
 
 from microswim.errors import MicroswimError, SpecError, writing
 from microswim.spec.writing import as_written
-from microswim.studio.judge import flow, path, together, verdict
+from microswim.studio.judge import flow, pair_flow, path, together, verdict
 from microswim.studio.spec_tables import swimmer_of
 
 LEVELS = ("coarse", "standard", "fine")
 KINDS: dict[str, Callable[..., dict[str, Any]]] = {
     "judge": verdict.judge,
     "flow": flow.flow,
+    "pair_flow": pair_flow.pair_flow,
     "path": path.path,
     "together": together.together,
 }
@@ -45,7 +46,7 @@ def check(kind: Any, question: dict[str, Any]) -> None:
     """
     if kind not in KINDS:
         raise SpecError("job", kind, "one of " + ", ".join(KINDS))
-    if kind == "together":
+    if kind in ("together", "pair_flow"):
         together.group_of(question)
     else:
         swimmer_of(question.get("tables"))

@@ -3,17 +3,22 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
 
+from microswim import checks
 from microswim.errors import MicroswimError, SpecError
 from microswim.numerics.plain import plain
+from microswim.numerics.rigid_motion import rotation_matrix
 from microswim.path.of_group import group_path
 from microswim.studio.judge.path import A_TURN, rounded, rows_of, speed, turns_of
-from microswim.studio.spec_tables import swimmer_of
+from microswim.studio.spec_tables import canonical, swimmer_of
 from microswim.swimmer.group import Group
-from microswim.swimmer.member import Member
+from microswim.swimmer.magnetism.applied_field import AppliedField
+from microswim.swimmer.member import Member, direction_and_roll
+from microswim.swimmer.swimmer import Swimmer
 
 Progress = Callable[[int, int], None]
 USUAL, MOST_TURNS = 20, 200  #: turns of the faster motor
@@ -56,33 +61,72 @@ def together(question: dict[str, Any], progress: Progress) -> dict[str, Any]:
 
 
 def group_of(question: dict[str, Any]) -> Group:
-    """Return the group that a question puts together.
+    """Return the group that a question puts together, at the time that it says.
+
+    A field that both stand in is that of the group.
 
     Raises
     ------
     SpecError
-        If there are not two members, or one cannot swim in company.
+        If there are not two members, one cannot swim in company, or each has another field.
     """
     given = question.get("members")
     if not isinstance(given, list) or len(given) != MOST:
         raise SpecError("members: give two, each with tables, position, direction, roll and phase")
+    swimmers = [_swimmer(n, one) for n, one in enumerate(given)]
+    field = _field(swimmers)
     members = []
-    for n, one in enumerate(given):
-        if not isinstance(one, dict):
-            raise SpecError(f"members[{n}]: an object with tables and position")
-        placed = {name: one[name] for name in PLACED if name in one}
+    for n, (one, own) in enumerate(zip(given, swimmers, strict=True)):
         try:
-            members.append(Member(swimmer=swimmer_of(one.get("tables")), **placed))
+            members.append(Member(swimmer=replace(own, field=None), **_placed(one)))
         except SpecError as error:
             raise SpecError(f"{'AB'[n]}: {error}") from None
-    return Group(tuple(members))
+    time = question.get("time", 0.0)
+    return Group(tuple(members), field=field, time=time)
+
+
+def _swimmer(n: int, one: Any) -> Swimmer:
+    if not isinstance(one, dict):
+        raise SpecError(f"members[{n}]: an object with tables and position")
+    try:
+        return swimmer_of(one.get("tables"))
+    except SpecError as error:
+        raise SpecError(f"{'AB'[n]}: {error}") from None
+
+
+def _placed(one: dict[str, Any]) -> dict[str, Any]:
+    """Return what `Member` takes of where one is; a quaternion is direction and roll."""
+    placed = {name: one[name] for name in PLACED if name in one}
+    if "quaternion" in one:
+        checks.numbers("quaternion", one["quaternion"], 4, "four numbers wxyz")
+        turned = direction_and_roll(rotation_matrix(np.array(one["quaternion"], float)))
+        placed["direction"], placed["roll"] = turned[0].tolist(), turned[1]
+    return placed
+
+
+def _field(swimmers: list[Swimmer]) -> AppliedField | None:
+    """Return the field that those with a magnet stand in: one for both."""
+    felt = [s.field for s in swimmers if s.magnet is not None]
+    told = [canonical(s).get("field") for s in swimmers if s.magnet is not None]
+    if any(one != told[0] for one in told):
+        raise SpecError(
+            "field: A and B stand in different fields, and two in one fluid feel one; make all of "
+            "its numbers alike"
+        )
+    return felt[0] if felt else None
 
 
 def _fastest(group: Group) -> float:
-    """Turns per time of the faster motor."""
-    rate = max(abs(float(m.swimmer.tail.frequency)) for m in group.members)
+    """Turns per time of the faster motor, or of the field if that is faster."""
+    tails = [m.swimmer.tail for m in group.members]
+    rates = [0.0 if tail.is_absent else abs(float(tail.frequency)) for tail in tails]
+    turning = 0.0 if group.field is None else abs(float(group.field.rate)) / (2.0 * np.pi)
+    rate = max(*rates, turning)
     if not rate:
-        raise SpecError("together: neither has a motor that turns; give a tail a frequency")
+        raise SpecError(
+            "together: neither has a motor that turns, nor a field that does; give a tail a "
+            "frequency"
+        )
     return rate
 
 
@@ -92,6 +136,7 @@ def _alone(question: dict[str, Any], group: Group, times: np.ndarray) -> list[fl
     alike = first == second
     found = []
     for member in group.members[: 1 if alike else MOST]:
-        path = group_path(Group((member,)), times, level="coarse")
+        field = None if member.swimmer.magnet is None else group.field
+        path = group_path(Group((member,), field=field), times, level="coarse")
         found.append(speed(path.position.values[:, 0], times))
     return found * MOST if alike else found

@@ -83,9 +83,7 @@ def left_over(problem: PathProblem, residuals: np.ndarray) -> str:
     )
 
 
-def _memory(
-    time: np.ndarray, off: np.ndarray, slight: float, sigma: float | None, of: str
-) -> str:
+def _memory(time: np.ndarray, off: np.ndarray, slight: float, sigma: float | None, of: str) -> str:
     """Say why residuals (n, d), in units `of`, are no noise, nothing if they are, or are slight."""
     size = float(np.sqrt(np.mean(off**2)))
     if size < slight or (sigma is not None and size < 0.5 * sigma):

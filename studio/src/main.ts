@@ -12,14 +12,14 @@ import { follow, show } from "./state/link";
 import { Driver } from "./panels/drive";
 import { Flow, speeds } from "./scene/flow";
 import type { Caption } from "./scene/picture";
-import { Judge, askFlow } from "./panels/judge";
+import { Judge, askFlow, askFlowOfBoth } from "./panels/judge";
 import { SpeedMap } from "./panels/map";
 import { Paths } from "./panels/path";
 import { Sheets } from "./panels/sheets";
 import { Stage } from "./scene/stage";
 import { Replay, extent } from "./state/replay";
 import { METHODS, Store, attempt, notice } from "./state/store";
-import type { PathAnswer, Shape, Start } from "./state/types";
+import type { FlowAnswer, PathAnswer, Shape, Start } from "./state/types";
 import { learn, words } from "./state/words";
 
 const store = new Store();
@@ -55,12 +55,12 @@ function replayed(made: PathAnswer | null): void {
     else transport.setPace(before.pace);
     following(made ? false : before.follow);
   }
+  stopFlow();
   replay = made && new Replay(made);
   answers.follow(made);
   sheets.tell();
   actors.forEach((actor, i) => actor.go(made && made.swimmers[i]));
   if (!made) return cast(true);
-  stopFlow();
   const turns = made.numbers.turns as number;
   transport.setPace(turns / WATCHED);
   if (view.paused) transport.toggle();
@@ -142,18 +142,37 @@ async function showFlow(): Promise<void> {
   const told = (s: { done: number; total: number }): void => {
     toggles.flow.textContent = `Flow ${Math.round((100 * s.done) / s.total)} %`;
   };
-  const made = await attempt(() => askFlow(store, told, stop.signal));
+  const both = replay && actors.length > 1;
+  const made = await attempt(() => (both ? askFlowOfBoth(store, actors.map((actor) => actor.pose), told, stop.signal) : askFlow(store, told, stop.signal)));
   toggles.flow.textContent = text;
   if (flowing !== stop) return;
   flowing = null;
   if (!made) return stopFlow();
-  actors[store.active].sqr.add(flow.group);
+  (both ? stage.world : actors[store.active].sqr).add(flow.group);
   flow.show(made);
   const [low, high] = flowEnds()!;
-  legends.flow.replaceChildren(`flow ${low}`, el("i", { style: `background: linear-gradient(90deg, ${speeds(16).join(", ")})` }), high);
+  legends.flow.replaceChildren(`${whose()} ${low}`, el("i", { style: `background: linear-gradient(90deg, ${speeds(16).join(", ")})` }), high);
   legends.flow.hidden = false;
-  stage.face();
+  if (both) lookAt(made);
+  else stage.face();
 }
+
+/** The camera to the side of a slice on which it is, all of it in the picture. */
+function lookAt({ s, q }: FlowAnswer): void {
+  const normal = new THREE.Vector3(0, 0, 1).applyQuaternion(flow.group.quaternion);
+  if (normal.dot(stage.camera.position.clone().sub(stage.controls.target)) < 0) normal.negate();
+  const middle = flow.group.localToWorld(new THREE.Vector3(0.5 * (s[0] + s[1]), 0.5 * (q[0] + q[1]), 0)).divideScalar(stage.scale);
+  stage.see(middle.toArray(), 0.4 * Math.hypot(s[1] - s[0], q[1] - q[0]), normal.toArray());
+}
+
+/** Whose flow is shown: of two designs beside each other each swims in a fluid of its own. */
+function whose(): string {
+  if (flow.ofBoth) return flow.answer!.series.length > 1 ? "flow of both" : "flow of both now";
+  return actors.length > 1 ? `flow of ${"AB"[store.active]} alone` : "flow";
+}
+
+/** Whether both swimmers stay where their path has brought them: their flow is asked for, or shown. */
+const halted = (): boolean => Boolean(replay) && actors.length > 1 && (flow.ofBoth || flowing !== null);
 
 /** Least and largest speed that the slice's colours show. */
 function flowEnds(): [string, string] | null {
@@ -171,7 +190,7 @@ function caption(): Caption {
     designs: store.designs.map((d, i) => ({ colour: look(i).tail, ...answers.told(d, !driver.magnetic ? null : d === store.design ? driver.told : "driven by the same field") })),
     arrows: shown.map((text) => ({ colour: ARROWS[text], text })),
     bar: transport.bar,
-    flow: ends && { colours: speeds(40), low: `flow ${ends[0]}`, high: ends[1] },
+    flow: ends && { colours: speeds(40), low: `${whose()} ${ends[0]}`, high: ends[1] },
   };
 }
 
@@ -204,8 +223,10 @@ toggles.flow.hidden = store.snapshot !== null;
 
 const transport = new Transport(store, view, {
   toggles: Object.values(toggles), restart: () => {
-    if (replay) replay.time = 0;
-    else if (touched) transport.toggle();
+    if (replay) {
+      if (halted()) stopFlow();
+      replay.time = 0;
+    } else if (touched) transport.toggle();
     else restart();
   },
   resume: () => {
@@ -273,18 +294,20 @@ function tick(now: number): void {
   if (actors.length) {
     const { gait } = actors[0].answer;
     const rate = driver.magnetic ? driver.shownRate : Math.abs(gait.rate) || 1;
-    const time = view.paused ? 0 : (passed * view.pace * 2 * Math.PI) / rate;
-    if (replay && time) replay.advance((passed * view.pace * replay.end) / (replay.made.numbers.turns as number));
+    const turns = view.paused ? 0 : passed * view.pace;
+    const time = replay ? (turns * replay.end) / (replay.made.numbers.turns as number) : (turns * 2 * Math.PI) / rate;
+    if (replay && time && !halted()) replay.advance(time);
+    if (flow.ofBoth) flow.turn(turns * 2 * Math.PI);
     for (const actor of actors) {
       const drive = driver.driveOf(actor.answer);
-      if (replay) actor.along(replay);
+      if (replay) actor.along(replay, flow.ofBoth ? flow.turned : 0);
       else if (time && !driver.waits(actor.answer, actor.pose)) actor.advance(time, drive, driver.magnetic ? driver.fastest : Math.abs(actor.answer.gait.rate) || 1);
       actor.draw(drive, view.arrows, 1 / stage.scale);
       actor.around.look(stage.controls.target, stage.reach);
     }
     if (time && !replay && actors.some((actor) => actor.touches)) halt();
     if (time && !replay && !driver.waits(actors[store.active].answer, actors[store.active].pose)) driver.watch(actors[store.active].pose);
-    flow.update(actors[store.active].pose.phase, time || 0);
+    flow.update(flow.ofBoth ? flow.turned : actors[store.active].pose.phase, time || 0);
     frame(false);
     transport.measure(stage.pixel);
   }

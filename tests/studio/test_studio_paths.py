@@ -209,9 +209,9 @@ def test_a_scene_that_is_moved_as_a_whole_is_the_same_scene():
         (SCENE.format(first="", second="position = [9, 0, 0]")
          + "[wall]\nnormal = [0, 0, 1]\nposition = [0, 0, -5]", "free fluid"),
         (SCENE.format(first="", second="position = [9, 0, 0]")
-         + '[field]\nkind = "rotating"\nstrength = 1.0\nfrequency = 1.0', "microswim group"),
+         + '[field]\nkind = "rotating"\nstrength = 1.0\nfrequency = 1.0', "has a magnet"),
         (SCENE.format(first="", second="position = [9, 0, 0]")
-         + '[field]\nkind = "coils"\nfile = "/etc/passwd"', "not shown here"),
+         + '[field]\nkind = "coils"\nfile = "/etc/passwd"', "reads no file"),
         ("[[swimmer]", "not valid TOML"),
     ],
 )  # fmt: skip
@@ -256,6 +256,39 @@ def test_the_page_goes_along_the_path_and_comes_back(page):
     page.evaluate("() => { studio.view.paused = false; }")
 
 
+#: Along the first axis of the plane, more of it as the motors turn; the plane faces -y.
+FLOW_OF_BOTH = {
+    "s": [-3.0, 3.0], "q": [-3.0, 3.0], "shape": [8, 8], "scale": 1.0,
+    "series": [[1.0, 0.0, 0.0] * 64, [0.5, 0.0, 0.0] * 64, [0.0] * 192],
+    "frame": {"origin": [1.0, 0.0, -1.75], "quaternion": [0.5**0.5, -(0.5**0.5), 0.0, 0.0]},
+}  # fmt: skip
+
+
+def flow_of_both(page, asked):
+    """It is asked for where both are, lies on the plane that comes, and goes with the path."""
+    page.click("#flow")
+    page.wait_for_function("() => studio.flow.ofBoth")
+    ask = asked[-1]
+    assert ask["kind"] == "pair_flow" and ask["time"] == pytest.approx(0.5)
+    assert [m["position"] for m in ask["members"]] == [[0, 0, 0], pytest.approx([0.25, 0, -3.5])]
+    assert ask["members"][0]["phase"] == pytest.approx(3.14)
+    assert page.inner_text("#flowbar").startswith("flow of both 0")
+    corner = page.evaluate(
+        "() => { const g = studio.flow.group; const v = g.position.clone().set(3, 3, 0);"
+        " return g.localToWorld(v).divideScalar(studio.stage.scale).toArray(); }"
+    )
+    assert corner == pytest.approx([4.0, 0.0, -4.75], abs=1e-6)
+    page.evaluate("() => { studio.view.paused = false; }")
+    page.wait_for_function("() => studio.flow.turned > 1")
+    page.evaluate("() => { studio.view.paused = true; }")
+    turned, u, phase = page.evaluate(
+        "() => [studio.flow.turned, studio.flow.velocities[0], studio.actors()[0].pose.phase]"
+    )
+    assert u == pytest.approx(1.0 + 0.5 * np.cos(turned), abs=1e-5)
+    assert phase == pytest.approx(3.14 + turned)
+    assert page.evaluate("() => studio.replay().time") == 0.5
+
+
 @pytest.mark.browser
 def test_a_scene_of_the_menu_puts_two_swimmers_where_it_says(page):
     """The solve is made up: where the page puts what is answered is what is asked here.
@@ -276,7 +309,7 @@ def test_a_scene_of_the_menu_puts_two_swimmers_where_it_says(page):
         route.fulfill(json={"token": "made-up"})
 
     def done(route):
-        answer = made if asked[-1]["kind"] == "together" else one
+        answer = {"together": made, "pair_flow": FLOW_OF_BOTH}.get(asked[-1]["kind"], one)
         told = {"state": "done", "done": 1, "total": 1, "seconds": 1.0, "answer": answer}
         route.fulfill(json=told)
 
@@ -293,10 +326,13 @@ def test_a_scene_of_the_menu_puts_two_swimmers_where_it_says(page):
     page.evaluate("() => { studio.view.paused = true; studio.replay().time = 0.5; }")
     page.wait_for_function("() => Math.abs(studio.actors()[1].pose.time - 0.5) < 1e-9")
     assert page.evaluate(POSE, 1)[0] == pytest.approx([0.25, 0.0, -3.5])
+    flow_of_both(page, asked)
     page.focus("#place-ahead")
     page.keyboard.press("End")  # two lengths ahead: along -s
     page.wait_for_function("() => studio.paths.made === null || studio.replay().time === 0")
     page.wait_for_selector("#went")
+    assert not page.evaluate("() => studio.flow.shown")
+    assert page.locator("#flowbar").is_hidden()
     length = page.evaluate(
         "() => (s => s.length + 2 * s.semi_axes[0])(studio.actors()[0].answer.shape)"
     )

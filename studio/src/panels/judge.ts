@@ -4,6 +4,7 @@ import { Refusal, call } from "../state/api";
 import { digits, el, reading, withPrefix } from "../state/dom";
 import { called, words } from "../state/words";
 import { METHODS, attempt, notice, type Design, type Store } from "../state/store";
+import type { Pose } from "../state/motion";
 import type { Circle, FlowAnswer, JudgeAnswer, Row } from "../state/types";
 
 export interface Status {
@@ -162,6 +163,12 @@ export class Judge {
     marked.reference = { answer: made.answer, of, circle: made.circle };
     notice("Calibrated at this design; the table says what agrees with the judge and what does not.");
   }
+}
+
+/** The flow about two swimmers where they are now on a path of theirs, each in that of the other. */
+export function askFlowOfBoth(store: Store, poses: Pose[], told: (s: Status) => void, stop: AbortSignal): Promise<FlowAnswer | null> {
+  const members = store.designs.map(({ answer: { tables } }, i) => ({ tables, position: poses[i].x, quaternion: poses[i].q, phase: poses[i].phase }));
+  return job<FlowAnswer>({ kind: "pair_flow", members, time: poses[0].time }, told, stop);
 }
 
 /** The flow about the design, from boundary elements. */

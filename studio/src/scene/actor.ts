@@ -112,11 +112,12 @@ export class Actor {
     this.restart();
   }
 
-  /** Put it where the path has it now, with what lies behind. */
-  along(replay: Replay): void {
+  /** Put it where the path has it now, with what lies behind; its tail an angle on, as its motor turns. */
+  along(replay: Replay, on = 0): void {
     const { rows } = this;
     if (!rows) return;
     replay.put(rows, this.pose);
+    this.pose.phase += Math.sign(this.answer.gait.rate) * on;
     this.trail = rows.x.slice(3 * Math.max(0, replay.behind - SHOWN), 3 * replay.behind);
     this.trail.push(...this.pose.x);
     this.pose_();

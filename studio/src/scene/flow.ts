@@ -48,6 +48,19 @@ export class Flow {
     return this.flow;
   }
 
+  /** Whether it is that of two swimmers, which stay where they are meanwhile. */
+  get ofBoth(): boolean {
+    return this.shown && Boolean(this.flow?.frame);
+  }
+
+  /** Let the motors of both go round by an angle; in the flow of a moment they stand. */
+  turn(angle: number): void {
+    if (this.flow && this.flow.series.length > 1) this.turned += angle;
+  }
+
+  /** angle that the motors of both have gone round since it was asked for */
+  turned = 0;
+
   /** s, q, r of the velocity at the points of the slice, now. */
   get velocities(): Float32Array {
     return this.field;
@@ -73,6 +86,11 @@ export class Flow {
     const [q0, q1] = flow.q;
     this.plane.scale.set(s1 - s0, q1 - q0, 1);
     this.plane.position.set((s0 + s1) / 2, (q0 + q1) / 2, 0);
+    const { origin, quaternion } = flow.frame ?? { origin: [0, 0, 0], quaternion: [1, 0, 0, 0] };
+    const [w, x, y, z] = quaternion;
+    this.group.position.set(origin[0], origin[1], origin[2]);
+    this.group.quaternion.set(x, y, z, w);
+    this.turned = 0;
     this.ways = Array.from({ length: SPECKS }, () => this.born());
     this.group.visible = true;
   }

@@ -209,8 +209,11 @@ export interface FlowAnswer {
   s: [number, number];
   q: [number, number];
   shape: [number, number];
+  /** in the phase; a single term is the flow of one moment */
   series: number[][];
   scale: number;
+  /** where the plane of a slice through two swimmers lies in the scene (its x, y, z to s, q and the normal) */
+  frame?: { origin: [number, number, number]; quaternion: [number, number, number, number] };
 }
 
 export interface Snapshot {

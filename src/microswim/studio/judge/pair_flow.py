@@ -24,7 +24,7 @@ from microswim.swimmer.member import Member
 
 Progress = Callable[[int, int], None]
 LEVEL = "coarse"
-POINTS, MARGIN = 2400, 0.3  #: of the window, some; fluid about both, of the longer's length
+POINTS, MARGIN = 1800, 0.3  #: of the window, some; fluid about both, of the longer's length
 ALIKE = 1e-9  #: of a rate, within which two motors keep their difference of phase
 
 

@@ -34,7 +34,7 @@ def places(made):
 
 
 def velocities(made, phase):
-    """Velocities (rows, columns, 3) of a slice in the axes of the scene, summed as the page does."""
+    """Velocities (rows, columns, 3) of a slice in the axes of the scene, as the page sums them."""
     total = np.array(made["series"][0])
     for h in range(1, len(made["series"]), 2):
         n = (h + 1) // 2
@@ -74,8 +74,9 @@ def _from_joint(x):
     return x - [0.5, 0.0, 0.0]
 
 
-def test_on_the_bodies_it_is_the_motion_of_the_bodies_in_company():
+def test_on_the_bodies_it_is_the_motion_of_the_bodies_in_company(monkeypatch):
     """No slip, against the velocities of the estimate, which knows no elements of the pair."""
+    monkeypatch.setattr(pair_flow, "POINTS", 3000)
     asked = question([0.5, 0.0, -3.0], phase=2.0)
     faster = {**HELIX, "tail": {**HELIX["tail"], "frequency": 1.5}}
     asked["members"][1]["tables"] = faster  # two rates: it is solved once

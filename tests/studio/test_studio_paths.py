@@ -269,7 +269,8 @@ def flow_of_both(page, asked):
     page.click("#flow")
     page.wait_for_function("() => studio.flow.ofBoth")
     ask = asked[-1]
-    assert ask["kind"] == "pair_flow" and ask["time"] == pytest.approx(0.5)
+    assert ask["kind"] == "pair_flow"
+    assert ask["time"] == pytest.approx(0.5)
     assert [m["position"] for m in ask["members"]] == [[0, 0, 0], pytest.approx([0.25, 0, -3.5])]
     assert ask["members"][0]["phase"] == pytest.approx(3.14)
     assert page.inner_text("#flowbar").startswith("flow of both 0")

@@ -20,9 +20,9 @@ Lengths, forces and torques have units if the specs have, and none if they have 
 
 from __future__ import annotations
 
+import dataclasses
 import re
 from collections.abc import Mapping
-import dataclasses
 from dataclasses import dataclass, replace
 from functools import partial
 from os import PathLike

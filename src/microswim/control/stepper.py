@@ -123,24 +123,21 @@ class Stepper:
     def __repr__(self) -> str:
         """Model, magnet, motor and steps, in a few lines."""
         felt = "felt" if self.swimmer is not None else "not felt"
-        rate, of = float(np.real(self.gait.rate)), self.gait.units
-        motor = "locked" if self.locked else quantity(rate, unit(of, "rate"))
-        parts = f"{self.steps} internal steps, always"
-        if not self.steps:
-            parts = f"{self.resolution:g} internal steps a turn, at most {self.most_steps}"
+        rate = quantity(np.real(self.gait.rate), unit(self.gait.units, "rate"))
+        short = f"{self.resolution:g} internal steps a turn, at most {self.most_steps}"
+        parts = f"{self.steps} internal steps, always" if self.steps else short
         return (
             f"Stepper of a {self.gait.model} gait, {self.gait.units}\n"
-            f"  motor {motor}; magnetic moment {self._magnet}\n"
+            f"  motor {'locked' if self.locked else rate}; magnetic moment {self._magnet}\n"
             f"  {parts}; strain of a flow {felt}"
             + "".join(f"\n  {line}" for line in origin(self.gait))
         )
 
     @property
     def _magnet(self) -> str:
-        if self.magnetic[3:].any():
-            return "that of a soft magnet"
-        of, moment = unit(self.gait.units, "moment"), self.magnetic[:3]
-        return "(" + ", ".join(quantity(x, of) for x in moment) + ")" if moment.any() else "none"
+        soft, of, moment = self.magnetic[3:], unit(self.gait.units, "moment"), self.magnetic[:3]
+        hard = "(" + ", ".join(quantity(x, of) for x in moment) + ")" if moment.any() else "none"
+        return "that of a soft magnet" if soft.any() else hard
 
     @cached_property
     def response(self) -> Response:

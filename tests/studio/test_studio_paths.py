@@ -291,6 +291,28 @@ def flow_of_both(page, asked):
 
 
 @pytest.mark.browser
+def test_a_path_is_asked_for_again_where_the_answer_to_a_change_is_late(page):
+    """Later than the hand rests: the path that was asked for then is of the design before."""
+    page.click("#tab-path")
+    page.select_option("#turns", "100")
+    page.click("#ask-path")
+    page.wait_for_selector("#went")
+
+    def late(route):
+        page.wait_for_timeout(900)
+        route.continue_()
+
+    page.route("**/api/solve", late)
+    page.fill('input[aria-label="Amplitude, value"]', "0.12")
+    page.keyboard.press("Enter")
+    page.wait_for_function("() => !studio.replay()")
+    page.wait_for_selector("#went")
+    page.unroute("**/api/solve")
+    page.click("#leave-path")
+    page.wait_for_function("() => !studio.replay()")
+
+
+@pytest.mark.browser
 def test_a_scene_of_the_menu_puts_two_swimmers_where_it_says(page):
     """The solve is made up: where the page puts what is answered is what is asked here.
 

@@ -140,7 +140,7 @@ export class Paths {
   private changed(moved = false): void {
     if (!this.made || (!moved && this.of === this.here)) return;
     this.leave(true);
-    if (moved) this.again(true);
+    this.again(moved); // the hand may have rested before the answer came
   }
 
   /** Back to swimming by the gait. */
@@ -191,6 +191,7 @@ export class Paths {
       window.setTimeout(() => this.node.querySelector("#went")?.scrollIntoView({ block: "nearest" }));
     } else if (stop.signal.aborted && of === this.here) notice("Stopped. What was solved is kept: asked again it goes on from there.");
     this.build();
+    if (of !== this.here) this.again(); // the answer to the last change came after the path was asked for
   }
 
   private told({ numbers: n, expected_error: errors }: PathAnswer): HTMLElement[] {

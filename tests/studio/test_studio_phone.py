@@ -3,6 +3,8 @@
 import pytest
 from chromium import opened, touch
 
+import microswim as ms
+
 pytestmark = pytest.mark.browser
 SIZES = {"small": (360, 640), "phone": (390, 844), "lying": (844, 390), "tablet": (768, 1024)}
 SHEETS = {
@@ -153,3 +155,35 @@ def test_what_a_field_drives_is_in_sight_with_its_trust(phone):
     touch(phone, "#drive-motor")
     assert phone.text_content("#glance b") == motor
     touch(phone, "#sheet-drive")
+
+
+def test_where_inertia_is_felt_the_number_in_sight_says_so_in_the_same_colour(phone):
+    fast = {"field.frequency": 300.0, "fluid.viscosity": 1e-3}
+    text = ms.Swimmer.preset("shapes/magnet", fast).to_toml()
+    phone.evaluate("(text) => studio.store.load('fast', text)", text)
+    touch(phone, "#sheet-drive")
+    phone.wait_for_function("() => document.querySelector('#glance small.poor')?.textContent")
+    assert phone.text_content("#glance small.poor") == "inertia is felt"
+    phone.wait_for_selector("#inertia")
+    assert "inertia, which is left out" in phone.text_content("#inertia")
+    shades = [
+        phone.evaluate("(s) => getComputedStyle(document.querySelector(s)).color", s)
+        for s in ("#glance small.poor", "#inertia")
+    ]
+    assert shades[0] == shades[1]
+    touch(phone, "#sheet-drive")
+    phone.evaluate(
+        "(text) => studio.store.load('tabak/helix', text)",
+        ms.Swimmer.preset("tabak/helix").to_toml(),
+    )
+    phone.wait_for_function("() => studio.store.design.name === 'tabak/helix'")
+
+
+def test_a_notice_hides_neither_the_number_nor_the_legend(phone):
+    touch(phone, "#arrows")
+    phone.evaluate("() => dispatchEvent(new ErrorEvent('error', { message: 'made up' }))")
+    phone.wait_for_selector(".notice:has-text('made up')")
+    for below in ("#glance", ".arrows"):
+        assert apart(box(phone, ".notice"), box(phone, below)), below
+    phone.click(".notice button")
+    touch(phone, "#arrows")

@@ -26,7 +26,7 @@ export class Driver {
   private state = el("div", { class: "trust open", id: "step" }, el("i"), "");
   /** where its Reynolds number is beyond what the model holds for; and the same in few words */
   private inertia = el("div", { class: "trust poor", id: "inertia", hidden: true }, el("i"), "");
-  private beyond = el("small", { class: "warn" });
+  private beyond = el("small", { class: "poor" });
   private figure = el("div", { class: "figure", id: "driven-speed" });
   private caption = el("div", { class: "caption" });
   private sure = el("div", { id: "drive-trust" });

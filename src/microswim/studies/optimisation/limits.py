@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING, Any
 
 from microswim.errors import SpecError
 from microswim.gait.quantities import NUMBERS, OLD, QUANTITIES
-from microswim.gait.readable import spec_value
+from microswim.gait.readable import significant, spec_value
 from microswim.gait.turning.driven import DRIVEN
 from microswim.gait.units import unit
 from microswim.spec.describe import unit_of
@@ -53,7 +53,15 @@ def measured_in(name: str, units: str) -> str:
 
 
 def for_people(name: str, value: float, units: str) -> str:
-    """Return a number of the spec, a quantity or an expression with its unit."""
+    """Return a number of the spec, a quantity or an expression with its unit; shares in per cent.
+
+    Examples
+    --------
+    >>> for_people("efficiency", 0.003289, "SI"), for_people("mean_power", 6.866e-11, "SI")
+    ('0.329 %', '68.66 pW')
+    """
+    if name == "efficiency":
+        return f"{significant(100.0 * value, 3)} %"
     known = measured_in(name, units)
     return spec_value(value, known) if known else f"{value:.4g}"
 

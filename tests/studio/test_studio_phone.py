@@ -137,6 +137,9 @@ def test_the_header_folds_and_all_of_it_is_reached(phone):
     assert not phone.is_visible("#compare")  # nor does it lie over the two numbers
     assert phone.evaluate("() => studio.store.designs.length") == 2
     assert phone.locator("#glance .trust").count() == phone.locator("#glance b").count() == 2
+    touch(phone, "#arrows")
+    assert apart(box(phone, "#glance"), box(phone, ".arrows"))  # two lines of numbers
+    touch(phone, "#arrows")
     touch(phone, "#more")
     touch(phone, "#compare")
 
@@ -158,10 +161,12 @@ def test_what_a_field_drives_is_in_sight_with_its_trust(phone):
 
 
 def test_where_inertia_is_felt_the_number_in_sight_says_so_in_the_same_colour(phone):
-    fast = {"field.frequency": 300.0, "fluid.viscosity": 1e-3}
+    fast = {"field.frequency": "300 Hz", "fluid.kinematic_viscosity": "1 cSt"}
     text = ms.Swimmer.preset("shapes/magnet", fast).to_toml()
     phone.evaluate("(text) => studio.store.load('fast', text)", text)
+    phone.wait_for_function("() => studio.store.design.name === 'fast'")
     touch(phone, "#sheet-drive")
+    touch(phone, "#drive-field")
     phone.wait_for_function("() => document.querySelector('#glance small.poor')?.textContent")
     assert phone.text_content("#glance small.poor") == "inertia is felt"
     phone.wait_for_selector("#inertia")
@@ -171,6 +176,7 @@ def test_where_inertia_is_felt_the_number_in_sight_says_so_in_the_same_colour(ph
         for s in ("#glance small.poor", "#inertia")
     ]
     assert shades[0] == shades[1]
+    touch(phone, "#drive-motor")
     touch(phone, "#sheet-drive")
     phone.evaluate(
         "(text) => studio.store.load('tabak/helix', text)",

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import csv
 import json
+import math
 import time
 from functools import partial
 from pathlib import Path
@@ -25,6 +26,7 @@ from microswim.cli._options import (
     workers_option,
 )
 from microswim.numerics.files import fresh, write
+from microswim.swimmer.swimmer import Swimmer
 
 #: Said beside these two rows: a surrogate may swim right and answer a push wrongly.
 RESISTANCE = (
@@ -75,7 +77,10 @@ def command(given: Given, out: Path | None, force: bool, as_json: bool, **asked:
             progress=progress,
             **dict(change(text) for text in asked["options"]),
         )
-    report = result.as_dict() | {"wall_seconds": time.perf_counter() - begun}
+    model = "elastic" if given.swimmer.tail.settles else "rft"
+    report = {"model": model, **result.as_dict(), "wall_seconds": time.perf_counter() - begun}
+    if not as_json:
+        click.echo(heading(given.swimmer, report))
     show = partial(print_json if as_json else _print, report)
     if out is not None:
         with _files.or_else(show):
@@ -83,6 +88,17 @@ def command(given: Given, out: Path | None, force: bool, as_json: bool, **asked:
     show()
     if out is not None and not as_json:
         click.echo(f"{out}: errors.csv, validation.json, errors.png")
+
+
+def heading(swimmer: Swimmer, report: dict[str, Any]) -> str:
+    """Return what is judged by what, and whether it is what ``microswim run`` answers with."""
+    from microswim.calibration.atlas.choice import not_atlas
+
+    designs = math.prod(len(values) for values in report["over"].values())
+    said = f"{report['model']} against {report['against']}, {designs} designs"
+    if report["model"] == "elastic" or not_atlas(swimmer):
+        return said
+    return f"{said}; microswim run takes the atlas here, which is nearer, and prints its error"
 
 
 def _write(out: Path, result: Any, report: dict[str, Any]) -> None:

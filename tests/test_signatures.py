@@ -6,6 +6,8 @@ from typing import get_args
 import pytest
 
 import microswim as ms
+from microswim.control import motion
+from microswim.control.inputs import Inputs
 from microswim.gait import doors
 
 
@@ -65,3 +67,7 @@ def test_nothing_public_takes_more_than_five_arguments_by_position(name, call):
     takes = inspect.signature(call).parameters.values()
     by_position = [p.name for p in takes if p.kind in (p.POSITIONAL_ONLY, p.POSITIONAL_OR_KEYWORD)]
     assert len([p for p in by_position if p != "self"]) <= 5
+
+
+def test_the_inputs_of_a_step_are_those_of_the_signature():
+    assert set(Inputs.__annotations__) == set(motion.INPUTS)

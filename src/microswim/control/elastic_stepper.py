@@ -6,12 +6,14 @@ run of implicit steps, adaptive inside; a step that is refused leaves the state 
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import KW_ONLY, dataclass, replace
-from typing import Any
+from typing import Any, Unpack
 
 import numpy as np
 
 from microswim import checks
+from microswim.control.inputs import ElasticInputs
 from microswim.errors import SpecError
 from microswim.models.elastic.unsteady.march import Shape, at_rest, drawn, marched
 from microswim.numerics.array import kept, still_read_only
@@ -19,7 +21,7 @@ from microswim.swimmer.magnetism.applied_field import UniformField
 from microswim.swimmer.surroundings.flow import UniformFlow
 from microswim.swimmer.swimmer import Swimmer
 
-INPUTS = ("motor_rate", "force", "torque", "field", "flow")
+INPUTS = tuple(ElasticInputs.__annotations__)
 
 
 @checks.by_name
@@ -149,7 +151,9 @@ class ElasticStepper:
         return ElasticState(shape=shape, filament=kept(drawn(self.swimmer, shape), float))
 
     @checks.given()
-    def step(self, state: ElasticState, *, dt: float, **inputs: Any) -> ElasticState:
+    def step(
+        self, state: ElasticState, *, dt: float, **inputs: Unpack[ElasticInputs]
+    ) -> ElasticState:
         """Return the state after a time dt.
 
         Parameters
@@ -180,7 +184,7 @@ class ElasticStepper:
             shape=found.shapes[-1], filament=kept(found.places[-1], float), time=state.time + dt
         )
 
-    def _with(self, inputs: dict[str, Any]) -> tuple[Swimmer, dict[str, Any]]:
+    def _with(self, inputs: Mapping[str, Any]) -> tuple[Swimmer, dict[str, Any]]:
         """The swimmer in the field and flow that are given, and further loads."""
         one, more = self.swimmer, {}
         for name, value in inputs.items():

@@ -2,13 +2,35 @@
 
 from __future__ import annotations
 
-from typing import Any
+from collections.abc import Mapping
+from typing import Any, TypedDict
 
 import numpy as np
+from numpy.typing import ArrayLike
 
 from microswim import checks
 from microswim.control import motion
 from microswim.errors import SpecError
+
+
+class ElasticInputs(TypedDict, total=False):
+    """What a robot with an elastic tail may be given over a step."""
+
+    motor_rate: ArrayLike | None
+    force: ArrayLike | None
+    torque: ArrayLike | None
+    field: ArrayLike | None
+    flow: ArrayLike | None
+
+
+class Inputs(ElasticInputs, total=False):
+    """What any other robot may: also how field and flow change in space and time."""
+
+    field_rate: ArrayLike | None
+    gradient: ArrayLike | None
+    field_gradient: ArrayLike | None
+    field_place: ArrayLike | None
+
 
 _SHAPES: dict[str, tuple[int, ...]] = {
     name: (3, 3) if name.endswith("gradient") else (3,) for name in motion.INPUTS
@@ -16,7 +38,7 @@ _SHAPES: dict[str, tuple[int, ...]] = {
 _SHAPES["motor_rate"] = ()
 
 
-def rows(rest: np.ndarray, n: int, inputs: dict[str, Any], locked: bool) -> np.ndarray:
+def rows(rest: np.ndarray, n: int, inputs: Mapping[str, Any], locked: bool) -> np.ndarray:
     """Return the inputs of n swimmers, one row for all or (n, 37).
 
     Parameters

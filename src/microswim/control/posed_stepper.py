@@ -7,17 +7,17 @@ in it Poiseuille's, of which the input `flow` is the velocity on the axis.
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from dataclasses import KW_ONLY, dataclass
 from functools import cached_property
-from typing import Any
+from typing import Any, Unpack
 
 import numpy as np
 
 from microswim import checks
 from microswim.calibration.poses.around import around
 from microswim.control import linear, posed, thermal
-from microswim.control.inputs import columns_of
+from microswim.control.inputs import Inputs, columns_of
 from microswim.control.motion import INPUTS, STATE, internal_steps
 from microswim.control.posed_noise import displaced
 from microswim.control.state import State, check_finite, check_one, check_state
@@ -103,7 +103,7 @@ class PosedStepper(Stepper):
     def _gaps(self, Y: np.ndarray) -> np.ndarray:
         return np.array([self.poses.gap(y[:3], y[3:7], y[7]) for y in Y])
 
-    def held(self, n: int, inputs: dict[str, Any]) -> np.ndarray:
+    def held(self, n: int, inputs: Mapping[str, Any]) -> np.ndarray:
         """Return the inputs as an array, one row for all or (n, 37); checked."""
         U = super().held(n, inputs)
         if self.around.table.kind == TUBE:
@@ -113,7 +113,7 @@ class PosedStepper(Stepper):
                 raise SpecError("flow", inputs["flow"], "along x in a tube, [speed, 0, 0]")
         return U
 
-    def step(self, state: State, *, dt: float, **inputs: Any) -> State:
+    def step(self, state: State, *, dt: float, **inputs: Unpack[Inputs]) -> State:
         """Return the pose and phase after a time dt; as `Stepper.step`.
 
         Raises
@@ -171,7 +171,7 @@ class PosedStepper(Stepper):
         check_finite(out)
         return out
 
-    def outputs(self, state: State, **inputs: Any) -> tuple[np.ndarray, np.ndarray]:
+    def outputs(self, state: State, **inputs: Unpack[Inputs]) -> tuple[np.ndarray, np.ndarray]:
         """Return the twist (..., 6), body frame, relative to the lab, and the motor's torque (...).
 
         As `Stepper.outputs`; what Poiseuille's flow gives to the motor is left out.
@@ -207,7 +207,12 @@ class PosedStepper(Stepper):
         return State(after.reshape(state.values.shape))
 
     def derivatives(
-        self, state: State, *, dt: float, wrt: tuple[str, ...] = tuple(INPUTS), **inputs: Any
+        self,
+        state: State,
+        *,
+        dt: float,
+        wrt: tuple[str, ...] = tuple(INPUTS),
+        **inputs: Unpack[Inputs],
     ) -> tuple[np.ndarray, np.ndarray]:
         """Return the derivatives of the next state of one swimmer: (8, 8) and (8, m).
 
@@ -232,7 +237,7 @@ class PosedStepper(Stepper):
         *,
         dt: float | None = None,
         wrt: tuple[str, ...] = tuple(INPUTS),
-        **inputs: Any,
+        **inputs: Unpack[Inputs],
     ) -> linear.StateSpace:
         """Return the step of one swimmer as state space; as `Stepper.state_space`."""
         if dt is not None:

@@ -7,15 +7,16 @@ take too many parts, or turn too far in one, is refused: its time is bounded, wh
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import KW_ONLY, dataclass
 from functools import cached_property
-from typing import Any
+from typing import Any, Unpack
 
 import numpy as np
 
 from microswim import checks
 from microswim.control import linear, motion, readout, thermal
-from microswim.control.inputs import columns_of, rows
+from microswim.control.inputs import Inputs, columns_of, rows
 from microswim.control.response import Response, response, step_limits
 from microswim.control.state import State, check_finite, check_one, check_state
 from microswim.errors import SpecError
@@ -170,7 +171,7 @@ class Stepper:
         return rest
 
     @checks.given()
-    def step(self, state: State, *, dt: float, **inputs: Any) -> State:
+    def step(self, state: State, *, dt: float, **inputs: Unpack[Inputs]) -> State:
         """Return the pose and phase after a time dt.
 
         Parameters
@@ -254,12 +255,12 @@ class Stepper:
             )  # fmt: skip
 
     @checks.given()
-    def held(self, n: int, inputs: dict[str, Any]) -> np.ndarray:
+    def held(self, n: int, inputs: Mapping[str, Any]) -> np.ndarray:
         """Return the inputs as an array, one row for all or (n, 37); checked."""
         return rows(self._rest, n, inputs, self.locked)
 
     @checks.given()
-    def outputs(self, state: State, **inputs: Any) -> tuple[np.ndarray, np.ndarray]:
+    def outputs(self, state: State, **inputs: Unpack[Inputs]) -> tuple[np.ndarray, np.ndarray]:
         """Return the twist (..., 6), body frame, relative to the lab, and the motor's torque (...).
 
         The torque is what the motor gives per unit phase rate: for a helix the torque about its
@@ -286,13 +287,18 @@ class Stepper:
         return out
 
     @checks.given()
-    def twist(self, state: State, **inputs: Any) -> np.ndarray:
+    def twist(self, state: State, **inputs: Unpack[Inputs]) -> np.ndarray:
         """Return twist in the body frame about the body's centre, relative to the lab, (..., 6)."""
         return self.outputs(state, **inputs)[0]
 
     @checks.given()
     def derivatives(
-        self, state: State, *, dt: float, wrt: tuple[str, ...] = tuple(motion.INPUTS), **inputs: Any
+        self,
+        state: State,
+        *,
+        dt: float,
+        wrt: tuple[str, ...] = tuple(motion.INPUTS),
+        **inputs: Unpack[Inputs],
     ) -> tuple[np.ndarray, np.ndarray]:
         """Return the exact derivatives of the next state of one swimmer: (8, 8) and (8, m).
 
@@ -312,7 +318,7 @@ class Stepper:
         *,
         dt: float | None = None,
         wrt: tuple[str, ...] = tuple(motion.INPUTS),
-        **inputs: Any,
+        **inputs: Unpack[Inputs],
     ) -> linear.StateSpace:
         """Return the step of one swimmer as state space in small differences, for a controller.
 

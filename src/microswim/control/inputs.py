@@ -36,6 +36,7 @@ _SHAPES: dict[str, tuple[int, ...]] = {
     name: (3, 3) if name.endswith("gradient") else (3,) for name in motion.INPUTS
 }
 _SHAPES["motor_rate"] = ()
+EVERY = tuple(motion.INPUTS)  #: with respect to which a step has derivatives
 
 
 def rows(rest: np.ndarray, n: int, inputs: Mapping[str, Any], locked: bool) -> np.ndarray:

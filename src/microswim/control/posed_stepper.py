@@ -7,7 +7,7 @@ in it Poiseuille's, of which the input `flow` is the velocity on the axis.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable
 from dataclasses import KW_ONLY, dataclass
 from functools import cached_property
 from typing import Any, Unpack
@@ -17,7 +17,7 @@ import numpy as np
 from microswim import checks
 from microswim.calibration.poses.around import around
 from microswim.control import linear, posed, thermal
-from microswim.control.inputs import Inputs, columns_of
+from microswim.control.inputs import EVERY, Inputs, columns_of
 from microswim.control.motion import INPUTS, STATE, internal_steps
 from microswim.control.posed_noise import displaced
 from microswim.control.state import State, check_finite, check_one, check_state
@@ -103,14 +103,14 @@ class PosedStepper(Stepper):
     def _gaps(self, Y: np.ndarray) -> np.ndarray:
         return np.array([self.poses.gap(y[:3], y[3:7], y[7]) for y in Y])
 
-    def held(self, n: int, inputs: Mapping[str, Any]) -> np.ndarray:
+    def held(self, n: int, inputs: Inputs) -> np.ndarray:
         """Return the inputs as an array, one row for all or (n, 37); checked."""
         U = super().held(n, inputs)
         if self.around.table.kind == TUBE:
             if U[:, INPUTS["gradient"]].any():
                 raise SpecError("gradient: leave it out in a tube, whose flow is Poiseuille's")
             if U[:, 14:16].any():
-                raise SpecError("flow", inputs["flow"], "along x in a tube, [speed, 0, 0]")
+                raise SpecError("flow", inputs.get("flow"), "along x in a tube, [speed, 0, 0]")
         return U
 
     def step(self, state: State, *, dt: float, **inputs: Unpack[Inputs]) -> State:
@@ -207,12 +207,7 @@ class PosedStepper(Stepper):
         return State(after.reshape(state.values.shape))
 
     def derivatives(
-        self,
-        state: State,
-        *,
-        dt: float,
-        wrt: tuple[str, ...] = tuple(INPUTS),
-        **inputs: Unpack[Inputs],
+        self, state: State, *, dt: float, wrt: tuple[str, ...] = EVERY, **inputs: Unpack[Inputs]
     ) -> tuple[np.ndarray, np.ndarray]:
         """Return the derivatives of the next state of one swimmer: (8, 8) and (8, m).
 
@@ -236,7 +231,7 @@ class PosedStepper(Stepper):
         state: State,
         *,
         dt: float | None = None,
-        wrt: tuple[str, ...] = tuple(INPUTS),
+        wrt: tuple[str, ...] = EVERY,
         **inputs: Unpack[Inputs],
     ) -> linear.StateSpace:
         """Return the step of one swimmer as state space; as `Stepper.state_space`."""

@@ -7,7 +7,6 @@ take too many parts, or turn too far in one, is refused: its time is bounded, wh
 
 from __future__ import annotations
 
-from collections.abc import Mapping
 from dataclasses import KW_ONLY, dataclass
 from functools import cached_property
 from typing import Any, Unpack
@@ -16,7 +15,7 @@ import numpy as np
 
 from microswim import checks
 from microswim.control import linear, motion, readout, thermal
-from microswim.control.inputs import Inputs, columns_of, rows
+from microswim.control.inputs import EVERY, Inputs, columns_of, rows
 from microswim.control.response import Response, response, step_limits
 from microswim.control.state import State, check_finite, check_one, check_state
 from microswim.errors import SpecError
@@ -255,7 +254,7 @@ class Stepper:
             )  # fmt: skip
 
     @checks.given()
-    def held(self, n: int, inputs: Mapping[str, Any]) -> np.ndarray:
+    def held(self, n: int, inputs: Inputs) -> np.ndarray:
         """Return the inputs as an array, one row for all or (n, 37); checked."""
         return rows(self._rest, n, inputs, self.locked)
 
@@ -293,12 +292,7 @@ class Stepper:
 
     @checks.given()
     def derivatives(
-        self,
-        state: State,
-        *,
-        dt: float,
-        wrt: tuple[str, ...] = tuple(motion.INPUTS),
-        **inputs: Unpack[Inputs],
+        self, state: State, *, dt: float, wrt: tuple[str, ...] = EVERY, **inputs: Unpack[Inputs]
     ) -> tuple[np.ndarray, np.ndarray]:
         """Return the exact derivatives of the next state of one swimmer: (8, 8) and (8, m).
 
@@ -317,7 +311,7 @@ class Stepper:
         state: State,
         *,
         dt: float | None = None,
-        wrt: tuple[str, ...] = tuple(motion.INPUTS),
+        wrt: tuple[str, ...] = EVERY,
         **inputs: Unpack[Inputs],
     ) -> linear.StateSpace:
         """Return the step of one swimmer as state space in small differences, for a controller.

@@ -79,7 +79,7 @@ def atlas(kind):
         {name: 1e6 * least(run, 1, calls) / each for name, (run, calls, each) in runs.items()}
         for _ in range(30)
     ]
-    found = {name: min(one[name] for one in rounds) for name in runs}
+    found = {name: min(least_of[name] for least_of in rounds) for name in runs}
     found["solves"] = many.region.atlas.about["solves"]
     return {**found, "gait over plain": found["gait"] / found["gait, plain"]}
 

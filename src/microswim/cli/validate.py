@@ -79,9 +79,7 @@ def command(given: Given, out: Path | None, force: bool, as_json: bool, **asked:
         )
     model = "elastic" if given.swimmer.tail.settles else "rft"
     report = {"model": model, **result.as_dict(), "wall_seconds": time.perf_counter() - begun}
-    if not as_json:
-        click.echo(heading(given.swimmer, report))
-    show = partial(print_json if as_json else _print, report)
+    show = partial(print_json, report) if as_json else partial(_print, given.swimmer, report)
     if out is not None:
         with _files.or_else(show):
             _write(out, result, report)
@@ -120,7 +118,8 @@ def _write(out: Path, result: Any, report: dict[str, Any]) -> None:
         error_maps(result).savefig(scratch, dpi=200)
 
 
-def _print(report: dict[str, Any]) -> None:
+def _print(swimmer: Swimmer, report: dict[str, Any]) -> None:
+    click.echo(heading(swimmer, report))
     click.echo(f"{'':24s} {'median':>8s} {'90 %':>8s} {'worst':>8s} {'<= 5 %':>8s} {'<= 10 %':>8s}")
     for name, s in report["statistics"].items():
         numbers = (s["median"], s["p90"], s["worst"], s["within_5"], s["within_10"])

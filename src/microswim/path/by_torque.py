@@ -16,6 +16,7 @@ from microswim.path import keeping, outcome
 from microswim.path.motors import Motors, motors_of
 from microswim.path.on_hooks import OnHooks, smallest_turns
 from microswim.path.own_motors import at_origin, followed, told
+from microswim.swimmer.geometry.extent import nose_to_tip
 from microswim.swimmer.parts import with_part
 from microswim.swimmer.swimmer import Swimmer
 
@@ -141,7 +142,7 @@ def _off(swimmer: Swimmer, motors: Motors | OnHooks, found: xr.Dataset, toleranc
 def _ends(swimmer: Swimmer, x: Array, found: xr.Dataset, off: float) -> dict[str, Any]:
     radius, turn = outcome.circling(x, np.array([0.0, 0.0, 1.0]))
     span = float(found.time[-1] - found.time[0])
-    length = 2.0 * float(swimmer.body.semi_axes3[0]) + float(swimmer.tail.apparent_length)
+    length = float(nose_to_tip(swimmer))
     return {
         "outcome": outcome.ended(np.full(1, np.inf), np.inf, length, 0.0, turn),
         "circle_radius": np.nan if radius is None else radius,

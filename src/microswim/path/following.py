@@ -37,6 +37,7 @@ from microswim.path.start import (
     three,
 )
 from microswim.path.trajectory import dataset
+from microswim.swimmer.geometry.extent import nose_to_tip
 from microswim.swimmer.magnetism.applied_field import AppliedField
 from microswim.swimmer.swimmer import Swimmer
 
@@ -316,7 +317,7 @@ def _ends(
     gaps = np.atleast_2d(told["gap"])[0] if bounded else np.full(1, np.inf)
     if bounded:
         gaps = np.append(gaps, found.least[0])  # between the samples as well
-    length = 2.0 * float(swimmer.body.semi_axes3[0]) + float(swimmer.tail.apparent_length)
+    length = float(nose_to_tip(swimmer))
     last = np.atleast_2d(told["gap"])[0] if bounded else gaps
     return {
         "outcome": outcome.ended(last, gaps.min(), length, course.loads.contact[REACH], turn),

@@ -12,6 +12,7 @@ from microswim.gait.gait import Gait
 from microswim.path.regime_remarks import inertia_of, long_axis_of
 from microswim.studio import maps, nearby_field
 from microswim.studio.spec_tables import swimmer_of
+from microswim.swimmer.geometry.extent import nose_to_tip
 from microswim.swimmer.magnetism.applied_field import RotatingField
 from microswim.swimmer.magnetism.magnet import vector_of
 from microswim.swimmer.physical_sense import INERTIA
@@ -72,5 +73,5 @@ def about(swimmer: Swimmer, time: Any, place: Any) -> dict[str, Any]:
     """Return the field about a place from a time on; see `nearby_field.nearby`."""
     if swimmer.field is None:
         raise SpecError("field: this spec has none")
-    length = float(swimmer.tail.apparent_length) + 2.0 * float(swimmer.body.semi_axes3[0])
+    length = float(nose_to_tip(swimmer))
     return nearby_field.nearby(swimmer.field, float(time), place, length)

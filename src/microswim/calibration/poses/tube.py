@@ -32,6 +32,7 @@ from microswim.models.bem.solution import middle_of
 from microswim.numerics.array import Array
 from microswim.numerics.compiling.compiled import settled
 from microswim.numerics.rigid_motion import quaternion_of
+from microswim.swimmer.geometry.extent import nose_to_tip
 from microswim.swimmer.geometry.surroundings import Channel
 from microswim.swimmer.swimmer import Swimmer
 
@@ -149,6 +150,10 @@ def of_tail(shape: Shape, numbers: Array, radius: float, line: Array) -> tuple[A
     return R, F
 
 
+#: Least eigenvalue of R in units of that in free fluid, once the tail's part is taken off.
+WELL_ABOVE = 0.5
+
+
 def _share(gaits: list[Gait], near: list[tuple[Array, Array]], root: Array) -> float:
     """Return how much of that can be taken off such that at every pose R stays well above zero."""
     inverse = np.linalg.inv(root[:6])
@@ -157,10 +162,6 @@ def _share(gaits: list[Gait], near: list[tuple[Array, Array]], root: Array) -> f
         if np.linalg.eigvalsh(inverse @ np.array(left) @ inverse.T).min() > WELL_ABOVE:
             return share
     return 0.0
-
-
-#: Least eigenvalue of R in units of that in free fluid, once the tail's part is taken off.
-WELL_ABOVE = 0.5
 
 
 def _tube_of(swimmer: Swimmer) -> Channel:
@@ -196,7 +197,7 @@ def beside(swimmer: Swimmer, radius: float, line: Array) -> Swimmer:
     """Return the swimmer in a closed tube such that phase 0 of the tail is the pose of a line."""
     t, b = line[:3], line[3:]
     tilt, azimuth = np.arccos(np.clip(t[0], -1.0, 1.0)), np.arctan2(-t[2], -t[1])
-    whole = 2.0 * float(swimmer.body.semi_axes3[0]) + float(swimmer.tail.apparent_length)
+    whole = float(nose_to_tip(swimmer))
     tube = Channel(
         diameter=2.0 * radius,
         length=whole + 2.0 * float(swimmer.tail.radius) + 2.0 * ENDS * radius,

@@ -27,6 +27,7 @@ from microswim.numerics.array import sealed
 from microswim.numerics.files import write
 from microswim.path.trajectory import trajectory
 from microswim.swimmer import physical_sense
+from microswim.swimmer.geometry.extent import nose_to_tip
 from microswim.swimmer.magnetism.drive import drive_of
 from microswim.swimmer.swimmer import Swimmer
 
@@ -89,10 +90,9 @@ def enough_periods(swimmer: Swimmer, gait: Gait, speed: float | None = None) -> 
     >>> ms.io.enough_periods(swimmer, swimmer.gait())
     122
     """
-    length = 2.0 * swimmer.body.semi_axes3[0] + swimmer.tail.apparent_length
     speed = float(observed(gait, "swimming_speed")) if speed is None else speed
     step = speed * _period(gait)
-    return int(np.clip(np.ceil(1.5 * length / step), 4, 400)) if step > 0 else 4
+    return int(np.clip(np.ceil(1.5 * nose_to_tip(swimmer) / step), 4, 400)) if step > 0 else 4
 
 
 def _period(gait: Gait) -> float:

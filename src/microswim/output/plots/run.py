@@ -28,6 +28,7 @@ from microswim.output.plots.style import (
     few_ticks,
     look,
 )
+from microswim.swimmer.geometry.extent import nose_to_tip
 from microswim.swimmer.swimmer import Swimmer
 
 if TYPE_CHECKING:
@@ -180,7 +181,7 @@ def _scene(axes: Axes, run: xr.Dataset, swimmer: Swimmer | None, basis: np.ndarr
     x, q = run.position.values, run.quaternion.values
     extent = float(np.ptp(x @ basis[0])) or 1.0
     if swimmer is not None:
-        extent = 2.0 * float(swimmer.body.semi_axes3[0]) + float(swimmer.tail.apparent_length)
+        extent = float(nose_to_tip(swimmer))
         room = np.linalg.norm(x[-1] - x[0]) > 0.75 * extent
         for i, strength in ((0, 0.22), (len(x) - 1, 1.0)) if room else ((len(x) - 1, 1.0),):
             mesh = surface(swimmer, float(run.motor_phase[i]), fineness=2.2)

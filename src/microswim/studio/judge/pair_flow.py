@@ -19,6 +19,7 @@ from microswim.numerics.series.fourier import series_of
 from microswim.studio.drawing import reach
 from microswim.studio.judge.flow import FLOW_PHASES, served
 from microswim.studio.judge.together import group_of
+from microswim.swimmer.geometry.extent import nose_to_tip
 from microswim.swimmer.group import Group
 from microswim.swimmer.member import Member
 
@@ -65,7 +66,7 @@ def plane_of(group: Group) -> tuple[Array, Array]:
     across = middles[1] - middles[0]
     across = across - (across @ Q[:, 0]) * Q[:, 0]
     size = float(np.linalg.norm(across))
-    beside = across / size if size > 1e-6 * _length(first) else Q[:, 1]
+    beside = across / size if size > 1e-6 * float(nose_to_tip(first.swimmer)) else Q[:, 1]
     axes = np.stack([Q[:, 0], beside, np.cross(Q[:, 0], beside)], axis=-1)
     return np.mean(middles, axis=0), axes
 
@@ -79,7 +80,7 @@ def window(group: Group, origin: Array, axes: Array) -> tuple[Array, Array]:
         seen = (_ends(member) - origin) @ axes[:, :2]
         low = np.minimum(low, seen.min(axis=0) - wide)
         high = np.maximum(high, seen.max(axis=0) + wide)
-    margin = MARGIN * max(map(_length, group.members))
+    margin = MARGIN * max(float(nose_to_tip(m.swimmer)) for m in group.members)
     low, high = low - margin, high + margin
     step = np.sqrt(np.prod(high - low) / POINTS)
     counts = np.clip(np.round((high - low) / step).astype(int) + 1, 8, POINTS // 8)
@@ -105,8 +106,3 @@ def _ends(member: Member) -> Array:
     half = float(own.body.semi_axes3[0])
     along = np.array([-half, half + float(own.tail.apparent_length)])
     return np.array(member.position) + along[:, None] * member.rotation[:, 0]
-
-
-def _length(member: Member) -> float:
-    own = member.swimmer
-    return float(own.tail.apparent_length) + 2.0 * float(own.body.semi_axes3[0])

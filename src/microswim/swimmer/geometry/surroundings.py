@@ -16,6 +16,7 @@ import numpy as np
 from microswim import checks
 from microswim.errors import SpecError, measured
 from microswim.numerics.array import Array
+from microswim.swimmer.geometry.extent import nose_to_tip
 
 ALONG = 1e-9  # a component of a unit vector below this is rounding
 
@@ -204,8 +205,7 @@ class Channel:
         Table 1 of the paper for its base case [Tabak Sec. 2.2].
         """
         widest = 2.0 * max(swimmer.body.semi_axes3) or swimmer.tail.apparent_length / 2.0
-        whole = 2.0 * swimmer.body.semi_axes3[0] + swimmer.tail.apparent_length
-        return cls(diameter=10.0 * widest, length=max(10.0 * widest, 3.0 * whole))
+        return cls(diameter=10.0 * widest, length=max(10.0 * widest, 3.0 * nose_to_tip(swimmer)))
 
 
 def _angle(field: str, value: Any, most: float, allowed: str) -> None:

@@ -146,7 +146,7 @@ def of_tail(shape: Shape, numbers: Array, radius: float, line: Array) -> tuple[A
     """Return what a tail close to the tube adds to R (6, 6) and F_p (6,), see `tail_near_tube`."""
     R, F = np.zeros((6, 6)), np.zeros(6)
     with settled(True):
-        near_tail(line, shape.tail, numbers, radius, 1.0, R, F, np.zeros(12))
+        near_tail(line, shape.tail, numbers, radius, 1.0, R, F, np.zeros(51))
     return R, F
 
 

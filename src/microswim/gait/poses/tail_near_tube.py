@@ -30,9 +30,11 @@ from microswim.numerics.compiling.compiled import FAST, compiled
 def near_tail(
     line: Any, tail: Any, numbers: Any, radius: Any, share: Any, R: Any, F: Any, work: Any
 ) -> None:
-    """Add a share of it to R (6, 6), lower triangle and upper, and F_p (6,), frame of the tail."""
+    """Add a share of it to R (6, 6) and F_p (6,), frame of the tail; `work` (51,) is lost."""
     last, thick = tail.shape[0] - 1, numbers[TAIL_RADIUS]
-    t, n, N = work[:3], work[3:6], work[6:12]
+    T, K = work[:36].reshape((6, 6)), work[36:45].reshape((3, 3))
+    t, n = work[45:48], work[48:51]
+    T[:] = 0.0
     beyond = 1.0 + numbers[SIZE] / thick
     far_n, far_c = _beside(beyond)
     for i in range(tail.shape[0] if share != 0.0 else 0):
@@ -47,14 +49,18 @@ def near_tail(
         if h < beyond:
             of_n, of_c = _beside(h)
             of_n, of_c = weight * (of_n - far_n), weight * (of_c - far_c)
-            _drag(tail[i], t, n, (of_n, 0.5 * of_c, of_c), numbers, N, R, F)
+            _drag(tail[i], t, n, (of_n, 0.5 * of_c, of_c), thick, K, T)
         if i == last:
             gap = max(dist - thick, numbers[LEAST])
             nose = -thick * rise
             ball = 0.5 * (1.0 + nose / np.sqrt(nose * nose + 2.0 * thick * gap))
             ball *= 6.0 * np.pi * thick * numbers[VISCOSITY] * share
             side = ball * 8.0 / 15.0 * np.log(1.0 + thick / gap)
-            _drag(tail[i], t, n, (ball * thick / gap, side, side), numbers, N, R, F)
+            _drag(tail[i], t, n, (ball * thick / gap, side, side), thick, K, T)
+    for i in range(6):
+        F[i] += numbers[SIGN] * (T[3, i] if i < 3 else T[i, 3])  # the tail turns about s
+        for j in range(6):
+            R[i, j] += T[j, i] if i < 3 <= j else T[i, j]
 
 
 @compiled(error_model="numpy")
@@ -99,23 +105,27 @@ def _piece(line: Any, tail: Any, radius: Any, at: Any, t: Any, n: Any) -> Any:
 
 
 @compiled(fastmath=FAST, error_model="numpy")
-def _drag(P: Any, t: Any, n: Any, f: Any, numbers: Any, N: Any, R: Any, F: Any) -> None:
-    """Add drags towards the side, along t and across, where a piece's surface is nearest to it."""
-    thick = numbers[TAIL_RADIUS]
-    p0, p1, p2 = P[0] - thick * n[0], P[1] - thick * n[1], P[2] - thick * n[2]
-    for axis in range(3):
-        if axis == 0:
-            N[0], N[1], N[2] = n[0], n[1], n[2]
-        elif axis == 1:
-            N[0], N[1], N[2] = t[0], t[1], t[2]
-        else:
-            N[0] = t[1] * n[2] - t[2] * n[1]
-            N[1] = t[2] * n[0] - t[0] * n[2]
-            N[2] = t[0] * n[1] - t[1] * n[0]
-        N[3], N[4], N[5] = p1 * N[2] - p2 * N[1], p2 * N[0] - p0 * N[2], p0 * N[1] - p1 * N[0]
-        comes = numbers[SIGN] * N[3]
-        for j in range(6):
-            pull = f[axis] * N[j]
-            F[j] += pull * comes
-            for k in range(6):
-                R[j, k] += pull * N[k]
+def _drag(P: Any, t: Any, n: Any, f: Any, thick: Any, K: Any, T: Any) -> None:
+    """Add a piece's drags f towards the side, along t and across, where it is nearest to it.
+
+    ``K = f_n n n' + f_t t t' + f_c (1 - n n' - t t')`` at p: to T (6, 6), but its upper right.
+    """
+    p = (P[0] - thick * n[0], P[1] - thick * n[1], P[2] - thick * n[2])
+    for i in range(3):
+        for j in range(3):
+            K[i, j] = (f[0] - f[2]) * n[i] * n[j] + (f[1] - f[2]) * t[i] * t[j]
+        K[i, i] += f[2]
+    for i in range(3):
+        j, k = (i + 1) % 3, (i + 2) % 3
+        a = p[j] * K[k, 0] - p[k] * K[j, 0]
+        b = p[j] * K[k, 1] - p[k] * K[j, 1]
+        c = p[j] * K[k, 2] - p[k] * K[j, 2]
+        T[i, 0] += K[i, 0]
+        T[i, 1] += K[i, 1]
+        T[i, 2] += K[i, 2]
+        T[3 + i, 0] += a
+        T[3 + i, 1] += b
+        T[3 + i, 2] += c
+        T[3 + i, 3] += p[1] * c - p[2] * b
+        T[3 + i, 4] += p[2] * a - p[0] * c
+        T[3 + i, 5] += p[0] * b - p[1] * a

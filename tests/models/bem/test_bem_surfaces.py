@@ -9,7 +9,7 @@ from microswim.models import bem
 from microswim.models.bem import system
 from microswim.models.bem.patches import element
 from microswim.models.bem.patches.near_wall import over, refined
-from microswim.models.bem.patches.surface import Surface
+from microswim.models.bem.patches.surface import Surface, positions
 from oracles.slender_body import slender_torus
 
 EXACT_RULE = bem.Quadrature(points=7, near=3.0, far=1e6, radial=10, angular=14)
@@ -219,6 +219,19 @@ def test_halves_of_a_patch_are_the_same_surface():
     finer = refined(sphere, over(np.array([-1.02, 0, 0, 1.0, 0, 0])))
     assert finer.patches > sphere.patches
     assert finer.extent == pytest.approx(sphere.extent, rel=1e-6)
+
+
+def test_patches_resolve_two_near_points_of_one_side():
+    """Where two turns of a tail pass the halves of a patch, distances at its ends are alike."""
+    x = element.chebyshev_nodes()
+    flat = np.stack(np.broadcast_arrays(x[:, None], x, 0.0), axis=-1)[None]
+    patch = Surface(flat, np.zeros_like(flat), np.zeros(1, bool), 3)
+
+    def distance(X):
+        return np.min([np.linalg.norm(X - [s, 0.0, 0.05], axis=-1) for s in (-0.5, 0.5)], axis=0)
+
+    h = distance(positions(refined(patch, distance, 3.0), 17)).reshape(-1, 17 * 17)
+    assert (np.ptp(h, axis=1) / h.min(axis=1)).max() < 2.0 * 3.0
 
 
 def test_far_wall_gives_faxens_correction():

@@ -117,6 +117,14 @@ def test_the_swimmer_in_a_tube_is_that_of_the_finite_elements() -> None:
     assert gait.one_pose == ""
 
 
+def test_turns_of_a_tail_that_pass_a_wide_tube_leave_R_symmetric() -> None:
+    """As Lorentz has it: where one patch of the tube sees two turns, both are resolved."""
+    tube = ms.Channel(
+        diameter=6.0, length=12.1, position=(0.0, 2.242, 0.883), tilt=0.3598, azimuth=-2.0969
+    )
+    assert bem.solve(replace(ROBOT, channel=tube)).asymmetry < 1e-4
+
+
 def test_off_the_axis_a_gait_holds_at_one_pose() -> None:
     tube = replace(BALL, channel=ms.Channel(diameter=6.0, length=12.0, position=(0.0, 1.0, 0.0)))
     assert tube.gait("bem", level="coarse").one_pose == "channel"

@@ -114,7 +114,7 @@ IN_TUBE = replace(
         bend=2.2,
         wave=2.6,
         file="coarse",
-        vessel=Sides(around=18, along=1.2, change=4.0),
+        vessel=Sides(around=18, along=1.2, change=3.0),
     ),
     rule=replace(_BY_NAME["coarse"].rule, far=FAR),
 )

@@ -72,19 +72,28 @@ def together(parts: list[Surface]) -> Surface:
     )
 
 
+#: Points of a line over a patch at which heights are asked; parts of it, by half their length.
+SAMPLES, PARTS = 9, (4, 2, 1)
+
+
 def _change(controls: Array, height: Height) -> tuple[Array, Array]:
     """Change of the height along u and along v of each patch, over its smallest height, (e,) each.
 
     Along a line ``|h(1) - h(-1)| + 4 |h(1) + h(-1) - 2 h(0)|``: the slope's share and the bend's,
-    so that a patch in whose middle the gap is smallest counts as well as one beside it.
+    so that a patch in whose middle the gap is smallest counts as well as one beside it. The most of
+    it over the line, its halves and quarters: two turns of a tail may pass a patch at once.
     """
-    L = lagrange(chebyshev_nodes(), np.linspace(-1, 1, 9))[0]
+    L = lagrange(chebyshev_nodes(), np.linspace(-1, 1, SAMPLES))[0]
     h = height(np.einsum("mi,nj,eijc->emnc", L, L, controls, optimize=True))
     least = h.min(axis=(1, 2))
 
     def along(h: Array) -> Array:
-        slope, bend = h[:, -1] - h[:, 0], h[:, -1] + h[:, 0] - 2.0 * h[:, 4]
-        return (np.abs(slope) + 4.0 * np.abs(bend)).max(axis=1) / least
+        most = np.zeros(len(h))
+        for half in PARTS:
+            first, middle, last = h[:, : -2 * half], h[:, half:-half], h[:, 2 * half :]
+            of_part = np.abs(last - first) + 4.0 * np.abs(last + first - 2.0 * middle)
+            most = np.maximum(most, of_part.max(axis=(1, 2)))
+        return most / least
 
     return along(h), along(h.transpose(0, 2, 1))
 

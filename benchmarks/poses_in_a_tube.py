@@ -15,7 +15,7 @@ import microswim as ms
 from microswim.calibration.poses import lines as tube_lines
 from microswim.calibration.poses import scattered, tube
 from microswim.calibration.poses.layout import shape_of
-from microswim.calibration.poses.solved import Table
+from microswim.calibration.poses.solved import Table, scales
 from microswim.gait.poses import in_tube as inside
 from microswim.jobs import references
 from microswim.models.bem.levels import named
@@ -36,10 +36,8 @@ def unused(swimmer, radius, count, seed=SEED):
     return lines, gaps
 
 
-def missed(poses, swimmer, radius, lines, folder):
+def missed(poses, asked, starts, folder):
     """Misses of the six velocities in units of speed and rate of turning in free fluid."""
-    free = replace(swimmer, channel=None)
-    asked = [tube.beside(free, radius, line) for line in lines]
     truth = references.gaits(
         asked,
         "bem",
@@ -47,26 +45,43 @@ def missed(poses, swimmer, radius, lines, folder):
         folder=folder,
         workers=0,
     )
-    speed = poses.gait.at_rate(1.0).velocity(0.0)
-    scale = np.repeat([np.linalg.norm(speed[:3]), np.linalg.norm(speed[3:])], 3)
-    found = np.full((len(lines), 6), np.nan)
-    for i, (near, gait) in enumerate(zip(asked, truth, strict=True)):
+    scale = scales(poses.gait)
+    found = np.full((len(asked), 6), np.nan)
+    for i, (start, gait) in enumerate(zip(starts, truth, strict=True)):
         if isinstance(gait, str):
             print("not solved:", gait)
             continue
-        R, F = Table(poses.table).at(*tube.start_of(near), 0.0)
+        R, F = Table(poses.table).at(*start, 0.0)
         found[i] = (-np.linalg.solve(R, F) - gait.at_rate(1.0).velocity(0.0)) / scale
     return found
+
+
+def told(done, of):
+    """Say now and then how many are solved."""
+    if done % 50 == 0:
+        print(done, "of", of, file=sys.stderr, flush=True)
+
+
+def show(off, words):
+    """Print each pose in words, median, 95 % and worst, and how many are within 1 %."""
+    for text, row in zip(words, off, strict=True):
+        print(f"  {text}", np.round(100 * row, 2))
+    off = np.abs(off[np.isfinite(off[:, 0])])
+    for name, rows in (("median", np.median(off, 0)), ("95 %", np.quantile(off, 0.95, 0)),
+                       ("worst", off.max(0))):  # fmt: skip
+        print(f"| {name} |", " | ".join(f"{100 * x:.2f} %" for x in rows), "|")
+    print(f"{int((off.max(axis=1) < 0.01).sum())} of {len(off)} within 1 % in every velocity")
+
+
+def rounded(error):
+    """What a path tells of its poses, in four digits."""
+    return {k: v if k == "how" else round(v, 4) for k, v in error.items()}
 
 
 def main(radius="1.5", count="600", others="64", folder=None, seed=SEED):
     radius = float(radius)
     folder = cache_folder("poses") if folder is None else folder
     swimmer = replace(ROBOT, channel=ms.Channel(diameter=2 * radius, length=30.0))
-
-    def told(done, of):
-        if done % 50 == 0:
-            print(done, "of", of, file=sys.stderr, flush=True)
 
     poses = tube.in_tube(
         swimmer,
@@ -77,17 +92,13 @@ def main(radius="1.5", count="600", others="64", folder=None, seed=SEED):
     )
     used = poses.table.known.shape[2]
     print(f"radius {radius}, {used} poses; left out, level standard (95 %):")
-    print("  ", {k: v if k == "how" else round(v, 4) for k, v in poses.expected_error.items()})
+    print("  ", rounded(poses.expected_error))
     lines, gaps = unused(swimmer, radius, int(others), int(seed))
-    off = missed(poses, swimmer, radius, lines, folder)
-    for line, gap, row in zip(lines, gaps, off, strict=True):
-        tilt = np.degrees(np.arccos(abs(line[0])))
-        print(f"  tilt {tilt:5.1f} gaps {gap[0]:.3f} {gap[1]:.3f}", np.round(100 * row, 2))
-    off = np.abs(off[np.isfinite(off[:, 0])])
-    for name, rows in (("median", np.median(off, 0)), ("95 %", np.quantile(off, 0.95, 0)),
-                       ("worst", off.max(0))):  # fmt: skip
-        print(f"| {name} |", " | ".join(f"{100 * x:.2f} %" for x in rows), "|")
-    print(f"{int((off.max(axis=1) < 0.01).sum())} of {len(off)} within 1 % in every velocity")
+    tilts = np.degrees(np.arccos(np.abs(lines[:, 0])))
+    words = [f"tilt {tilt:5.1f} gaps {a:.3f} {b:.3f}" for tilt, (a, b) in zip(tilts, gaps)]
+    free = replace(swimmer, channel=None)
+    asked = [tube.beside(free, radius, line) for line in lines]
+    show(missed(poses, asked, [tube.start_of(near) for near in asked], folder), words)
 
 
 if __name__ == "__main__":

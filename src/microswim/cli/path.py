@@ -74,7 +74,7 @@ FRAMES = 120  #: of the swimmer for ParaView
 @click.option(
     "--poses",
     type=click.IntRange(40, 10_000),
-    help="Poses in a tube to solve; by default 187 to 750, until others are met within 1 %.",
+    help="Poses in a tube to solve; by default 187 to 750, until others are met within 0.5 %.",
 )
 @click.option(
     "--samples",

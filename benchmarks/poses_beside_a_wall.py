@@ -34,9 +34,7 @@ def main(others="64", folder=None, seed=SEED):
     print("left out, level standard (95 %):", rounded(poses.expected_error))
     shape, asked, words = shape_of(swimmer, 1e-3), [], []
     for gap, tilt, psi in unused(swimmer, int(others), int(seed)):
-        azimuth = float(-swimmer.tail.sign * psi)
-        height = float(gap + shape.touch(tilt, psi))
-        asked.append(replace(swimmer, wall=ms.Wall(height, tilt=float(tilt), azimuth=azimuth)))
+        asked.append(wall.beside(swimmer, shape, gap, tilt, psi))
         words.append(f"gap {gap:.3f} tilt {tilt:+.2f} phase {psi:.2f}")
     show(missed(poses, asked, [wall.start_of(near.wall) for near in asked], folder), words)
 

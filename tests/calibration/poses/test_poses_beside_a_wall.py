@@ -87,7 +87,7 @@ def test_coordinates_and_poses_are_inverse(swimmer: ms.Swimmer) -> None:
         (-4.0, -0.1, 2.2),
         (-0.1, 0.9, 0.1),
     ]:
-        beside = wall.beside(swimmer, shape, xi, sigma, turn)
+        beside = wall.beside(swimmer, shape, *shape.pose(xi, sigma, turn))
         x, q = wall.start_of(beside.wall)
         touch, at = np.zeros(14), np.zeros(8)
         with settled(False):
@@ -192,7 +192,7 @@ def test_interpolation_is_of_fourth_order_between_and_smooth_in_phase() -> None:
     table = planted(ROBOT, smooth)
     shape = layout.shape_of(ROBOT, 0.01)
     for xi, sigma, turn in [(-2.2, 0.33, 1.1), (-0.7, -0.51, 4.0)]:
-        beside = wall.beside(ROBOT, shape, xi, sigma, turn)
+        beside = wall.beside(ROBOT, shape, *shape.pose(xi, sigma, turn))
         x, q = wall.start_of(beside.wall)
         R, F, touch = asked(table, x, q, 0.0)
         units = shape.numbers[[6, 7]]
@@ -201,6 +201,35 @@ def test_interpolation_is_of_fourth_order_between_and_smooth_in_phase() -> None:
             ROBOT.gait().resistance(0.0), ROBOT.gait().propulsion(0.0), touch[4:7], *units
         )
         assert found == pytest.approx(smooth(xi, sigma, turn), abs=1e-6)
+
+
+def test_poses_left_out_of_a_fine_grid_lie_on_a_spline_through_the_others() -> None:
+    """A cubic of the tilt and a wave of the turn come back; what was solved is kept."""
+    grid = wall.Grid()
+    shape = layout.shape_of(ROBOT, grid.smallest)
+    among = wall._solved_of(shape, grid)
+    assert not among.all()
+    tilt, turn = np.linspace(0.0, 1.0, grid.tilts), 2.0 * np.pi * np.arange(grid.phases) / 16
+    whole = (tilt**3 - tilt)[:, None] * (2.0 + np.cos(turn + 0.3))
+    whole = np.broadcast_to(whole[None, :, :, None], (grid.gaps - 1, *whole.shape, 28))
+    solved = among[:, grid.tilts - 1 :]
+    some = np.where(solved[..., None], whole, np.nan)
+    filled = wall._filled(some)
+    assert filled == pytest.approx(whole, abs=0.02)
+    assert np.array_equal(filled[solved], whole[solved])
+
+
+@pytest.mark.parametrize("sigma", [-0.4, 0.4])
+def test_phases_lie_closer_where_the_nearest_turn_of_the_tail_changes(sigma: float) -> None:
+    """By `CLOSER` there, and as much farther apart half a turn on."""
+    shape, step, since = layout.shape_of(ROBOT, 0.01), 0.02, []
+    for turn in (-0.5 * step, 0.5 * step, np.pi - 0.5 * step, np.pi + 0.5 * step):
+        _, tilt, psi = shape.pose(-3.0, sigma, turn)
+        with settled(False):
+            switch = beside_wall.switched(shape.switch, min(tilt, shape.kink(psi)))
+        since.append(psi - switch)
+    there, opposite = (d % (2.0 * np.pi) for d in np.diff(since)[::2])
+    assert [there / step, step / opposite] == pytest.approx([1 / beside_wall.CLOSER] * 2, rel=1e-3)
 
 
 def test_compiled_and_python_agree_beside_a_wall() -> None:

@@ -59,12 +59,13 @@ class Shape:
 
     def pose(self, xi: float, sigma: float, turn: float) -> tuple[float, float, float]:
         """Return gap, tilt and psi of coordinates; xi below zero, turn an angle."""
-        psi = turn
+        delta = 2.0 * np.arctan2(np.sin(0.5 * turn), beside_wall.CLOSER * np.cos(0.5 * turn))
+        psi = delta
         for _ in range(400):  # a turn's switch goes with the tilt, and that a little with psi
             gap, tilt = self._across(xi, sigma, psi)
             with settled(False):
                 ahead = beside_wall.switched(self.switch, min(tilt, self.kink(psi)))
-            change = turn + ahead - psi
+            change = delta + ahead - psi
             psi += 0.5 * change
             if abs(change) < 1e-10:
                 break

@@ -7,6 +7,8 @@ from collections.abc import Callable
 from dataclasses import dataclass, replace
 
 import numpy as np
+from numpy.typing import NDArray
+from scipy.interpolate import CubicSpline
 
 from microswim.calibration.poses.alike import to_digits
 from microswim.calibration.poses.any_shape import beside_wall_of_any_shape
@@ -49,11 +51,16 @@ class Grid:
         Poses between, that measure the error.
     """
 
-    gaps: int = 8
-    tilts: int = 11
-    phases: int = 12
+    gaps: int = 9
+    tilts: int = 13
+    phases: int = 16
     smallest: float = 0.01
     left_out: int = 16
+
+    @property
+    def is_fine(self) -> bool:
+        """Whether half of the phases, and far off of the tilts, is enough where little changes."""
+        return self.phases >= 16 and self.phases % 2 == 0 and self.tilts % 2 == 1
 
 
 def beside_wall(
@@ -98,12 +105,14 @@ def beside_wall(
     grid = Grid() if grid is None else grid
     shape = shape_of(swimmer, grid.smallest)
     free_swimmer = replace(swimmer, wall=None, channel=None)
-    asked = [beside(free_swimmer, shape, *p) for p in _places(shape, grid)]
+    among = _solved_of(shape, grid)
+    places = _places(shape, grid, among)
+    asked = [beside(free_swimmer, shape, *shape.pose(*p)) for p in places]
     made = solved(
         free_swimmer, asked, grid.left_out, level, folder=folder, workers=workers, progress=progress
     )
     free, on = made.best, len(made.poses)
-    values = _values(shape, grid, asked[:on], made.there, made.free)
+    values = _values(shape, among, asked[:on], made.there, made.free)
     numbers = shape.numbers.copy()
     numbers[POWER] = power_of(free)
     table = PoseTable(
@@ -114,35 +123,48 @@ def beside_wall(
     return SolvedPoses(free, table, start, error)
 
 
-def _places(shape: Shape, grid: Grid) -> list[tuple[float, float, float]]:
-    """Return xi, sigma, turn of the grid, whose sides share sigma = 0, and of those left out.
+def _solved_of(shape: Shape, grid: Grid) -> NDArray[np.bool_]:
+    """Return which poses (gaps, sides, phases) of the grid are solved, whose sides share sigma = 0.
 
-    One turn alone of what has no tail.
+    One phase alone of what has no tail. Of a fine grid every other phase at the last three gaps
+    and, but for the first two tilts, where the body is nearest; at the last two gaps every other
+    tilt.
     """
+    among = np.ones((grid.gaps - 1, 2 * grid.tilts - 1, grid.phases), bool)
+    if not len(shape.tail):
+        among[:, :, 1:] = False
+    elif grid.is_fine:
+        among[-3:, :, 1::2] = False
+        among[:, grid.tilts + 1 :, 1::2] = False
+        among[-2:, 1::2] = False
+    return among
+
+
+def _places(shape: Shape, grid: Grid, among: NDArray[np.bool_]) -> list[tuple[float, float, float]]:
+    """Return xi, sigma, turn of what is solved of the grid, and of those left out."""
     lowest = float(shape.numbers[5])
     xis = lowest * (1.0 - np.arange(grid.gaps - 1) / (grid.gaps - 1))
     sigmas = np.linspace(-1.0, 1.0, 2 * grid.tilts - 1)
-    phases = grid.phases if len(shape.tail) else 1
-    turns = 2.0 * np.pi * np.arange(phases) / phases
-    on = [(x, s, p) for x in xis for s in sigmas for p in turns]
+    turns = 2.0 * np.pi * np.arange(grid.phases) / grid.phases
+    on = [(xis[i], sigmas[j], turns[k]) for i, j, k in np.argwhere(among)]
     u = points(grid.left_out, 3, 1) if grid.left_out else np.zeros((0, 3))
     out = [(0.98 * lowest * (1 - a), 0.9 * (2 * b - 1), 2 * np.pi * c) for a, b, c in u]
     return [(float(x), float(s), float(p)) for x, s, p in on + out]
 
 
-def beside(swimmer: Swimmer, shape: Shape, xi: float, sigma: float, turn: float) -> Swimmer:
-    """Return the swimmer with its wall such that phase 0 of the tail is the pose (xi, sigma, turn).
+def beside(swimmer: Swimmer, shape: Shape, gap: float, tilt: float, psi: float) -> Swimmer:
+    """Return the swimmer with its wall such that phase 0 of the tail is the pose (gap, tilt, psi).
 
     Where the tail stays, the wall is turned about s: azimuth ``-sign psi``.
     """
-    gap, tilt, psi = shape.pose(xi, sigma, turn)
     tilt = float(np.clip(tilt, -0.5 * np.pi, 0.5 * np.pi))
-    height = gap + shape.touch(tilt, psi)
-    wall = Wall(height, tilt=tilt, azimuth=float(-swimmer.tail.sign * psi))
-    return replace(swimmer, wall=wall)
+    height = float(gap + shape.touch(tilt, psi))
+    return replace(swimmer, wall=Wall(height, tilt=tilt, azimuth=float(-swimmer.tail.sign * psi)))
 
 
-def _values(shape: Shape, grid: Grid, asked: list[Swimmer], found: list[Gait], free: Gait) -> Array:
+def _values(
+    shape: Shape, among: NDArray[np.bool_], asked: list[Swimmer], found: list[Gait], free: Gait
+) -> Array:
     """Return what the wall adds (2, gaps, tilts, phases, 28) on the grid; 0 at the last gap."""
     units = float(shape.numbers[6]), float(shape.numbers[7])
     added = []
@@ -152,10 +174,29 @@ def _values(shape: Shape, grid: Grid, asked: list[Swimmer], found: list[Gait], f
         near, far = (factors(g.resistance(0.0), g.propulsion(0.0), normal, *units)
                      for g in (gait, free))  # fmt: skip
         added.append(np.append(near - far, added_power(gait, power_of(free))))
-    on = np.array(added).reshape(grid.gaps - 1, 2 * grid.tilts - 1, -1, 28)
-    on = np.repeat(on, grid.phases // on.shape[2], axis=2)
+    on = np.full((*among.shape, 28), np.nan)
+    on[among] = added
     on = np.concatenate([on, np.zeros((1, *on.shape[1:]))])
-    return np.stack([on[:, grid.tilts - 1 :], on[:, grid.tilts - 1 :: -1]])
+    zero = on.shape[1] // 2
+    return _filled(np.stack([on[:, zero:], on[:, zero::-1]]))
+
+
+def _filled(values: Array) -> Array:
+    """Return values (..., tilts, phases, 28) with splines of the others where NaN stands.
+
+    Over one turn, where it stands at every other phase, and over the tilts.
+    """
+    tilts, phases = values.shape[-3:-1]
+    for pose in values.reshape(-1, tilts, phases, 28):
+        known = ~np.isnan(pose[..., 0])
+        for row, k in zip(pose, known, strict=True):
+            if k.any():
+                at = np.flatnonzero(k)
+                turn = np.concatenate([row[at], row[at[:1]]])
+                row[:] = CubicSpline([*at, phases], turn)(np.arange(phases))
+        there = np.flatnonzero(known.any(axis=1))
+        pose[:] = CubicSpline(there, pose[there])(np.arange(tilts))
+    return values
 
 
 def start_of(wall: Wall | None) -> tuple[Array, Array]:

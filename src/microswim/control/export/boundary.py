@@ -15,6 +15,7 @@ import numpy as np
 from microswim.calibration.poses.layout import has_three
 from microswim.control.stepper import Stepper
 from microswim.errors import SpecError
+from microswim.gait.poses import beside_wall
 from microswim.gait.poses.table import TUBE, WALL
 from microswim.gait.readable import percent
 from microswim.numerics.array import Array
@@ -152,6 +153,7 @@ def _wall(around: Any) -> str:
     sizes |= {"HELD_ROWS": len(around.strain)}
     return (
         "".join(f"#define {name} {size}\n" for name, size in sizes.items())
+        + f"static const double CLOSER = {_number(beside_wall.CLOSER, 17)};\n"
         + _array("KINKS", table.kinks)
         + _array("SWITCH", table.switch)
         + _array("PACKED", table.packed)

@@ -24,9 +24,12 @@ resolve how far body and tail then part. Of the tail it is one turn and then, su
 that is nearest, at ``psi = switch(tilt)``, and R has a kink there too. So the phase is counted from
 it,
 
-    turn = psi - switch(tilt)  on the tail's side,   psi - switch(kink(psi))  on the body's,
+    delta = psi - switch(tilt)  on the tail's side,   psi - switch(kink(psi))  on the body's,
+    tan(turn/2) = CLOSER tan(delta/2),
 
-and splines over one full turn, the same value at either end, need not be smooth across it.
+and splines over one full turn, the same value at either end, need not be smooth across it. Just
+before and after it two turns are about as near, and what they feel changes within a gap of that:
+there the phases of evenly spaced turns lie `CLOSER` to one another.
 """
 
 from __future__ import annotations
@@ -46,6 +49,7 @@ NUMBERS = (
 )  # fmt: skip
 SIGN, TAIL_RADIUS, SIZE, REACH, BLUR, LOWEST, LENGTH, VISCOSITY, TAIL_BLUR, POWER = range(10)
 LEAST = 10  #: the smallest gap that was solved
+CLOSER = 1.6  #: as many times as dense lie phases where the nearest turn of the tail changes
 
 
 @compiled()
@@ -143,7 +147,8 @@ def place(numbers: Any, kinks: Any, switch: Any, touch: Any, phase: Any, at: Any
         at[3] = -np.log1p(numbers[3] * (kink - tilt) / g)
         at[3] /= np.log1p(numbers[3] * (right + kink) / g)
     at[4], at[5] = psi, numbers[5]
-    turns = (psi - switched(switch, min(tilt, kink))) / (2.0 * np.pi)
+    half = 0.5 * (psi - switched(switch, min(tilt, kink)))
+    turns = np.arctan2(CLOSER * np.sin(half), np.cos(half)) / np.pi
     at[6] = turns - np.floor(turns)
 
 

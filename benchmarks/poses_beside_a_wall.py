@@ -1,9 +1,9 @@
 """How well poses that were not solved are met beside a wall.
 
-`python benchmarks/poses_beside_a_wall.py [UNUSED] [FOLDER] [SEED]`: the paper's base case beside a
+`python benchmarks/poses_beside_a_wall.py [UNUSED] [FOLDER] [SEED ...]`: the paper's base case beside a
 plane, at the poses a path takes. Unused poses lie at random: gaps from 0.05 to 3 body radii, evenly
-in their logarithm, tilts within 0.5 rad, any phase; they are solved at level standard. Solves are
-kept in FOLDER.
+in their logarithm, tilts within 0.5 rad, any phase; they are solved at level standard. So many are
+drawn for each SEED. Solves are kept in FOLDER.
 """
 
 import sys
@@ -27,13 +27,14 @@ def unused(swimmer, count, seed=SEED):
     return np.stack([gap, STEEPEST * (2 * u[:, 1] - 1), 2 * np.pi * u[:, 2]], axis=-1)
 
 
-def main(others="64", folder=None, seed=SEED):
+def main(others="64", folder=None, *seeds):
     folder = cache_folder("poses") if folder is None else folder
     swimmer = replace(ROBOT, wall=ms.Wall(1.0))
     poses = wall.beside_wall(swimmer, folder=folder, workers=0, progress=told)
     print("left out, level standard (95 %):", rounded(poses.expected_error))
     shape, asked, words = shape_of(swimmer, 1e-3), [], []
-    for gap, tilt, psi in unused(swimmer, int(others), int(seed)):
+    draws = [unused(swimmer, int(others), int(seed)) for seed in seeds or [SEED]]
+    for gap, tilt, psi in np.concatenate(draws):
         asked.append(wall.beside(swimmer, shape, gap, tilt, psi))
         words.append(f"gap {gap:.3f} tilt {tilt:+.2f} phase {psi:.2f}")
     show(missed(poses, asked, [wall.start_of(near.wall) for near in asked], folder), words)

@@ -190,14 +190,19 @@ def _kinks(meridian: Array, line: Array, radius: float, sign: float) -> Array:
 
 
 #: Tilts and phases at which the nearest point of the tail is looked up; share of a wave by which it
-#: jumps where another turn takes over.
-TILTS, PHASES, JUMP = 40, 1440, 0.4
+#: jumps where another turn takes over; tilt over which the switch comes to rest where none does.
+TILTS, PHASES, JUMP, REST = 80, 1440, 0.5, 0.1
 
 
 def _switch(line: Array, sign: float, last: float) -> Array:
-    """Return `PoseTable.switch` up to a tilt: from the steepest at which a turn takes over."""
+    """Return `PoseTable.switch` from the tail upright up to a tilt.
+
+    Where the tail is so steep that its tip is nearest at all phases, no turn takes over: there the
+    phase is soon that of the tip, as it is when it stands upright.
+    """
+    upright = -0.5 * np.pi
     found: list[float] = []
-    tilts = last - (0.5 * np.pi + last) * np.arange(4 * TILTS) / (4 * TILTS)
+    tilts = last + (upright - last) * np.arange(4 * TILTS) / (4 * TILTS)
     for tilt in tilts:
         where, jump = _takes_over(line, sign, float(tilt))
         if jump < JUMP * LINE:
@@ -205,10 +210,13 @@ def _switch(line: Array, sign: float, last: float) -> Array:
         found.append(where)
     if len(found) < 2:
         return np.zeros(0)
+    psi, before = np.unwrap(found), max(len(found) - 9, 0)
     steep = tilts[len(found) - 1]
-    tilts = np.linspace(steep, last, TILTS)
-    psi = np.unwrap([_takes_over(line, sign, float(tilt))[0] for tilt in tilts])
-    return np.concatenate([[steep, last], psi])
+    slope = (psi[-1] - psi[before]) / (steep - tilts[before])
+    even = np.linspace(upright, last, 2 * TILTS)
+    psi = np.interp(even, tilts[: len(found)][::-1], psi[::-1])
+    psi += slope * REST * np.expm1(np.minimum(even - steep, 0.0) / REST)
+    return np.concatenate([[upright, last], psi])
 
 
 def _takes_over(line: Array, sign: float, tilt: float) -> tuple[float, int]:

@@ -156,7 +156,7 @@ def place(numbers: Any, kinks: Any, switch: Any, touch: Any, phase: Any, at: Any
 def switched(switch: Any, tilt: Any) -> Any:
     """Return the psi at which the nearest turn of the tail changes; 0 where it never does.
 
-    `switch`: first and last tilt, then psi at equal steps between, beyond the first as straight on.
+    `switch`: first and last tilt, then psi at equal steps between.
     """
     n = switch.size - 2
     if n < 2:

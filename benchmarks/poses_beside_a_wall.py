@@ -1,9 +1,9 @@
 """How well poses that were not solved are met beside a wall.
 
-`python benchmarks/poses_beside_a_wall.py [UNUSED] [FOLDER] [SEED ...]`: the paper's base case beside a
-plane, at the poses a path takes. Unused poses lie at random: gaps from 0.05 to 3 body radii, evenly
-in their logarithm, tilts within 0.5 rad, any phase; they are solved at level standard. So many are
-drawn for each SEED. Solves are kept in FOLDER.
+`python benchmarks/poses_beside_a_wall.py [UNUSED] [FOLDER] [SEED ...]`: the paper's base case by a
+plane, at the poses a path takes. Unused poses lie at random: gaps from 0.05 to 3 body radii,
+evenly in their logarithm, tilts within 0.5 rad, any phase; they are solved at level standard. So
+many are drawn for each SEED. Solves are kept in FOLDER.
 """
 
 import sys

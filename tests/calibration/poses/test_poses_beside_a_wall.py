@@ -232,6 +232,21 @@ def test_phases_lie_closer_where_the_nearest_turn_of_the_tail_changes(sigma: flo
     assert [there / step, step / opposite] == pytest.approx([1 / beside_wall.CLOSER] * 2, rel=1e-3)
 
 
+@pytest.mark.parametrize("swimmer", [ROBOT, CELL])
+def test_a_steep_tail_counts_its_phase_from_the_tip(swimmer: ms.Swimmer) -> None:
+    """Where the tip is nearest at all phases, poses of neighbouring tilts have about one phase."""
+    grid = wall.Grid()
+    shape = layout.shape_of(swimmer, grid.smallest)
+    slope = 2.0 * np.pi * swimmer.tail.number_of_waves / swimmer.tail.apparent_length
+    never = -np.arctan(slope * np.hypot(shape.tail[:, 1], shape.tail[:, 2]).max())
+    poses = [shape.pose(-3.0, s, 1.0) for s in np.linspace(-1.0, 0.0, grid.tilts)]
+    steep = np.array([psi for _, tilt, psi in poses if tilt < never - 0.1])
+    assert len(steep) > 2
+    apart = np.diff(np.unwrap(steep))
+    assert np.abs(apart).max() < 0.3
+    assert abs(apart[0]) < 1e-3
+
+
 def test_compiled_and_python_agree_beside_a_wall() -> None:
     table = planted(ROBOT, smooth)
     x, q = np.array([0.0, 0.0, 0.51]), turned([0.2, 1.0, 0.1], 0.1)

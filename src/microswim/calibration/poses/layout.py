@@ -74,7 +74,9 @@ class Shape:
     def kink(self, psi: float) -> float:
         """Return the tilt at which body and tail are equally near."""
         where = psi / (2.0 * np.pi) % 1.0 * KINKS
-        return float(np.interp(where, np.arange(KINKS + 1), [*self.kinks, self.kinks[0]]))
+        i = int(where)
+        before, after = self.kinks[i % KINKS], self.kinks[(i + 1) % KINKS]
+        return float(before + (where - i) * (after - before))
 
     def _across(self, xi: float, sigma: float, psi: float) -> tuple[float, float]:
         """Return gap and tilt at a psi."""

@@ -1,5 +1,7 @@
 """The swimmer's surface: rounded ramp, sections, joint, closed patches, refused shapes."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
@@ -210,3 +212,16 @@ def test_surface_scales_with_the_unit_of_length():
     small = swimmer_surface(ms.Sphere(radius=0.5e-6), micro, 0.4, RESOLUTION)
     large = swimmer_surface(BODY, BASE, 0.4, RESOLUTION)
     assert np.allclose(1e6 * small.controls, large.controls, atol=1e-7)
+
+
+def test_a_surface_is_kept_for_who_asks_again_with_the_same_numbers() -> None:
+    """Poses beside a wall ask so; another phase, tail or body has another surface."""
+    surface = swimmer_surface(BODY, BASE, 0.0, RESOLUTION)
+    assert swimmer_surface(replace(BODY), replace(BASE), 0.0, RESOLUTION) is surface
+    for body, tail, phase in (
+        (BODY, BASE, 0.1),
+        (BODY, replace(BASE, amplitude=0.101), 0.0),
+        (ms.Sphere(radius=0.501), BASE, 0.0),
+    ):
+        other = swimmer_surface(body, tail, phase, RESOLUTION)
+        assert not np.array_equal(other.controls, surface.controls)

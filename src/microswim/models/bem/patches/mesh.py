@@ -8,6 +8,7 @@ beyond are the body's own facets. Where several tails leave it, rings lead to th
 from __future__ import annotations
 
 from collections.abc import Callable
+from functools import lru_cache
 
 import numpy as np
 
@@ -101,7 +102,16 @@ def body_surface(body: Body, r: Resolution) -> Surface:
 def swimmer_surface(body: Body, tail: Tail, phase: float, r: Resolution) -> Surface:
     """Return the closed surface of a swimmer at one phase, with the tails' velocity per unit phase
     rate.
+
+    The last one is kept: a fifth of a pose beside a wall is its surface, the same at each.
     """
+    try:
+        return _kept(body, tail, phase, r)
+    except TypeError:  # what is made of arrays, a file's triangles say, has no hash
+        return _surface(body, tail, phase, r)
+
+
+def _surface(body: Body, tail: Tail, phase: float, r: Resolution) -> Surface:
     if tail.is_absent:
         return body_surface(body, r)
     tails = [numbered(name, grown, body, t, phase, r) for name, t in tail.named.items()]
@@ -127,3 +137,6 @@ def swimmer_surface(body: Body, tail: Tail, phase: float, r: Resolution) -> Surf
         np.ascontiguousarray(X), np.ascontiguousarray(motion), of_tail, r.order, inner,
         is_open=any(joint.is_open for joint in joints),
     )  # fmt: skip
+
+
+_kept = lru_cache(maxsize=1)(_surface)

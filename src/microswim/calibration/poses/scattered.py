@@ -16,7 +16,7 @@ ENOUGH = 240
 #: Fewest poses with which it may be enough: an error of 16 others says too little of fewer.
 FEWEST = 100
 #: Unknowns of a pose, several seconds of a core, beyond which so many times the error is enough.
-DEAR, TIMES = 6000, 4.0
+DEAR, TIMES = 7500, 4.0
 OF_L = 21  #: of a pose's targets are those of L
 
 

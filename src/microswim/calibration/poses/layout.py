@@ -63,8 +63,7 @@ class Shape:
         psi = delta
         for _ in range(400):  # a turn's switch goes with the tilt, and that a little with psi
             gap, tilt = self._across(xi, sigma, psi)
-            with settled(False):
-                ahead = beside_wall.switched(self.switch, min(tilt, self.kink(psi)))
+            ahead = beside_wall.switched.written(self.switch, min(tilt, self.kink(psi)))
             change = delta + ahead - psi
             psi += 0.5 * change
             if abs(change) < 1e-10:
@@ -73,10 +72,7 @@ class Shape:
 
     def kink(self, psi: float) -> float:
         """Return the tilt at which body and tail are equally near."""
-        where = psi / (2.0 * np.pi) % 1.0 * KINKS
-        i = int(where)
-        before, after = self.kinks[i % KINKS], self.kinks[(i + 1) % KINKS]
-        return float(before + (where - i) * (after - before))
+        return float(beside_wall.kinked.written(self.kinks, psi))
 
     def _across(self, xi: float, sigma: float, psi: float) -> tuple[float, float]:
         """Return gap and tilt at a psi."""

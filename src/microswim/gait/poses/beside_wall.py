@@ -130,11 +130,7 @@ def place(numbers: Any, kinks: Any, switch: Any, touch: Any, phase: Any, at: Any
     A gap below the smallest that was solved counts as it.
     """
     psi = phase - numbers[0] * at[1]
-    turns = psi / (2.0 * np.pi)
-    where = (turns - np.floor(turns)) * kinks.size
-    i = int(where) % kinks.size
-    part = where - np.floor(where)
-    kink = kinks[i] + part * (kinks[(i + 1) % kinks.size] - kinks[i])
+    kink = kinked(kinks, psi)
     gap = max(min(touch[0], touch[7]), numbers[LEAST])
     at[2] = max(np.log(gap / (gap + numbers[2])), numbers[5])
     tilt, right = at[0], 0.5 * np.pi
@@ -150,6 +146,16 @@ def place(numbers: Any, kinks: Any, switch: Any, touch: Any, phase: Any, at: Any
     half = 0.5 * (psi - switched(switch, min(tilt, kink)))
     turns = np.arctan2(CLOSER * np.sin(half), np.cos(half)) / np.pi
     at[6] = turns - np.floor(turns)
+
+
+@compiled()
+def kinked(kinks: Any, psi: Any) -> Any:
+    """Return the tilt at which body and tail are equally near; at equal steps of a turn."""
+    turns = psi / (2.0 * np.pi)
+    where = (turns - np.floor(turns)) * kinks.size
+    i = int(where) % kinks.size
+    part = where - np.floor(where)
+    return kinks[i] + part * (kinks[(i + 1) % kinks.size] - kinks[i])
 
 
 @compiled()

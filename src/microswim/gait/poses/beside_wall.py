@@ -150,7 +150,7 @@ def place(numbers: Any, kinks: Any, switch: Any, touch: Any, phase: Any, at: Any
 
 @compiled()
 def kinked(kinks: Any, psi: Any) -> Any:
-    """Return the tilt at which body and tail are equally near; at equal steps of a turn."""
+    """Return the tilt at which body and tail are equally near; `kinks` at equal steps of a turn."""
     turns = psi / (2.0 * np.pi)
     where = (turns - np.floor(turns)) * kinks.size
     i = int(where) % kinks.size
